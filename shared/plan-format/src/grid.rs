@@ -1,0 +1,241 @@
+//! Cells, the grid they form, the eight directions, and integer costs.
+
+use crate::limits;
+use math::Vec2;
+use serde::{Deserialize, Serialize};
+
+/// Cost of a step east, north, west or south. With [`DIAGONAL_STEP`] it is a Pell
+/// convergent of the square root of two (relative error 1.5e-8), so costs are
+/// integers, ties are exact and every order of relaxation gives the same field.
+pub const STRAIGHT_STEP: u32 = 5741;
+/// Cost of a diagonal step.
+pub const DIAGONAL_STEP: u32 = 8119;
+
+/// A cost-to-goal in metres: `resolution x (a + b sqrt 2)` for a cost of
+/// `a` straight and `b` diagonal steps.
+pub fn cost_metres(cost: u32, resolution_m: f64) -> f64 {
+    f64::from(cost) / f64::from(STRAIGHT_STEP) * resolution_m
+}
+
+/// Cost of the shortest path of `dx` columns and `dy` rows without obstacles.
+pub const fn octile(dx: u32, dy: u32) -> u32 {
+    let (short, long) = if dx < dy { (dx, dy) } else { (dy, dx) };
+    short * (DIAGONAL_STEP - STRAIGHT_STEP) + long * STRAIGHT_STEP
+}
+
+/// One of the eight directions a layer can advise, in the order of the public codes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Direction {
+    /// East, code 0.
+    E = 0,
+    /// North-east, code 1.
+    NE = 1,
+    /// North, code 2.
+    N = 2,
+    /// North-west, code 3.
+    NW = 3,
+    /// West, code 4.
+    W = 4,
+    /// South-west, code 5.
+    SW = 5,
+    /// South, code 6.
+    S = 6,
+    /// South-east, code 7.
+    SE = 7,
+}
+
+impl Direction {
+    /// All eight, in the order of their codes.
+    pub const ALL: [Self; 8] =
+        [Self::E, Self::NE, Self::N, Self::NW, Self::W, Self::SW, Self::S, Self::SE];
+
+    /// The direction of a code; only the lowest three bits count.
+    pub const fn from_code(code: u8) -> Self {
+        Self::ALL[(code & 7) as usize]
+    }
+
+    /// 0 to 7.
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// Columns and rows of one step.
+    pub const fn step(self) -> (i32, i32) {
+        match self {
+            Self::E => (1, 0),
+            Self::NE => (1, 1),
+            Self::N => (0, 1),
+            Self::NW => (-1, 1),
+            Self::W => (-1, 0),
+            Self::SW => (-1, -1),
+            Self::S => (0, -1),
+            Self::SE => (1, -1),
+        }
+    }
+
+    /// The direction whose step has these signs; `None` for no step at all.
+    pub const fn from_signs(dx: i32, dy: i32) -> Option<Self> {
+        Some(match (dx.signum(), dy.signum()) {
+            (1, 0) => Self::E,
+            (1, 1) => Self::NE,
+            (0, 1) => Self::N,
+            (-1, 1) => Self::NW,
+            (-1, 0) => Self::W,
+            (-1, -1) => Self::SW,
+            (0, -1) => Self::S,
+            (1, -1) => Self::SE,
+            _ => return None,
+        })
+    }
+
+    /// Whether a step changes both column and row.
+    pub const fn is_diagonal(self) -> bool {
+        self as u8 & 1 == 1
+    }
+
+    /// Cost of one step.
+    pub const fn step_cost(self) -> u32 {
+        if self.is_diagonal() { DIAGONAL_STEP } else { STRAIGHT_STEP }
+    }
+
+    /// The opposite direction.
+    pub const fn reversed(self) -> Self {
+        Self::from_code(self as u8 + 4)
+    }
+
+    /// Unit vector, x east, y north.
+    pub const fn unit(self) -> Vec2 {
+        const D: f32 = core::f32::consts::FRAC_1_SQRT_2;
+        match self {
+            Self::E => Vec2::new(1.0, 0.0),
+            Self::NE => Vec2::new(D, D),
+            Self::N => Vec2::new(0.0, 1.0),
+            Self::NW => Vec2::new(-D, D),
+            Self::W => Vec2::new(-1.0, 0.0),
+            Self::SW => Vec2::new(-D, -D),
+            Self::S => Vec2::new(0.0, -1.0),
+            Self::SE => Vec2::new(D, -D),
+        }
+    }
+
+    /// `E`, `NE`, ...
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::E => "E",
+            Self::NE => "NE",
+            Self::N => "N",
+            Self::NW => "NW",
+            Self::W => "W",
+            Self::SW => "SW",
+            Self::S => "S",
+            Self::SE => "SE",
+        }
+    }
+}
+
+/// A cell by column (from the west) and row (from the south), each from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Cell {
+    /// From the west.
+    pub column: u32,
+    /// From the south.
+    pub row: u32,
+}
+
+impl Cell {
+    /// A cell by column and row.
+    pub const fn new(column: u32, row: u32) -> Self {
+        Self { column, row }
+    }
+
+    /// The neighbour in a direction; `None` off a grid of this size.
+    pub const fn neighbour(self, direction: Direction, columns: u32, rows: u32) -> Option<Self> {
+        let (dx, dy) = direction.step();
+        let column = self.column.wrapping_add_signed(dx);
+        let row = self.row.wrapping_add_signed(dy);
+        if column < columns && row < rows { Some(Self { column, row }) } else { None }
+    }
+}
+
+/// Where the cells lie: `cell = floor((position - corner) / resolution)`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grid {
+    /// Cells from west to east, 1 ..= [`limits::MAX_SIDE_CELLS`].
+    pub columns: u32,
+    /// Cells from south to north, 1 ..= [`limits::MAX_SIDE_CELLS`].
+    pub rows: u32,
+    /// Side of a cell, metres.
+    pub resolution_m: f64,
+    /// South-west corner of the grid in the map's frame, metres; may be negative.
+    pub corner_m: [f64; 2],
+}
+
+impl Grid {
+    /// Whether every number is within its limit.
+    pub fn is_valid(&self) -> bool {
+        let side = 1..=limits::MAX_SIDE_CELLS;
+        let reach =
+            |corner: f64, cells: u32| corner.abs().max((corner + f64::from(cells) * self.resolution_m).abs());
+        side.contains(&self.columns)
+            && side.contains(&self.rows)
+            && (limits::RESOLUTION_RANGE_M.0..=limits::RESOLUTION_RANGE_M.1).contains(&self.resolution_m)
+            && reach(self.corner_m[0], self.columns) <= limits::MAX_COORDINATE_M
+            && reach(self.corner_m[1], self.rows) <= limits::MAX_COORDINATE_M
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
+    /// Position in a row-major array, row 0 in the south.
+    pub fn index(&self, cell: Cell) -> usize {
+        cell.row as usize * self.columns as usize + cell.column as usize
+    }
+
+    /// The cell that holds a point of the map (metres); `None` off the map. Host precision;
+    /// a robot asks its loaded plan, which works in single precision.
+    pub fn cell_at(&self, x: f64, y: f64) -> Option<Cell> {
+        let column = math::scalar::wide::floor((x - self.corner_m[0]) / self.resolution_m);
+        let row = math::scalar::wide::floor((y - self.corner_m[1]) / self.resolution_m);
+        let inside = (0.0..f64::from(self.columns)).contains(&column)
+            && (0.0..f64::from(self.rows)).contains(&row);
+        inside.then(|| Cell::new(column as u32, row as u32))
+    }
+
+    /// The centre of a cell in the map's frame, metres.
+    pub fn centre(&self, cell: Cell) -> [f64; 2] {
+        [
+            self.corner_m[0] + (f64::from(cell.column) + 0.5) * self.resolution_m,
+            self.corner_m[1] + (f64::from(cell.row) + 0.5) * self.resolution_m,
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_and_signs_agree() {
+        for (code, direction) in Direction::ALL.into_iter().enumerate() {
+            assert_eq!(direction.code() as usize, code);
+            let (dx, dy) = direction.step();
+            assert_eq!(Direction::from_signs(dx * 7, dy * 7), Some(direction));
+            assert_eq!(direction.reversed().step(), (-dx, -dy));
+            assert!((math::vector::length(direction.unit()) - 1.0).abs() < 1e-6);
+        }
+        assert_eq!(Direction::from_signs(0, 0), None);
+    }
+
+    #[test]
+    fn cells_are_half_open() {
+        let grid = Grid { columns: 20, rows: 10, resolution_m: 0.05, corner_m: [-0.5, 0.0] };
+        assert_eq!(grid.cell_at(-0.5, 0.0), Some(Cell::new(0, 0)));
+        assert_eq!(grid.cell_at(0.4999, 0.4999), Some(Cell::new(19, 9)));
+        assert_eq!(grid.cell_at(0.5, 0.0), None);
+        assert_eq!(grid.cell_at(0.0, -1e-9), None);
+        assert_eq!(grid.cell_at(f64::NAN, 0.0), None);
+    }
+}

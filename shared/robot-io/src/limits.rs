@@ -1,0 +1,8 @@
+//! Capacities of the robot's skin.
+
+/// Range readings in one percept.
+pub const MAX_RANGES: usize = 16;
+/// Digital outputs in one command.
+pub const MAX_OUTPUTS: usize = 16;
+/// Bytes of the longest encoded percept or command.
+pub const MAX_WIRE_BYTES: usize = 256;
