@@ -1,1 +1,8 @@
+//! Compiles maps and missions into the blob of internalized plans.
+//!
+//! A map is read into one model ([`map::Map`]), rasterised, searched from every goal under
+//! every set of constraints, packed and written. Readers never stop at the first mistake:
+//! they return what they understood and every [`problem::Problem`] they found.
 
+pub mod map;
+pub mod problem;

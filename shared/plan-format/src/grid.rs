@@ -175,11 +175,13 @@ impl Grid {
     /// Whether every number is within its limit.
     pub fn is_valid(&self) -> bool {
         let side = 1..=limits::MAX_SIDE_CELLS;
-        let reach =
-            |corner: f64, cells: u32| corner.abs().max((corner + f64::from(cells) * self.resolution_m).abs());
+        let reach = |corner: f64, cells: u32| {
+            corner.abs().max((corner + f64::from(cells) * self.resolution_m).abs())
+        };
         side.contains(&self.columns)
             && side.contains(&self.rows)
-            && (limits::RESOLUTION_RANGE_M.0..=limits::RESOLUTION_RANGE_M.1).contains(&self.resolution_m)
+            && (limits::RESOLUTION_RANGE_M.0..=limits::RESOLUTION_RANGE_M.1)
+                .contains(&self.resolution_m)
             && reach(self.corner_m[0], self.columns) <= limits::MAX_COORDINATE_M
             && reach(self.corner_m[1], self.rows) <= limits::MAX_COORDINATE_M
     }

@@ -10,8 +10,10 @@
 pub mod commands;
 pub mod limits;
 pub mod percepts;
+pub mod record;
 pub mod trace;
 
 pub use commands::{Commands, Reason};
 pub use percepts::{Fix, Manual, Operator, Percepts, RangeReading};
+pub use record::{CommandRecord, SensorRecord};
 pub use trace::TraceHash;

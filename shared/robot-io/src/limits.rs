@@ -6,3 +6,5 @@ pub const MAX_RANGES: usize = 16;
 pub const MAX_OUTPUTS: usize = 16;
 /// Bytes of the longest encoded percept or command.
 pub const MAX_WIRE_BYTES: usize = 256;
+/// Bytes from the GPS receiver in one record: at 20 ticks a second, 115,200 baud bring 576.
+pub const MAX_GPS_BYTES: usize = 576;

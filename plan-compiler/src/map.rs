@@ -1,0 +1,112 @@
+//! The one model that every map format is read into.
+//!
+//! Coordinates are the map's own metres, x east, y north.
+
+use math::GeoPoint;
+use std::ops::Range;
+
+/// A point, metres.
+pub type Point = [f64; 2];
+
+/// A map as its author drew it: exact shapes, not yet cells.
+#[derive(Clone, Debug)]
+pub struct Map {
+    /// The part of the plane that is planned for.
+    pub extent: Extent,
+    /// Outside this polygon everything is blocked, if there is one.
+    pub boundary: Option<Vec<Point>>,
+    /// Cell side that the file itself asks for, metres.
+    pub resolution_m: Option<f64>,
+    /// Where the map lies on the globe, if the file says so.
+    pub reference: Option<Reference>,
+    /// Obstacles, attenuating areas and zones.
+    pub features: Vec<Feature>,
+    /// Named points: the natural goals.
+    pub points: Vec<NamedPoint>,
+    /// Where robots start (an overlay's StartPlace, OPAR's reference point).
+    pub start: Option<NamedPoint>,
+    /// The file's own title.
+    pub title: Option<String>,
+    /// Facts that the file states and the compiler keeps but does not use, as `name value`.
+    pub remarks: Vec<String>,
+}
+
+/// A rectangle of the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// South-west corner, metres.
+    pub corner: Point,
+    /// Width and height, metres.
+    pub size: Point,
+}
+
+/// Where a map lies on the globe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference {
+    /// The place ...
+    pub place: GeoPoint,
+    /// ... of this point of the map, metres.
+    pub at: Point,
+    /// Direction of the map's y axis, radians clockwise from true north.
+    pub heading_rad: f64,
+}
+
+/// A shape with a meaning.
+#[derive(Clone, Debug)]
+pub struct Feature {
+    /// Where.
+    pub shape: Shape,
+    /// What it means to a planner.
+    pub role: Role,
+    /// Its name in the file, or empty.
+    pub name: String,
+    /// Height above ground, metres, if the file says so.
+    pub height_m: Option<f64>,
+    /// Where it stands in the file, bytes.
+    pub span: Range<usize>,
+}
+
+/// What a feature means to a planner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Never enter.
+    Obstacle,
+    /// Weakens radio; an obstacle in layer `comms` only.
+    Attenuating,
+    /// Means something only when the mission says so.
+    Zone,
+}
+
+/// The exact geometry of a feature.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A filled circle, metres.
+    Circle {
+        /// Centre.
+        centre: Point,
+        /// Radius.
+        radius: f64,
+    },
+    /// A line without width through two or more points; closed if first and last are equal.
+    Polyline(Vec<Point>),
+    /// A filled polygon, rings closed implicitly: the first is the outer one, others are holes.
+    Polygon(Vec<Vec<Point>>),
+}
+
+/// A point with a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedPoint {
+    /// Trimmed, without a trailing `*`.
+    pub name: String,
+    /// Where, metres.
+    pub at: Point,
+    /// Where it stands in the file, bytes.
+    pub span: Range<usize>,
+}
+
+impl Map {
+    /// Whether the map has areas that weaken radio.
+    pub fn has_attenuating_areas(&self) -> bool {
+        self.features.iter().any(|feature| feature.role == Role::Attenuating)
+    }
+}

@@ -1,0 +1,10 @@
+//! Every integration test in one binary: the built programs and the crates' boundaries.
+
+mod blob;
+mod cli;
+mod fields;
+mod layering;
+mod missions;
+mod opar;
+mod overlays;
+mod qemu;
