@@ -1,1 +1,175 @@
-//! To be filled by its owner.
+//! Dependencies run one way. Read from the manifests, so that a wrong arrow fails here
+//! before anybody reads it.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use it::root;
+
+/// What each crate may use of ours. A crate that is missing here fails the test: whoever adds
+/// one decides where it stands.
+const MAY_USE: &[(&str, &[&str])] = &[
+    ("math", &[]),
+    ("plan-format", &["math"]),
+    ("robot-io", &["math"]),
+    ("advice", &["math", "plan-format"]),
+    ("schemas", &["math", "plan-format", "robot-io"]),
+    ("controller", &["advice", "math", "plan-format", "robot-io", "schemas"]),
+    ("runtime", &["controller", "math", "plan-format", "robot-io"]),
+    ("plan-compiler", &["math", "plan-format"]),
+    ("nrf52840-dk", &["math", "plan-format", "robot-io", "runtime"]),
+    ("guest", &["controller", "math", "plan-format", "robot-io", "runtime"]),
+    ("sim", &["math", "plan-compiler", "plan-format", "robot-io", "runtime"]),
+    ("harness", &["math", "plan-compiler", "plan-format", "robot-io", "runtime", "sim"]),
+    (
+        "it",
+        &[
+            "controller",
+            "harness",
+            "math",
+            "plan-compiler",
+            "plan-format",
+            "robot-io",
+            "runtime",
+            "sim",
+        ],
+    ),
+];
+
+/// Where `unsafe` may be written: the shell, the boards and the QEMU guest.
+const MAY_BE_UNSAFE: &[&str] = &["firmware/runtime", "boards", "qemu/guest"];
+
+/// What may lie at the root, besides dot files.
+const AT_ROOT: &[&str] = &[
+    "CHANGELOG.md",
+    "Cargo.lock",
+    "Cargo.toml",
+    "LICENSE-APACHE",
+    "LICENSE-MIT",
+    "README.md",
+    "SECURITY.md",
+    "boards",
+    "clippy.toml",
+    "deny.toml",
+    "firmware",
+    "plan-compiler",
+    "qemu",
+    "rust-toolchain.toml",
+    "rustfmt.toml",
+    "shared",
+    "tests",
+];
+
+#[test]
+fn dependencies_run_one_way() {
+    let allowed: BTreeMap<_, _> =
+        MAY_USE.iter().map(|(name, uses)| (*name, uses.iter().copied().collect())).collect();
+    let ours: BTreeSet<&str> = allowed.keys().copied().collect();
+    let mut wrong = Vec::new();
+    for manifest in manifests() {
+        let text = std::fs::read_to_string(&manifest).expect("a manifest is readable");
+        let document = text.parse::<toml_edit::ImDocument<String>>().expect("a manifest is TOML");
+        let name = document["package"]["name"].as_str().expect("a package has a name").to_owned();
+        let Some(may): Option<&BTreeSet<&str>> = allowed.get(name.as_str()) else {
+            wrong.push(format!("{name} has no row in the table of layers"));
+            continue;
+        };
+        for used in dependencies(document.as_table()) {
+            if ours.contains(used.as_str()) && !may.contains(used.as_str()) {
+                wrong.push(format!("{name} must not use {used}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn unsafe_code_stays_in_its_rooms() {
+    let mut wrong = Vec::new();
+    visit(root(), &mut |path| {
+        if path.extension().is_some_and(|extension| extension == "rs") {
+            let relative = path.strip_prefix(root()).expect("below the root");
+            let text = std::fs::read_to_string(path).expect("a source file is readable");
+            let lifts = text.contains(concat!("allow(unsafe", "_code"));
+            if lifts && !MAY_BE_UNSAFE.iter().any(|room| relative.starts_with(room)) {
+                wrong.push(format!("{} lifts the lint on unsafe code", relative.display()));
+            }
+        }
+    });
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_crate_takes_the_workspace_lints() {
+    for manifest in manifests() {
+        let text = std::fs::read_to_string(&manifest).expect("a manifest is readable");
+        assert!(text.contains("[lints]\nworkspace = true"), "{}", manifest.display());
+    }
+}
+
+#[test]
+fn the_root_holds_nothing_else() {
+    for entry in std::fs::read_dir(root()).expect("the root is readable") {
+        let name = entry.expect("an entry is readable").file_name().into_string().expect("UTF-8");
+        let known = name.starts_with('.') || name == "target" || AT_ROOT.contains(&name.as_str());
+        assert!(known, "{name} does not belong at the root");
+    }
+}
+
+/// Crates that `code` in the README's map names must exist, and every crate must be named.
+#[test]
+fn the_readme_maps_every_crate() {
+    let readme = std::fs::read_to_string(root().join("README.md")).expect("there is a README");
+    for manifest in manifests() {
+        let folder = manifest.parent().and_then(|path| path.strip_prefix(root()).ok());
+        let folder = folder.expect("below the root").to_string_lossy().into_owned();
+        assert!(readme.contains(&format!("`{folder}`")), "the code map does not name `{folder}`");
+    }
+}
+
+fn manifests() -> Vec<std::path::PathBuf> {
+    let mut found = Vec::new();
+    for top in ["shared", "firmware", "boards", "qemu", "tests", "plan-compiler"] {
+        visit(&root().join(top), &mut |path| {
+            if path.file_name().is_some_and(|name| name == "Cargo.toml") {
+                found.push(path.to_owned());
+            }
+        });
+    }
+    assert!(found.len() >= MAY_USE.len(), "some crates were not found");
+    found
+}
+
+fn dependencies(table: &toml_edit::Table) -> Vec<String> {
+    let mut names = Vec::new();
+    // Tests may look sideways; only what is linked into a product counts.
+    for section in ["dependencies", "build-dependencies"] {
+        if let Some(entries) = table.get(section).and_then(|item| item.as_table_like()) {
+            names.extend(entries.iter().map(|(name, _)| name.to_owned()));
+        }
+    }
+    if let Some(targets) = table.get("target").and_then(|item| item.as_table_like()) {
+        for (_, target) in targets.iter() {
+            if let Some(target) = target.as_table() {
+                names.extend(dependencies(target));
+            }
+        }
+    }
+    names
+}
+
+/// Calls `seen` for every file below `path`, build output and dot folders left out.
+fn visit(path: &Path, seen: &mut dyn FnMut(&Path)) {
+    for entry in std::fs::read_dir(path).expect("a folder is readable") {
+        let entry = entry.expect("an entry is readable").path();
+        let name = entry.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if name.starts_with('.') || name == "target" {
+            continue;
+        }
+        if entry.is_dir() {
+            visit(&entry, seen);
+        } else {
+            seen(&entry);
+        }
+    }
+}
