@@ -1,0 +1,404 @@
+//! The obstacles as they truly are: exact shapes, asked for rays, nearest points and contact.
+
+use crate::Point;
+use crate::body::distance;
+use math::scalar::wide;
+use plan_compiler::map::{Map, Role, Shape};
+
+/// Side of an index cell, metres: a few cells within the reach of a range sensor.
+const CELL_M: f64 = 4.0;
+/// The index is never finer than this many cells along one side.
+const MAX_SIDE_CELLS: f64 = 1024.0;
+/// Rounds of pushing a disc out of obstacles; two walls of a corner need two or three.
+const MAX_PUSHES: usize = 8;
+
+/// Obstacles without cells and without inflation.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// Outlines and discs.
+    parts: Vec<Part>,
+    /// Rings of each filled polygon, for the question whether a point is inside.
+    fillings: Vec<Vec<Vec<Point>>>,
+    index: Index,
+}
+
+/// A piece of an obstacle's surface.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    Segment { from: Point, to: Point },
+    Disc { centre: Point, radius: f64 },
+}
+
+/// The nearest point of any obstacle's surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// How far, metres; negative within a disc.
+    pub distance_m: f64,
+    /// Where.
+    pub at: Point,
+}
+
+/// Square cells, each with the parts that cross it.
+#[derive(Clone, Debug)]
+struct Index {
+    corner: Point,
+    cell_m: f64,
+    columns: usize,
+    rows: usize,
+    cells: Vec<Vec<u32>>,
+}
+
+impl World {
+    /// A world of these obstacles.
+    pub fn new<'s>(obstacles: impl IntoIterator<Item = &'s Shape>) -> Self {
+        let mut parts = Vec::new();
+        let mut fillings = Vec::new();
+        for shape in obstacles {
+            match shape {
+                Shape::Circle { centre, radius } => {
+                    parts.push(Part::Disc { centre: *centre, radius: *radius });
+                }
+                Shape::Polyline(points) => parts.extend(segments(points, false)),
+                Shape::Polygon(rings) => {
+                    parts.extend(rings.iter().flat_map(|ring| segments(ring, true)));
+                    fillings.push(rings.clone());
+                }
+            }
+        }
+        let index = Index::new(&parts);
+        Self { parts, fillings, index }
+    }
+
+    /// The obstacles of a map. Attenuating areas and zones are no obstacles, and outside the
+    /// map's boundary nothing stands either: those are rules, not walls.
+    pub fn of_map(map: &Map) -> Self {
+        let features = map.features.iter().filter(|feature| feature.role == Role::Obstacle);
+        Self::new(features.map(|feature| &feature.shape))
+    }
+
+    /// Distance along a ray to the first surface, metres; `None` if none is nearer than
+    /// `most_m`. From within a disc: 0.
+    pub fn range(&self, from: Point, heading_rad: f64, most_m: f64) -> Option<f64> {
+        let along = [wide::cos(heading_rad), wide::sin(heading_rad)];
+        let mut best = most_m;
+        self.index.walk(from, along, most_m, &mut |cell, left_at| {
+            for &part in cell {
+                if let Some(hit) = self.parts[part as usize].hit(from, along) {
+                    best = best.min(hit);
+                }
+            }
+            // What the next cells hold is farther away than where this one ends.
+            best > left_at
+        });
+        (best < most_m).then_some(best)
+    }
+
+    /// The nearest point of any surface; `None` if none is within `within_m`.
+    pub fn nearest(&self, point: Point, within_m: f64) -> Option<Nearest> {
+        let mut best: Option<Nearest> = None;
+        self.index.around(point, within_m, &mut |part| {
+            let found = self.parts[part as usize].nearest(point);
+            let limit = best.map_or(within_m, |best| best.distance_m);
+            if found.distance_m < limit {
+                best = Some(found);
+            }
+        });
+        best
+    }
+
+    /// Whether a disc is clear of all obstacles and not enclosed in a filled one.
+    pub fn is_clear(&self, centre: Point, radius: f64) -> bool {
+        self.nearest(centre, radius).is_none() && !self.is_inside(centre)
+    }
+
+    /// Whether a point is inside a filled polygon (even-odd rule) or a disc.
+    pub fn is_inside(&self, point: Point) -> bool {
+        let within = |rings: &Vec<Vec<Point>>| {
+            let crossed = rings.iter().flat_map(|ring| segments(ring, true));
+            crossed.filter(|part| part.crosses_ray_east_of(point)).count() % 2 == 1
+        };
+        self.nearest(point, 0.0).is_some() || self.fillings.iter().any(within)
+    }
+
+    /// Where a disc that overlaps an obstacle comes to lie when it is pushed out along the
+    /// surface's normal. `None`: it overlaps nothing. `Some(None)`: there is no room nearby.
+    pub fn pushed_clear(&self, centre: Point, radius: f64) -> Option<Option<Point>> {
+        let mut at = centre;
+        for push in 0..MAX_PUSHES {
+            let Some(nearest) = self.nearest(at, radius) else {
+                return (push > 0).then_some(Some(at));
+            };
+            let away = [at[0] - nearest.at[0], at[1] - nearest.at[1]];
+            let length = wide::hypot(away[0], away[1]);
+            if length <= 0.0 {
+                return Some(None);
+            }
+            // Inside a disc the way out leads through its surface, along the same normal.
+            let outward = if nearest.distance_m < 0.0 { -1.0 } else { 1.0 };
+            // A touch more than the radius, so that the next look finds nothing.
+            let scale = (radius + 1e-9) / length * outward;
+            at = [nearest.at[0] + away[0] * scale, nearest.at[1] + away[1] * scale];
+        }
+        Some(None)
+    }
+}
+
+impl Part {
+    /// Distance to this part along a ray of unit length `along`.
+    fn hit(&self, from: Point, along: Point) -> Option<f64> {
+        match *self {
+            Self::Segment { from: a, to: b } => {
+                let edge = [b[0] - a[0], b[1] - a[1]];
+                let gap = [a[0] - from[0], a[1] - from[1]];
+                let across = along[0] * edge[1] - along[1] * edge[0];
+                if across == 0.0 {
+                    return None;
+                }
+                let t = (gap[0] * edge[1] - gap[1] * edge[0]) / across;
+                let u = (gap[0] * along[1] - gap[1] * along[0]) / across;
+                (t >= 0.0 && (0.0..=1.0).contains(&u)).then_some(t)
+            }
+            Self::Disc { centre, radius } => {
+                let gap = [centre[0] - from[0], centre[1] - from[1]];
+                let ahead = gap[0] * along[0] + gap[1] * along[1];
+                let beside = gap[0] * along[1] - gap[1] * along[0];
+                let half = radius * radius - beside * beside;
+                if half < 0.0 {
+                    return None;
+                }
+                let half = wide::sqrt(half);
+                (ahead + half >= 0.0).then_some((ahead - half).max(0.0))
+            }
+        }
+    }
+
+    fn nearest(&self, point: Point) -> Nearest {
+        match *self {
+            Self::Segment { from, to } => {
+                let edge = [to[0] - from[0], to[1] - from[1]];
+                let gap = [point[0] - from[0], point[1] - from[1]];
+                let squared = edge[0] * edge[0] + edge[1] * edge[1];
+                let t = (gap[0] * edge[0] + gap[1] * edge[1]) / squared;
+                // A segment without length is its own nearest point.
+                let t = if squared > 0.0 { t.clamp(0.0, 1.0) } else { 0.0 };
+                let at = [from[0] + edge[0] * t, from[1] + edge[1] * t];
+                Nearest { distance_m: distance(point, at), at }
+            }
+            Self::Disc { centre, radius } => {
+                let gap = [point[0] - centre[0], point[1] - centre[1]];
+                let length = wide::hypot(gap[0], gap[1]);
+                // From its very centre every way out is as good; east is defined.
+                let out =
+                    if length > 0.0 { [gap[0] / length, gap[1] / length] } else { [1.0, 0.0] };
+                let at = [centre[0] + out[0] * radius, centre[1] + out[1] * radius];
+                Nearest { distance_m: length - radius, at }
+            }
+        }
+    }
+
+    /// Whether a ray due east from a point crosses this segment; half-open, so that a vertex
+    /// counts once.
+    fn crosses_ray_east_of(&self, point: Point) -> bool {
+        let Self::Segment { from, to } = *self else { return false };
+        if (from[1] > point[1]) == (to[1] > point[1]) {
+            return false;
+        }
+        let t = (point[1] - from[1]) / (to[1] - from[1]);
+        from[0] + t * (to[0] - from[0]) > point[0]
+    }
+
+    /// South-west and north-east corners of its box.
+    fn bounds(&self) -> [Point; 2] {
+        match *self {
+            Self::Segment { from: a, to: b } => {
+                [[a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]]
+            }
+            Self::Disc { centre: c, radius: r } => [[c[0] - r, c[1] - r], [c[0] + r, c[1] + r]],
+        }
+    }
+}
+
+/// The segments through points, back to the first if closed.
+fn segments(points: &[Point], closed: bool) -> impl Iterator<Item = Part> + '_ {
+    let back = if closed { points.last().zip(points.first()) } else { None };
+    let open = points.windows(2).map(|pair| Part::Segment { from: pair[0], to: pair[1] });
+    open.chain(back.map(|(&from, &to)| Part::Segment { from, to }))
+}
+
+impl Index {
+    fn new(parts: &[Part]) -> Self {
+        let mut low = [f64::INFINITY; 2];
+        let mut high = [f64::NEG_INFINITY; 2];
+        for [south_west, north_east] in parts.iter().map(Part::bounds) {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(south_west[axis]);
+                high[axis] = high[axis].max(north_east[axis]);
+            }
+        }
+        if parts.is_empty() {
+            (low, high) = ([0.0; 2], [0.0; 2]);
+        }
+        let longest = (high[0] - low[0]).max(high[1] - low[1]);
+        let cell_m = CELL_M.max(longest / MAX_SIDE_CELLS);
+        let count = |axis: usize| ((high[axis] - low[axis]) / cell_m) as usize + 1;
+        let (columns, rows) = (count(0), count(1));
+        let mut index =
+            Self { corner: low, cell_m, columns, rows, cells: vec![Vec::new(); columns * rows] };
+        for (number, part) in parts.iter().enumerate() {
+            for cell in index.cells_of(part.bounds()) {
+                // A long slanted segment misses most cells of its box.
+                if part.nearest(index.centre(cell)).distance_m <= cell_m {
+                    index.cells[cell].push(number as u32);
+                }
+            }
+        }
+        index
+    }
+
+    fn column(&self, x: f64) -> f64 {
+        wide::floor((x - self.corner[0]) / self.cell_m)
+    }
+
+    fn row(&self, y: f64) -> f64 {
+        wide::floor((y - self.corner[1]) / self.cell_m)
+    }
+
+    fn centre(&self, cell: usize) -> Point {
+        let at = |axis: usize, count: usize| self.corner[axis] + (count as f64 + 0.5) * self.cell_m;
+        [at(0, cell % self.columns), at(1, cell / self.columns)]
+    }
+
+    /// Cells that a box overlaps, cut to the index.
+    fn cells_of(&self, [low, high]: [Point; 2]) -> impl Iterator<Item = usize> + use<> {
+        let span = |from: f64, to: f64, count: usize| {
+            (from.max(0.0) as usize)..((to + 1.0).clamp(0.0, count as f64) as usize)
+        };
+        let columns = span(self.column(low[0]), self.column(high[0]), self.columns);
+        let rows = span(self.row(low[1]), self.row(high[1]), self.rows);
+        let width = self.columns;
+        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
+    }
+
+    /// Every part near a point; some twice, some farther away than `within_m`.
+    fn around(&self, point: Point, within_m: f64, seen: &mut dyn FnMut(u32)) {
+        let low = [point[0] - within_m, point[1] - within_m];
+        let high = [point[0] + within_m, point[1] + within_m];
+        for cell in self.cells_of([low, high]) {
+            self.cells[cell].iter().for_each(|&part| seen(part));
+        }
+    }
+
+    /// Walks the cells along a ray (Amanatides and Woo 1987). `seen` gets the parts of a cell
+    /// and how far along the ray the cell ends, and says whether to go on.
+    fn walk(
+        &self,
+        from: Point,
+        along: Point,
+        most_m: f64,
+        seen: &mut dyn FnMut(&[u32], f64) -> bool,
+    ) {
+        let mut cell = [self.column(from[0]), self.row(from[1])];
+        let mut next = [f64::INFINITY; 2];
+        for axis in 0..2 {
+            if along[axis] != 0.0 {
+                let edge = cell[axis] + if along[axis] > 0.0 { 1.0 } else { 0.0 };
+                let edge_m = self.corner[axis] + edge * self.cell_m;
+                next[axis] = (edge_m - from[axis]) / along[axis];
+            }
+        }
+        let mut entered = 0.0;
+        while entered <= most_m {
+            let axis = usize::from(next[1] < next[0]);
+            if let Some(parts) = self.parts_at(cell)
+                && !seen(parts, next[axis])
+            {
+                return;
+            }
+            entered = next[axis];
+            cell[axis] += along[axis].signum();
+            next[axis] += self.cell_m / along[axis].abs();
+        }
+    }
+
+    fn parts_at(&self, [column, row]: Point) -> Option<&[u32]> {
+        let inside =
+            column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
+        inside.then(|| self.cells[row as usize * self.columns + column as usize].as_slice())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Random, Stream};
+
+    /// A U that is open to the south, a disc and a slanted wall.
+    fn shapes() -> Vec<Shape> {
+        vec![
+            Shape::Polygon(vec![vec![
+                [10.0, 10.0],
+                [14.0, 10.0],
+                [14.0, 26.0],
+                [26.0, 26.0],
+                [26.0, 10.0],
+                [30.0, 10.0],
+                [30.0, 30.0],
+                [10.0, 30.0],
+            ]]),
+            Shape::Circle { centre: [-20.0, 5.0], radius: 3.0 },
+            Shape::Polyline(vec![[-30.0, -40.0], [35.0, -7.0]]),
+        ]
+    }
+
+    #[test]
+    fn rays_stop_at_the_first_surface() {
+        let shapes = shapes();
+        let world = World::new(&shapes);
+        let north = std::f64::consts::FRAC_PI_2;
+        let close = |found: Option<f64>, wanted: f64| {
+            assert!((found.expect("a hit") - wanted).abs() < 1e-9, "{found:?} for {wanted}");
+        };
+        close(world.range([20.0, 0.0], north, 100.0), 26.0);
+        close(world.range([12.0, 0.0], north, 100.0), 10.0);
+        close(world.range([0.0, 5.0], std::f64::consts::PI, 100.0), 17.0);
+        close(world.range([-20.0, 5.0], 1.0, 100.0), 0.0);
+        assert_eq!(world.range([20.0, 0.0], north, 25.9), None);
+        assert_eq!(world.range([0.0, 50.0], north, 1e3), None);
+    }
+
+    #[test]
+    fn the_index_finds_what_a_look_at_every_part_finds() {
+        let shapes = shapes();
+        let world = World::new(&shapes);
+        let mut random = Random::new(1, Stream::Start);
+        for _ in 0..3_000 {
+            let from = [random.between(-50.0, 50.0), random.between(-60.0, 50.0)];
+            let heading = random.between(-4.0, 4.0);
+            let along = [wide::cos(heading), wide::sin(heading)];
+            let hits = world.parts.iter().filter_map(|part| part.hit(from, along));
+            let slow = hits.filter(|&hit| hit < 40.0).reduce(f64::min);
+            assert_eq!(world.range(from, heading, 40.0), slow, "{from:?} {heading}");
+
+            let distances = world.parts.iter().map(|part| part.nearest(from).distance_m);
+            let slow = distances.filter(|&distance| distance < 7.0).reduce(f64::min);
+            let fast = world.nearest(from, 7.0).map(|nearest| nearest.distance_m);
+            assert_eq!(fast, slow, "{from:?}");
+        }
+    }
+
+    #[test]
+    fn inside_is_inside_the_filling_only() {
+        let shapes = shapes();
+        let world = World::new(&shapes);
+        assert!(world.is_inside([12.0, 20.0]) && world.is_inside([-20.0, 7.9]));
+        assert!(!world.is_inside([20.0, 20.0]) && !world.is_inside([0.0, 0.0]));
+        assert!(world.is_clear([20.0, 20.0], 5.9) && !world.is_clear([20.0, 20.0], 6.1));
+    }
+
+    #[test]
+    fn an_empty_world_is_clear() {
+        let world = World::new([]);
+        assert!(world.is_clear([1.0, 2.0], 100.0));
+        assert_eq!(world.range([0.0, 0.0], 0.3, 1e4), None);
+    }
+}
