@@ -2,6 +2,7 @@
 
 use crate::limits;
 use math::Vec2;
+use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 /// Cost of a step east, north, west or south. With [`DIAGONAL_STEP`] it is a Pell
@@ -159,7 +160,7 @@ impl Cell {
 }
 
 /// Where the cells lie: `cell = floor((position - corner) / resolution)`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Grid {
     /// Cells from west to east, 1 ..= [`limits::MAX_SIDE_CELLS`].
     pub columns: u32,

@@ -16,6 +16,9 @@ pub const RESOLUTION_RANGE_M: (f64, f64) = (0.001, 1_000.0);
 /// Farthest coordinate of the grid from the map's origin, metres. Single-precision
 /// positions keep a step of 8 mm there.
 pub const MAX_COORDINATE_M: f64 = 100_000.0;
+/// Farthest map coordinate of the geodetic reference, metres. Fixes are refused 20 km from the
+/// reference, so one that is farther from the grid than this serves nobody.
+pub const MAX_ORIGIN_M: f64 = 2.0 * MAX_COORDINATE_M;
 
 const _: () = assert!(MAX_PLANS * MAX_LAYERS <= u16::MAX as usize);
 const _: () = assert!(MAX_NAME_BYTES <= u8::MAX as usize);

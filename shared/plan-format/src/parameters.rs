@@ -1,10 +1,11 @@
 //! What the mission file sets and the tick reads: gains, speeds, limits, policies.
 
+use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 /// The robot's parameters, carried by every blob. Plain data; [`Parameters::check`] holds
 /// for every value that a reader hands out.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Parameters {
     /// Which parallel plan to follow, an index into the blob's plans.
     pub plan: u16,
@@ -25,7 +26,7 @@ pub struct Parameters {
 }
 
 /// Weights of the blend `reactive (goal + avoid) + plan advice + noise wander`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Gains {
     /// Weight of move-to-goal and avoid-static-obstacle together, 0 ..= 1.
     pub reactive: f32,
@@ -50,7 +51,7 @@ impl Gains {
 
 /// Which layer of a parallel plan is followed (W, section 2.3): the most constrained one
 /// that has a route from here, and the position is looked at ...
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Selection {
     /// ... once, at the start.
     Static,
@@ -59,7 +60,7 @@ pub enum Selection {
 }
 
 /// The body that the commands are for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Steering {
     /// Turns on the spot: differential drive or skid steer.
     Differential,
@@ -70,7 +71,7 @@ pub enum Steering {
 }
 
 /// How the robot moves. SI units.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Vehicle {
     /// Kind of steering.
     pub steering: Steering,
@@ -93,7 +94,7 @@ pub struct Vehicle {
 }
 
 /// Settings of the motor schemas. Metres unless said otherwise.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct SchemaParameters {
     /// Gain of move-to-goal within the reactive part.
     pub goal_gain: f32,
@@ -110,7 +111,7 @@ pub struct SchemaParameters {
 }
 
 /// When a GPS fix is good enough to be used.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct FixPolicy {
     /// A fix older than this is stale, microseconds.
     pub stale_after_us: u32,
@@ -121,7 +122,7 @@ pub struct FixPolicy {
 }
 
 /// What to do when a part of the controller's information is missing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum OnTrouble {
     /// Stand still.
     Stop,
@@ -130,7 +131,7 @@ pub enum OnTrouble {
 }
 
 /// What to do in each kind of trouble.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct TroublePolicy {
     /// The position is outside the map.
     pub off_map: OnTrouble,

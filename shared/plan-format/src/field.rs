@@ -1,0 +1,48 @@
+//! One layer before it is packed: the cost and the advice of every cell.
+//!
+//! Arrays are row-major, row 0 in the south, `columns` cells a row. A cell's code says what
+//! its look-up answers; its cost is [`UNREACHED`] unless the code is a move or the goal.
+
+use crate::grid::Direction;
+
+/// The cost of a cell without a route: blocked, or cut off from the goal.
+pub const UNREACHED: u32 = u32::MAX;
+/// Codes below this are a move: the code of its [`Direction`].
+pub const MOVES: u8 = 8;
+/// The goal itself.
+pub const GOAL: u8 = 8;
+/// A free cell without a route to the goal.
+pub const NO_ROUTE: u8 = 9;
+/// A blocked cell that no free cell with a route can be reached from.
+pub const NO_ESCAPE: u8 = 10;
+/// A blocked cell with an escape: this plus the code of its [`Direction`].
+pub const ESCAPE: u8 = 16;
+
+/// The cost and the advice of every cell of one layer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// Cells from west to east.
+    pub columns: u32,
+    /// Cells from south to north.
+    pub rows: u32,
+    /// Cost to the goal, in units of 1/5741 cell; [`UNREACHED`] where there is no route.
+    pub cost: Vec<u32>,
+    /// What to do there: a move (0 to 7), [`GOAL`], [`NO_ROUTE`], [`NO_ESCAPE`] or
+    /// [`ESCAPE`] plus a direction.
+    pub code: Vec<u8>,
+}
+
+/// Whether a code belongs to a blocked cell.
+pub const fn is_blocked(code: u8) -> bool {
+    code >= NO_ESCAPE
+}
+
+/// The advised direction of a free cell with a route; `None` at the goal and elsewhere.
+pub const fn advised(code: u8) -> Option<Direction> {
+    if code < MOVES { Some(Direction::from_code(code)) } else { None }
+}
+
+/// The direction in which a blocked cell is left; `None` where there is none or it is free.
+pub const fn escape(code: u8) -> Option<Direction> {
+    if code >= ESCAPE { Some(Direction::from_code(code - ESCAPE)) } else { None }
+}

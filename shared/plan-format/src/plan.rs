@@ -1,0 +1,302 @@
+//! The blob as a robot sees it: parsed once, then asked every tick.
+
+use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
+use crate::error::BlobError;
+use crate::grid::{Cell, Grid};
+use crate::layer::Layer;
+use crate::parameters::Parameters;
+use crate::{header, limits};
+use math::{Frame, Vec2};
+
+/// Every internalized plan of a mission, with the parameters to drive by.
+///
+/// A view of a few hundred bytes; the plans themselves stay where the blob lies.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan<'a> {
+    grid: Grid,
+    single: SingleGrid,
+    origin: Option<Origin>,
+    frame: Option<Frame>,
+    parameters: Parameters,
+    goal: Option<Vec2>,
+    sections: Sections<'a>,
+    bytes: usize,
+}
+
+/// The grid's numbers in single precision, for the look-up at control rate.
+#[derive(Clone, Copy, Debug)]
+struct SingleGrid {
+    corner: Vec2,
+    resolution_m: f32,
+}
+
+/// The sections that plans and layers are read from.
+#[derive(Clone, Copy, Debug)]
+struct Sections<'a> {
+    columns: u32,
+    rows: u32,
+    plans: &'a [u8],
+    layers: &'a [u8],
+    names: &'a [u8],
+    cells: &'a [u8],
+}
+
+/// The grid of a plan without a map: no cells at all.
+const NO_GRID: Grid = Grid { columns: 0, rows: 0, resolution_m: 1.0, corner_m: [0.0, 0.0] };
+
+impl<'a> Plan<'a> {
+    /// Reads the blob at the start of a region of memory and validates all of it.
+    ///
+    /// A region of flash is larger than its blob: what follows the length that the header
+    /// names is ignored. For a file, where nothing may follow, see [`Plan::parse_exact`].
+    pub fn parse(region: &'a [u8]) -> Result<Self, BlobError> {
+        let sealed = header::open(region)?;
+        let (directory, rest) = postcard::take_from_bytes::<Directory<'a>>(sealed.payload)
+            .map_err(|_| BlobError::Directory)?;
+        if !rest.is_empty() {
+            return Err(BlobError::Directory);
+        }
+        let sections = Sections::new(&directory);
+        let origin = directory.origin.map(Origin::from);
+        if !(directory.grid.is_valid() || directory.grid == NO_GRID && sections.plan_count() == 0) {
+            return Err(BlobError::Grid);
+        }
+        if origin.is_some_and(|origin| !origin.is_valid()) {
+            return Err(BlobError::Origin);
+        }
+        sections.validate(&directory.grid)?;
+        let parameters = directory.parameters;
+        let chosen = usize::from(parameters.plan);
+        if parameters.check().is_some() || chosen > 0 && chosen >= sections.plan_count() {
+            return Err(BlobError::Parameters);
+        }
+        let goal = sections.plan(chosen).map(|plan| plan.goal());
+        Ok(Self::new(directory.grid, origin, parameters, goal, sections, sealed.blob.len()))
+    }
+
+    /// As [`Plan::parse`], for a file: refuses bytes after the end of the blob.
+    pub fn parse_exact(file: &'a [u8]) -> Result<Self, BlobError> {
+        let plan = Self::parse(file)?;
+        if plan.bytes == file.len() { Ok(plan) } else { Err(BlobError::TrailingBytes) }
+    }
+
+    fn new(
+        grid: Grid,
+        origin: Option<Origin>,
+        parameters: Parameters,
+        goal: Option<Vec2>,
+        sections: Sections<'a>,
+        bytes: usize,
+    ) -> Self {
+        let corner = Vec2::new(grid.corner_m[0] as f32, grid.corner_m[1] as f32);
+        let single = SingleGrid { corner, resolution_m: grid.resolution_m as f32 };
+        let frame = origin.map(|o| Frame::new(o.place, o.at_m, o.heading_rad));
+        Self { grid, single, origin, frame, parameters, goal, sections, bytes }
+    }
+
+    /// The robot's parameters; all in range.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Where the cells lie; 0 x 0 cells without a map.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Where the map lies on the globe, if it is known.
+    pub fn origin(&self) -> Option<Origin> {
+        self.origin
+    }
+
+    /// The transform from GPS fixes to the map's metres, if the origin is known.
+    pub fn frame(&self) -> Option<&Frame> {
+        self.frame.as_ref()
+    }
+
+    /// The goal of the plan that [`Parameters::plan`] names, map metres.
+    pub fn goal(&self) -> Option<Vec2> {
+        self.goal
+    }
+
+    /// Bytes of the whole blob, header included; 0 without a map.
+    pub fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    /// The cell that holds a point of the map (metres), in single precision; `None` off the map.
+    pub fn cell_at(&self, point: Vec2) -> Option<Cell> {
+        let column = (point.x - self.single.corner.x) / self.single.resolution_m;
+        let row = (point.y - self.single.corner.y) / self.single.resolution_m;
+        // False for NaN too. The sides are below 2^24, so single precision holds them exactly,
+        // and for what is not negative truncation is the floor.
+        let inside = column >= 0.0
+            && row >= 0.0
+            && column < self.grid.columns as f32
+            && row < self.grid.rows as f32;
+        inside.then_some(Cell::new(column as u32, row as u32))
+    }
+
+    /// How many parallel plans there are.
+    pub fn plan_count(&self) -> usize {
+        self.sections.plan_count()
+    }
+
+    /// A parallel plan by its index, from 0.
+    pub fn parallel_plan(&self, index: usize) -> Option<ParallelPlan<'a>> {
+        self.sections.plan(index)
+    }
+
+    /// A parallel plan by its name.
+    pub fn find(&self, name: &str) -> Option<ParallelPlan<'a>> {
+        (0..self.plan_count())
+            .filter_map(|index| self.parallel_plan(index))
+            .find(|plan| plan.name() == name)
+    }
+}
+
+impl Plan<'static> {
+    /// A plan without a map: the robot drives by its reactive schemas alone.
+    ///
+    /// The same promises hold as for a parsed plan: parameters out of range are replaced by
+    /// the default ones, an origin or a goal out of its limits is left out.
+    pub fn without_map(parameters: Parameters, origin: Option<Origin>, goal: Option<Vec2>) -> Self {
+        let parameters =
+            if parameters.check().is_none() { parameters } else { Parameters::default() };
+        let near = |metres: f32| metres.abs() <= limits::MAX_ORIGIN_M as f32;
+        let sections =
+            Sections { columns: 0, rows: 0, plans: &[], layers: &[], names: &[], cells: &[] };
+        Self::new(
+            NO_GRID,
+            origin.filter(Origin::is_valid),
+            parameters,
+            goal.filter(|goal| near(goal.x) && near(goal.y)),
+            sections,
+            0,
+        )
+    }
+}
+
+impl<'a> Sections<'a> {
+    fn new(directory: &Directory<'a>) -> Self {
+        Self {
+            columns: directory.grid.columns,
+            rows: directory.grid.rows,
+            plans: directory.plans,
+            layers: directory.layers,
+            names: directory.names,
+            cells: directory.cells,
+        }
+    }
+
+    fn plan_count(&self) -> usize {
+        self.plans.len() / PlanRecord::BYTES
+    }
+
+    fn plan(&self, index: usize) -> Option<ParallelPlan<'a>> {
+        let record = PlanRecord::get(self.plans, index)?;
+        Some(ParallelPlan { sections: *self, name: record.name.get(self.names)?, record })
+    }
+
+    /// Proves once that every plan, layer and name can be read and is within its limits.
+    fn validate(&self, grid: &Grid) -> Result<(), BlobError> {
+        let plans = self.plan_count();
+        if plans > limits::MAX_PLANS || self.plans.len() != plans * PlanRecord::BYTES {
+            return Err(BlobError::Plans);
+        }
+        let mut next_layer = 0;
+        for index in 0..plans {
+            let record = PlanRecord::get(self.plans, index).ok_or(BlobError::Plans)?;
+            let count = usize::from(record.layer_count);
+            // Layers stand in the order of their plans, so that none is lost or used twice.
+            if usize::from(record.first_layer) != next_layer
+                || !(1..=limits::MAX_LAYERS).contains(&count)
+            {
+                return Err(BlobError::Plans);
+            }
+            next_layer += count;
+            self.check_name(record.name, (0..index).map(|earlier| self.plan_name(earlier)))?;
+            if grid.cell_at(record.goal_m[0], record.goal_m[1]).is_none() {
+                return Err(BlobError::Goal);
+            }
+            let plan = self.plan(index).ok_or(BlobError::Name)?;
+            for layer in 0..count {
+                plan.validate_layer(layer)?;
+            }
+        }
+        let all = next_layer * LayerRecord::BYTES == self.layers.len();
+        if all { Ok(()) } else { Err(BlobError::Layers) }
+    }
+
+    fn plan_name(&self, index: usize) -> Option<&'a str> {
+        PlanRecord::get(self.plans, index)?.name.get(self.names)
+    }
+
+    fn check_name(
+        &self,
+        name: NameAt,
+        mut earlier: impl Iterator<Item = Option<&'a str>>,
+    ) -> Result<(), BlobError> {
+        let name = name.get(self.names).ok_or(BlobError::Name)?;
+        let used = earlier.any(|other| other == Some(name));
+        if is_name(name) && !used { Ok(()) } else { Err(BlobError::Name) }
+    }
+}
+
+/// Layers with one goal, each more constrained than the one before.
+#[derive(Clone, Copy, Debug)]
+pub struct ParallelPlan<'a> {
+    sections: Sections<'a>,
+    name: &'a str,
+    record: PlanRecord,
+}
+
+impl<'a> ParallelPlan<'a> {
+    /// Its name, unique within the blob.
+    pub fn name(&self) -> &'a str {
+        self.name
+    }
+
+    /// The goal, map metres.
+    pub fn goal(&self) -> Vec2 {
+        Vec2::new(self.record.goal_m[0] as f32, self.record.goal_m[1] as f32)
+    }
+
+    /// The goal, map metres, as the compiler was given it.
+    pub fn goal_m(&self) -> [f64; 2] {
+        self.record.goal_m
+    }
+
+    /// How many layers there are, at least 1.
+    pub fn layer_count(&self) -> usize {
+        usize::from(self.record.layer_count)
+    }
+
+    /// A layer by its index; 0 is the least constrained.
+    pub fn layer(&self, index: usize) -> Option<Layer<'a>> {
+        let record = self.layer_record(index)?;
+        Some(Layer {
+            name: record.name.get(self.sections.names)?,
+            columns: self.sections.columns,
+            rows: self.sections.rows,
+            cells: crate::bytes::range(self.sections.cells, record.offset, record.length)?,
+            counts: record.counts,
+        })
+    }
+
+    fn layer_record(&self, index: usize) -> Option<LayerRecord> {
+        if index >= self.layer_count() {
+            return None;
+        }
+        let first = usize::from(self.record.first_layer);
+        LayerRecord::get(self.sections.layers, first.checked_add(index)?)
+    }
+
+    fn validate_layer(&self, index: usize) -> Result<(), BlobError> {
+        let record = self.layer_record(index).ok_or(BlobError::Layers)?;
+        let earlier = (0..index)
+            .map(|other| self.layer_record(other).and_then(|r| r.name.get(self.sections.names)));
+        self.sections.check_name(record.name, earlier)?;
+        self.layer(index).ok_or(BlobError::Cells)?.validate()
+    }
+}

@@ -1,0 +1,275 @@
+//! The writer: a draft in, bytes out. The same draft gives the same bytes.
+
+use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
+use crate::error::BlobError;
+use crate::grid::Grid;
+use crate::pack::PackedLayer;
+use crate::parameters::Parameters;
+use crate::plan::Plan;
+use crate::{header, limits};
+use std::collections::HashMap;
+
+/// Everything a blob says.
+#[derive(Clone, Debug)]
+pub struct Draft {
+    /// Where the cells lie.
+    pub grid: Grid,
+    /// Where the map lies on the globe, if it is known.
+    pub origin: Option<Origin>,
+    /// The robot's parameters.
+    pub parameters: Parameters,
+    /// Parallel plans, in the order of their indices.
+    pub plans: Vec<PlanDraft>,
+}
+
+/// One parallel plan.
+#[derive(Clone, Debug)]
+pub struct PlanDraft {
+    /// Unique within the blob; see [`is_name`].
+    pub name: String,
+    /// The goal, map metres.
+    pub goal_m: [f64; 2],
+    /// From the least to the most constrained.
+    pub layers: Vec<LayerDraft>,
+}
+
+/// One layer.
+#[derive(Clone, Debug)]
+pub struct LayerDraft {
+    /// Unique within the plan; see [`is_name`].
+    pub name: String,
+    /// Its cells.
+    pub packed: PackedLayer,
+}
+
+/// Why a draft cannot be written.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WriteError {
+    /// A parameter is out of its range.
+    Parameter {
+        /// Its name in a mission file.
+        name: &'static str,
+        /// Least value allowed.
+        low: f32,
+        /// Greatest value allowed.
+        high: f32,
+    },
+    /// More parallel plans than [`limits::MAX_PLANS`].
+    TooManyPlans(usize),
+    /// A plan with no layer or more than [`limits::MAX_LAYERS`].
+    LayerCount {
+        /// The plan's name.
+        plan: String,
+        /// Its layers.
+        layers: usize,
+    },
+    /// A text that cannot name a plan or a layer.
+    Name(String),
+    /// A layer whose cells are not those of the grid.
+    LayerSize {
+        /// The plan's name.
+        plan: String,
+        /// The layer's name.
+        layer: String,
+    },
+    /// More bytes than [`limits::MAX_BLOB_BYTES`].
+    TooLarge {
+        /// Bytes of the whole blob.
+        bytes: usize,
+    },
+    /// The reader refuses the result: a number or a field of the draft is not sound.
+    Refused(BlobError),
+}
+
+impl std::fmt::Display for WriteError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Parameter { name, low, high } => {
+                write!(f, "parameter {name} must be within {low} and {high}")
+            }
+            Self::TooManyPlans(plans) => {
+                write!(f, "{plans} plans, but the format holds {}", limits::MAX_PLANS)
+            }
+            Self::LayerCount { plan, layers } => {
+                write!(f, "plan {plan} has {layers} layers, not 1 to {}", limits::MAX_LAYERS)
+            }
+            Self::Name(name) => write!(
+                f,
+                "{name:?} cannot be a name: 1 to {} bytes, trimmed, without `/`",
+                limits::MAX_NAME_BYTES
+            ),
+            Self::LayerSize { plan, layer } => {
+                write!(f, "layer {plan}/{layer} does not have the cells of the grid")
+            }
+            Self::TooLarge { bytes } => {
+                write!(f, "{bytes} bytes, but the format holds {}", limits::MAX_BLOB_BYTES)
+            }
+            Self::Refused(error) => write!(f, "the reader refuses the result: {error}"),
+        }
+    }
+}
+
+impl std::error::Error for WriteError {}
+
+/// The blob of a draft. The result has been read back by [`Plan::parse_exact`].
+pub fn write(draft: &Draft) -> Result<Vec<u8>, WriteError> {
+    check(draft)?;
+    let mut sections = Sections::default();
+    for plan in &draft.plans {
+        sections.put(plan);
+    }
+    let directory = Directory {
+        grid: draft.grid,
+        origin: draft.origin.map(Into::into),
+        parameters: draft.parameters,
+        plans: &sections.plans,
+        layers: &sections.layers,
+        names: &sections.names.bytes,
+        cells: &sections.cells.bytes,
+    };
+    // Serialising plain data into a growing vector does not fail.
+    let payload =
+        postcard::to_stdvec(&directory).map_err(|_| WriteError::Refused(BlobError::Directory))?;
+    let blob = header::seal(&payload).ok_or(WriteError::TooLarge { bytes: payload.len() })?;
+    Plan::parse_exact(&blob).map_err(WriteError::Refused)?;
+    Ok(blob)
+}
+
+/// What can be said better from the draft than from the bytes.
+fn check(draft: &Draft) -> Result<(), WriteError> {
+    if let Some((name, low, high)) = draft.parameters.check() {
+        return Err(WriteError::Parameter { name, low, high });
+    }
+    if draft.plans.len() > limits::MAX_PLANS {
+        return Err(WriteError::TooManyPlans(draft.plans.len()));
+    }
+    for plan in &draft.plans {
+        let layers = plan.layers.len();
+        if !(1..=limits::MAX_LAYERS).contains(&layers) {
+            return Err(WriteError::LayerCount { plan: plan.name.clone(), layers });
+        }
+        let mut names = std::iter::once(&plan.name).chain(plan.layers.iter().map(|l| &l.name));
+        if let Some(name) = names.find(|name| !is_name(name)) {
+            return Err(WriteError::Name(name.clone()));
+        }
+        for layer in &plan.layers {
+            let packed = &layer.packed;
+            if (packed.columns, packed.rows) != (draft.grid.columns, draft.grid.rows) {
+                let (plan, layer) = (plan.name.clone(), layer.name.clone());
+                return Err(WriteError::LayerSize { plan, layer });
+            }
+        }
+    }
+    Ok(())
+}
+
+#[derive(Default)]
+struct Sections {
+    plans: Vec<u8>,
+    layers: Vec<u8>,
+    names: Pool,
+    cells: Pool,
+}
+
+impl Sections {
+    fn put(&mut self, plan: &PlanDraft) {
+        let first_layer = (self.layers.len() / LayerRecord::BYTES) as u16;
+        let record = PlanRecord {
+            name: self.name(&plan.name),
+            layer_count: plan.layers.len() as u8,
+            first_layer,
+            goal_m: plan.goal_m,
+        };
+        record.put(&mut self.plans);
+        for layer in &plan.layers {
+            let offset = self.cells.put(&layer.packed.cells);
+            let record = LayerRecord {
+                name: self.name(&layer.name),
+                offset,
+                length: layer.packed.cells.len() as u32,
+                counts: layer.packed.counts,
+            };
+            record.put(&mut self.layers);
+        }
+    }
+
+    fn name(&mut self, name: &str) -> NameAt {
+        NameAt { offset: self.names.put(name.as_bytes()) as u16, length: name.len() as u8 }
+    }
+}
+
+/// Bytes in which equal items are stored once.
+#[derive(Default)]
+struct Pool {
+    bytes: Vec<u8>,
+    known: HashMap<Vec<u8>, u32>,
+}
+
+impl Pool {
+    /// Where an item stands. Beyond 4 GiB the number wraps, and the blob is refused for its size.
+    fn put(&mut self, item: &[u8]) -> u32 {
+        if let Some(&offset) = self.known.get(item) {
+            return offset;
+        }
+        let offset = self.bytes.len() as u32;
+        self.bytes.extend_from_slice(item);
+        self.known.insert(item.to_vec(), offset);
+        offset
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{ESCAPE, Field, GOAL, UNREACHED};
+    use crate::{Answer, Cell, Direction, pack};
+
+    fn draft() -> Draft {
+        let field = Field {
+            columns: 3,
+            rows: 1,
+            cost: vec![0, 5741, UNREACHED],
+            code: vec![GOAL, 4, ESCAPE + 4],
+        };
+        let layer = |name: &str| LayerDraft { name: name.into(), packed: pack(&field) };
+        let plan = |name: &str| PlanDraft {
+            name: name.into(),
+            goal_m: [-0.5, 0.5],
+            layers: vec![layer("physical"), layer("comms")],
+        };
+        Draft {
+            grid: Grid { columns: 3, rows: 1, resolution_m: 1.0, corner_m: [-1.0, 0.0] },
+            origin: None,
+            parameters: Parameters::default(),
+            plans: vec![plan("pier"), plan("base")],
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let blob = write(&draft()).unwrap();
+        let plan = Plan::parse(&blob).unwrap();
+        assert_eq!(plan.plan_count(), 2);
+        let layer = plan.find("base").unwrap().layer(1).unwrap();
+        assert_eq!(layer.name(), "comms");
+        let at = |x| layer.look_up(plan.cell_at(math::Vec2::new(x, 0.0)).unwrap());
+        assert_eq!(at(-1.0), Answer::Goal);
+        assert_eq!(at(0.9), Answer::Move { direction: Direction::W, cost: 5741 });
+        assert_eq!(at(1.0), Answer::Blocked { escape: Some(Direction::W) });
+        assert_eq!(layer.look_up(Cell::new(3, 0)), Answer::OffMap);
+        assert!(size_of::<Plan<'_>>() < 400, "{}", size_of::<Plan<'_>>());
+    }
+
+    #[test]
+    fn drafts_that_cannot_be_written_say_why() {
+        let mut twice = draft();
+        twice.plans[1].name = "pier".into();
+        assert_eq!(write(&twice), Err(WriteError::Refused(BlobError::Name)));
+        let mut slash = draft();
+        slash.plans[1].layers[0].name = "a/b".into();
+        assert_eq!(write(&slash), Err(WriteError::Name("a/b".into())));
+        let mut small = draft();
+        small.grid.rows = 2;
+        assert!(matches!(write(&small), Err(WriteError::LayerSize { .. })));
+    }
+}
