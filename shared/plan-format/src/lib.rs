@@ -16,6 +16,7 @@ pub mod grid;
 mod header;
 mod layer;
 pub mod limits;
+pub mod mission;
 #[cfg(feature = "std")]
 mod pack;
 pub mod parameters;

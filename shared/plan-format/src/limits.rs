@@ -20,6 +20,45 @@ pub const MAX_COORDINATE_M: f64 = 100_000.0;
 /// reference, so one that is farther from the grid than this serves nobody.
 pub const MAX_ORIGIN_M: f64 = 2.0 * MAX_COORDINATE_M;
 
+/// Behaviours of a mission.
+pub const MAX_BEHAVIOURS: usize = 16;
+/// Live components of all behaviours together: the robot's pool.
+pub const MAX_COMPONENTS: usize = 32;
+/// How deep frames may lie in frames at one time; end recursion adds nothing.
+pub const MAX_DEPTH: usize = 8;
+/// Decomposition steps in one tick.
+pub const MAX_STEPS: usize = 8;
+/// Aspects of interest.
+pub const MAX_INPUTS: usize = 32;
+/// Input channels in the percepts.
+pub const MAX_CHANNELS: usize = 8;
+/// Digital outputs.
+pub const MAX_OUTPUTS: usize = 16;
+/// Rows of all rule bases together.
+pub const MAX_RULES: usize = 128;
+/// Rule bases.
+pub const MAX_RULE_BASES: usize = 64;
+/// Facts: the bits of a `u64`.
+pub const MAX_FACTS: usize = 64;
+/// Descriptions of frames and actions.
+pub const MAX_DESCRIPTIONS: usize = 128;
+/// Atomic actions.
+pub const MAX_ACTIONS: usize = 64;
+/// Plan frames.
+pub const MAX_FRAMES: usize = 64;
+/// Productions of all frames together.
+pub const MAX_PRODUCTIONS: usize = 128;
+/// Edges of all productions together.
+pub const MAX_EDGES: usize = 512;
+/// Vertices of one production.
+pub const MAX_VERTICES: usize = 16;
+/// Protection intervals of all productions together.
+pub const MAX_INTERVALS: usize = 128;
+
+const _: () = assert!(MAX_FACTS == u64::BITS as usize);
+const _: () = assert!(MAX_VERTICES <= u32::BITS as usize);
+const _: () = assert!(MAX_COMPONENTS <= u32::BITS as usize, "sets of components are u32");
+const _: () = assert!(MAX_BEHAVIOURS <= u16::BITS as usize, "sets of behaviours are u16");
 const _: () = assert!(MAX_PLANS * MAX_LAYERS <= u16::MAX as usize);
 const _: () = assert!(MAX_NAME_BYTES <= u8::MAX as usize);
 const _: () = assert!(MAX_SIDE_CELLS <= 1 << 14, "a cell index must fit 28 bits");

@@ -1,0 +1,242 @@
+//! What must hold for a mission before a robot may run it.
+
+use super::records::{Edge, FactKind, Production, Source, Symbol};
+use super::{ActionKind, Mission, Table, bytes::Record};
+use crate::limits;
+use core::fmt;
+
+/// Why a mission is refused. The doc comment is the message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum MissionError {
+    /// a table is not made of whole, known records
+    Tables,
+    /// a table is longer than this build's limits
+    TooLarge,
+    /// a name is not UTF-8 or out of range
+    Name,
+    /// a record refers to another that does not exist
+    Reference,
+    /// a number is not finite or out of its range
+    Number,
+    /// a production is not a graph from one entry to one exit
+    Graph,
+}
+
+impl fmt::Display for MissionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Tables => "a table is not made of whole, known records",
+            Self::TooLarge => "a table is longer than this build's limits",
+            Self::Name => "a name is not UTF-8 or out of range",
+            Self::Reference => "a record refers to another that does not exist",
+            Self::Number => "a number is not finite or out of its range",
+            Self::Graph => "a production is not a graph from one entry to one exit",
+        })
+    }
+}
+
+impl core::error::Error for MissionError {}
+
+type Checked = Result<(), MissionError>;
+
+pub(super) fn check(mission: &Mission<'_>) -> Checked {
+    tables(mission)?;
+    names(mission)?;
+    inputs_and_rules(mission)?;
+    facts_and_descriptions(mission)?;
+    components(mission)?;
+    graphs(mission)?;
+    behaviours(mission)
+}
+
+fn require(condition: bool, error: MissionError) -> Checked {
+    if condition { Ok(()) } else { Err(error) }
+}
+
+fn exists<T: Record>(table: Table<'_, T>, index: impl Into<usize>) -> Checked {
+    require(index.into() < table.len(), MissionError::Reference)
+}
+
+/// `first ..  first + count` lies in a table, and is not empty.
+fn spans<T: Record>(table: Table<'_, T>, first: u16, count: u8) -> Checked {
+    let end = usize::from(first) + usize::from(count);
+    require(end <= table.len(), MissionError::Reference)
+}
+
+fn finite(numbers: &[f32]) -> Checked {
+    require(numbers.iter().all(|number| number.is_finite()), MissionError::Number)
+}
+
+fn sound<T: Record>(table: Table<'_, T>, limit: usize) -> Checked {
+    require(table.len() <= limit, MissionError::TooLarge)?;
+    require(table.is_sound(), MissionError::Tables)
+}
+
+fn tables(mission: &Mission<'_>) -> Checked {
+    sound(mission.inputs(), limits::MAX_INPUTS)?;
+    sound(mission.rules(), limits::MAX_RULES)?;
+    sound(mission.rule_bases(), limits::MAX_RULE_BASES)?;
+    sound(mission.facts(), limits::MAX_FACTS)?;
+    sound(mission.descriptions(), limits::MAX_DESCRIPTIONS)?;
+    sound(mission.actions(), limits::MAX_ACTIONS)?;
+    sound(mission.frames(), limits::MAX_FRAMES)?;
+    sound(mission.productions(), limits::MAX_PRODUCTIONS)?;
+    sound(mission.edges(), limits::MAX_EDGES)?;
+    sound(mission.intervals(), limits::MAX_INTERVALS)?;
+    sound(mission.behaviours(), limits::MAX_BEHAVIOURS)
+}
+
+fn names(mission: &Mission<'_>) -> Checked {
+    let all = mission
+        .inputs()
+        .iter()
+        .map(|input| input.name)
+        .chain(mission.facts().iter().map(|fact| fact.name))
+        .chain(mission.actions().iter().map(|action| action.name))
+        .chain(mission.frames().iter().map(|frame| frame.name))
+        .chain(mission.productions().iter().map(|production| production.name))
+        .chain(mission.behaviours().iter().map(|behaviour| behaviour.name));
+    for name in all {
+        require(mission.name(name).len() == usize::from(name.length), MissionError::Name)?;
+    }
+    Ok(())
+}
+
+fn inputs_and_rules(mission: &Mission<'_>) -> Checked {
+    for input in mission.inputs().iter() {
+        finite(&[input.low, input.high, input.missing])?;
+        require(input.low != input.high, MissionError::Number)?;
+        match input.source {
+            Source::DistanceTo { x_m, y_m } => finite(&[x_m, y_m])?,
+            Source::Rules(index) => exists(mission.rule_bases(), index)?,
+            _ => {}
+        }
+    }
+    for rule in mission.rules().iter() {
+        exists(mission.inputs(), rule.input)?;
+    }
+    for (index, base) in mission.rule_bases().iter().enumerate() {
+        require(base.count > 0, MissionError::Number)?;
+        spans(mission.rules(), base.first, base.count)?;
+        // Rule bases are evaluated in order, so one may build on earlier results only.
+        for rule in mission.rules().range(usize::from(base.first), usize::from(base.count)) {
+            let input = mission.inputs().get(usize::from(rule.input));
+            if let Some(Source::Rules(earlier)) = input.map(|input| input.source) {
+                require(usize::from(earlier) < index, MissionError::Reference)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn facts_and_descriptions(mission: &Mission<'_>) -> Checked {
+    for fact in mission.facts().iter() {
+        match fact.kind {
+            FactKind::Symbol { .. } => {}
+            FactKind::Level { input, low, high } => {
+                exists(mission.inputs(), input)?;
+                require(low <= high, MissionError::Number)?;
+            }
+            FactKind::Near { x_m, y_m, radius_m } => {
+                finite(&[x_m, y_m, radius_m])?;
+                require(radius_m > 0.0, MissionError::Number)?;
+            }
+            FactKind::Inside { west_m, south_m, east_m, north_m } => {
+                finite(&[west_m, south_m, east_m, north_m])?;
+                require(west_m < east_m && south_m < north_m, MissionError::Number)?;
+            }
+            FactKind::NoProgress { distance_m, within_ms } => {
+                finite(&[distance_m])?;
+                require(distance_m > 0.0 && within_ms > 0, MissionError::Number)?;
+            }
+        }
+    }
+    for description in mission.descriptions().iter() {
+        require(description.max_speed_mps >= 0.0, MissionError::Number)?;
+        finite(&[description.min_distance_m])?;
+        require(description.min_distance_m >= 0.0, MissionError::Number)?;
+    }
+    Ok(())
+}
+
+fn components(mission: &Mission<'_>) -> Checked {
+    for action in mission.actions().iter() {
+        exists(mission.descriptions(), action.description)?;
+        require(action.timeout_ms > 0, MissionError::Number)?;
+        match action.kind {
+            ActionKind::Follow { reactive, advice, noise, .. } => {
+                let gains = [reactive, advice, noise];
+                require(gains.iter().all(|gain| (0.0..=1.0).contains(gain)), MissionError::Number)?;
+            }
+            ActionKind::GoTo { x_m, y_m } => finite(&[x_m, y_m])?,
+            ActionKind::SetOutput { output, .. } => {
+                require(usize::from(output) < limits::MAX_OUTPUTS, MissionError::Number)?;
+            }
+            _ => {}
+        }
+    }
+    for frame in mission.frames().iter() {
+        exists(mission.descriptions(), frame.description)?;
+        require(frame.count > 0, MissionError::Reference)?;
+        spans(mission.productions(), frame.first, frame.count)?;
+        require((0.0..=1.0).contains(&frame.threshold), MissionError::Number)?;
+    }
+    Ok(())
+}
+
+fn graphs(mission: &Mission<'_>) -> Checked {
+    for production in mission.productions().iter() {
+        if let Some(rules) = production.rules {
+            exists(mission.rule_bases(), rules)?;
+        }
+        spans(mission.edges(), production.first_edge, production.edges)?;
+        spans(mission.intervals(), production.first_interval, production.intervals)?;
+        graph(mission, &production)?;
+    }
+    Ok(())
+}
+
+/// Edges lead upwards, so the graph has no cycle; then every edge lies on a path from entry to
+/// exit exactly when every inner vertex has an edge in and an edge out.
+fn graph(mission: &Mission<'_>, production: &Production) -> Checked {
+    let vertices = production.vertices;
+    require(vertices >= 2 && usize::from(vertices) <= limits::MAX_VERTICES, MissionError::Graph)?;
+    let (mut entered, mut left) = (1_u32, 1_u32 << (vertices - 1));
+    let (first, count) = (usize::from(production.first_edge), usize::from(production.edges));
+    for Edge { from, to, symbol, .. } in mission.edges().range(first, count) {
+        require(from < to && to < vertices, MissionError::Graph)?;
+        entered |= 1 << to;
+        left |= 1 << from;
+        match symbol {
+            Symbol::Frame(index) => exists(mission.frames(), index)?,
+            Symbol::Action(index) => exists(mission.actions(), index)?,
+        }
+    }
+    let all = u32::MAX >> (32 - u32::from(vertices));
+    require(entered == all && left == all, MissionError::Graph)?;
+    let (first, count) =
+        (usize::from(production.first_interval), usize::from(production.intervals));
+    for interval in mission.intervals().range(first, count) {
+        require(interval.from < interval.to && interval.to < vertices, MissionError::Graph)?;
+    }
+    Ok(())
+}
+
+fn behaviours(mission: &Mission<'_>) -> Checked {
+    for behaviour in mission.behaviours().iter() {
+        let frames = [Some(behaviour.root), behaviour.start_up, behaviour.shut_down];
+        for frame in frames.into_iter().flatten() {
+            exists(mission.frames(), frame)?;
+        }
+        exists(mission.rule_bases(), behaviour.rules)?;
+        let unit = 0.0..=1.0;
+        require(
+            unit.contains(&behaviour.dormant)
+                && unit.contains(&behaviour.unconditional)
+                && unit.contains(&behaviour.hysteresis),
+            MissionError::Number,
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,289 @@
+//! The mission: behaviours, their plans as graph grammars, and the fuzzy rules that choose.
+//!
+//! Source: Hasemann, "Planning, Behaviours, Decomposition, and Monitoring Using Graph Grammars
+//! and Fuzzy Logic" (H). A section of the blob holds one table for each kind of record
+//! ([`records`]); [`Mission::parse`] checks every record and every reference between them, after
+//! which the tables are read in place and no look-up can fail.
+//!
+//! Invariants after parsing: rule bases have rules, and refer to earlier rule bases only;
+//! productions are directed acyclic graphs whose edges all lie on a path from the entry (vertex
+//! 0) to the exit (the last vertex); every number is finite or means "no constraint".
+
+pub mod bytes;
+mod check;
+pub mod records;
+#[cfg(feature = "std")]
+mod write;
+
+pub use bytes::Table;
+pub use check::MissionError;
+pub use records::{
+    Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Frame,
+    Inference, Input, Interval, Label, Name, Production, Rule, RuleBase, Source, SwitchPoint,
+    Symbol,
+};
+#[cfg(feature = "std")]
+pub use write::MissionDraft;
+
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+/// The tables as they are stored.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Schema)]
+pub(crate) struct Sections<'a> {
+    pub(crate) inputs: &'a [u8],
+    pub(crate) rules: &'a [u8],
+    pub(crate) rule_bases: &'a [u8],
+    pub(crate) facts: &'a [u8],
+    pub(crate) descriptions: &'a [u8],
+    pub(crate) actions: &'a [u8],
+    pub(crate) frames: &'a [u8],
+    pub(crate) productions: &'a [u8],
+    pub(crate) edges: &'a [u8],
+    pub(crate) intervals: &'a [u8],
+    pub(crate) behaviours: &'a [u8],
+    pub(crate) names: &'a [u8],
+}
+
+/// A view of the mission's tables. Without behaviours all of them are empty.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Mission<'a>(Sections<'a>);
+
+impl<'a> Mission<'a> {
+    /// Reads the mission section of a blob and checks all of it; an empty section is a mission
+    /// without behaviours.
+    pub fn parse(section: &'a [u8]) -> Result<Self, MissionError> {
+        if section.is_empty() {
+            return Ok(Self::default());
+        }
+        let (sections, rest) =
+            postcard::take_from_bytes(section).map_err(|_| MissionError::Tables)?;
+        let mission = Self(sections);
+        if rest.is_empty() {
+            check::check(&mission).map(|()| mission)
+        } else {
+            Err(MissionError::Tables)
+        }
+    }
+
+    /// Aspects of interest.
+    pub fn inputs(&self) -> Table<'a, Input> {
+        Table::new(self.0.inputs)
+    }
+
+    /// Rows of the rule bases.
+    pub fn rules(&self) -> Table<'a, Rule> {
+        Table::new(self.0.rules)
+    }
+
+    /// Rule bases of criticalities, applicabilities and derived inputs.
+    pub fn rule_bases(&self) -> Table<'a, RuleBase> {
+        Table::new(self.0.rule_bases)
+    }
+
+    /// Propositions; the index is the bit in [`Facts`].
+    pub fn facts(&self) -> Table<'a, Fact> {
+        Table::new(self.0.facts)
+    }
+
+    /// Descriptions of frames and actions.
+    pub fn descriptions(&self) -> Table<'a, Description> {
+        Table::new(self.0.descriptions)
+    }
+
+    /// Atomic actions.
+    pub fn actions(&self) -> Table<'a, Action> {
+        Table::new(self.0.actions)
+    }
+
+    /// Plan frames.
+    pub fn frames(&self) -> Table<'a, Frame> {
+        Table::new(self.0.frames)
+    }
+
+    /// Productions, those of a frame one after the other.
+    pub fn productions(&self) -> Table<'a, Production> {
+        Table::new(self.0.productions)
+    }
+
+    /// Edges, those of a production one after the other.
+    pub fn edges(&self) -> Table<'a, Edge> {
+        Table::new(self.0.edges)
+    }
+
+    /// Protection intervals, those of a production one after the other.
+    pub fn intervals(&self) -> Table<'a, Interval> {
+        Table::new(self.0.intervals)
+    }
+
+    /// Behaviours.
+    pub fn behaviours(&self) -> Table<'a, Behaviour> {
+        Table::new(self.0.behaviours)
+    }
+
+    /// The text of a name; empty where there is none.
+    pub fn name(&self, name: Name) -> &'a str {
+        let from = usize::from(name.offset);
+        let bytes = self.0.names.get(from..).and_then(|rest| rest.get(..usize::from(name.length)));
+        bytes.and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or("")
+    }
+
+    /// The description of a frame or an action.
+    pub fn description(&self, symbol: Symbol) -> Option<Description> {
+        let index = match symbol {
+            Symbol::Frame(index) => self.frames().get(usize::from(index))?.description,
+            Symbol::Action(index) => self.actions().get(usize::from(index))?.description,
+        };
+        self.descriptions().get(usize::from(index))
+    }
+}
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+
+    /// One behaviour whose frame `work` is `step` twice and then `work` again, and another way.
+    fn draft() -> MissionDraft {
+        let mut draft = MissionDraft::default();
+        let name = draft.name("fuel");
+        draft.inputs.push(Input {
+            name,
+            source: Source::DistanceTo { x_m: 1.5, y_m: -2.0 },
+            low: 0.0,
+            high: 1.0,
+            hold_ms: 500,
+            missing: 0.25,
+        });
+        use Label::{NB, NM, NS, PB, PM, PS, ZO};
+        draft.rules.push(Rule { input: 0, labels: [NB, NM, NS, ZO, PS, PM, PB] });
+        draft.rule_bases.push(RuleBase { first: 0, count: 1, inference: Inference::Product });
+        let name = draft.name("on field");
+        let kind = FactKind::Inside { west_m: -1.0, south_m: 0.0, east_m: 9.0, north_m: 5.0 };
+        draft.facts.push(Fact { name, kind });
+        draft.descriptions.push(Description {
+            initial: Condition { must: 1, must_not: 0 },
+            transient: Condition::default(),
+            goal: Condition { must: 0, must_not: 2 },
+            add: 4,
+            delete: 8,
+            max_speed_mps: f32::INFINITY,
+            min_distance_m: 0.5,
+        });
+        let name = draft.name("step");
+        draft.actions.push(Action {
+            name,
+            kind: ActionKind::Follow { plan: 3, reactive: 0.34, advice: 0.66, noise: 0.11 },
+            description: 0,
+            until: Condition { must: 1 << 63, must_not: 0 },
+            timeout_ms: 60_000,
+            resources: 1,
+        });
+        let name = draft.name("work");
+        draft.frames.push(Frame {
+            name,
+            first: 0,
+            count: 2,
+            description: 0,
+            threshold: 0.2,
+            may_add: 4,
+            may_delete: 8,
+            resources: 1,
+        });
+        let mut production = Production {
+            name,
+            rules: Some(0),
+            first_edge: 0,
+            edges: 3,
+            vertices: 3,
+            first_interval: 0,
+            intervals: 1,
+        };
+        draft.productions.push(production);
+        (production.rules, production.first_edge, production.edges) = (None, 3, 1);
+        (production.vertices, production.intervals) = (2, 0);
+        draft.productions.push(production);
+        for (from, to, symbol) in [
+            (0, 1, Symbol::Action(0)),
+            (0, 1, Symbol::Action(0)),
+            (1, 2, Symbol::Frame(0)),
+            (0, 1, Symbol::Action(0)),
+        ] {
+            draft.edges.push(Edge { from, to, symbol, work: 7 });
+        }
+        let condition = Condition { must: 1, must_not: 0 };
+        draft.intervals.push(Interval { from: 0, to: 1, condition, is_derived: true });
+        let name = draft.name("working");
+        draft.behaviours.push(Behaviour {
+            name,
+            root: 0,
+            start_up: None,
+            shut_down: Some(0),
+            rules: 0,
+            dormant: 1.0 / 12.0,
+            unconditional: 0.9,
+            hysteresis: 0.05,
+            dwell_ms: 1_000,
+            switch_point: SwitchPoint::Best,
+            resources: 1,
+        });
+        draft
+    }
+
+    #[test]
+    fn every_record_comes_back_as_it_was() {
+        let draft = draft();
+        let bytes = draft.write().unwrap();
+        let mission = Mission::parse(&bytes).unwrap();
+        assert!(mission.inputs().iter().eq(draft.inputs));
+        assert!(mission.rules().iter().eq(draft.rules));
+        assert!(mission.rule_bases().iter().eq(draft.rule_bases));
+        assert!(mission.facts().iter().eq(draft.facts));
+        assert!(mission.descriptions().iter().eq(draft.descriptions));
+        assert!(mission.actions().iter().eq(draft.actions));
+        assert!(mission.frames().iter().eq(draft.frames));
+        assert!(mission.productions().iter().eq(draft.productions));
+        assert!(mission.edges().iter().eq(draft.edges));
+        assert!(mission.intervals().iter().eq(draft.intervals));
+        assert!(mission.behaviours().iter().eq(draft.behaviours));
+        assert_eq!(mission.name(mission.frames().get(0).unwrap().name), "work");
+    }
+
+    #[test]
+    fn what_cannot_be_run_is_refused() {
+        let refused = |change: &dyn Fn(&mut MissionDraft)| {
+            let mut draft = draft();
+            change(&mut draft);
+            draft.write().unwrap_err()
+        };
+        assert_eq!(refused(&|d| d.edges[0].to = 0), MissionError::Graph);
+        assert_eq!(refused(&|d| d.edges[2].to = 3), MissionError::Graph);
+        assert_eq!(refused(&|d| d.edges[2].from = 0), MissionError::Graph);
+        assert_eq!(refused(&|d| d.edges[0].symbol = Symbol::Action(1)), MissionError::Reference);
+        assert_eq!(refused(&|d| d.inputs[0].high = f32::NAN), MissionError::Number);
+        assert_eq!(refused(&|d| d.inputs[0].high = 0.0), MissionError::Number);
+        assert_eq!(refused(&|d| d.actions[0].timeout_ms = 0), MissionError::Number);
+        assert_eq!(refused(&|d| d.behaviours[0].root = 1), MissionError::Reference);
+        assert_eq!(refused(&|d| d.frames[0].count = 3), MissionError::Reference);
+        assert_eq!(refused(&|d| d.inputs[0].source = Source::Rules(0)), MissionError::Reference);
+        let name = Name { offset: 500, length: 2 };
+        assert_eq!(refused(&|d| d.actions[0].name = name), MissionError::Name);
+        let many = |d: &mut MissionDraft| d.behaviours = vec![d.behaviours[0]; 17];
+        assert_eq!(refused(&many), MissionError::TooLarge);
+    }
+
+    #[test]
+    fn no_bytes_make_the_reader_panic() {
+        let bytes = draft().write().unwrap();
+        for length in 1..bytes.len() {
+            assert!(Mission::parse(&bytes[..length]).is_err(), "cut to {length}");
+        }
+        for bit in 0..bytes.len() * 8 {
+            let mut flipped = bytes.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            // The blob's checksum catches flips; here only the absence of panics counts.
+            if let Ok(mission) = Mission::parse(&flipped) {
+                assert_eq!(mission.behaviours().len(), 1);
+            }
+        }
+    }
+}
