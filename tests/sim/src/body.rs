@@ -44,10 +44,12 @@ pub struct Body {
     pub position: Point,
     /// Radians counter-clockwise from east, in [-pi, pi).
     pub heading_rad: f64,
-    /// m/s ahead.
+    /// What the wheels do, m/s ahead.
     pub speed_mps: f64,
     /// rad/s counter-clockwise.
     pub turn_rate_radps: f64,
+    /// How the centre truly moved in the last step, m/s.
+    pub velocity_mps: Point,
 }
 
 /// What happened during one step.
@@ -62,7 +64,14 @@ pub struct Motion {
 impl Body {
     /// A body at rest.
     pub fn new(chassis: Chassis, position: Point, heading_rad: f64) -> Self {
-        Self { chassis, position, heading_rad, speed_mps: 0.0, turn_rate_radps: 0.0 }
+        Self {
+            chassis,
+            position,
+            heading_rad,
+            speed_mps: 0.0,
+            turn_rate_radps: 0.0,
+            velocity_mps: [0.0; 2],
+        }
     }
 
     /// Follows the commands for `seconds`, as far as limits and obstacles allow. Contact is
@@ -71,6 +80,7 @@ impl Body {
     pub fn step(&mut self, commands: &Commands, world: &World, seconds: f64) -> Motion {
         self.obey(commands, seconds);
         let mut motion = Motion::default();
+        let start = self.position;
         // Pieces shorter than half the radius cannot tunnel through a wall.
         let reach = self.speed_mps.abs() * seconds;
         let pieces = (2.0 * reach / self.chassis.radius_m.max(0.05)).ceil().clamp(1.0, 64.0);
@@ -84,6 +94,7 @@ impl Body {
             }
             motion.distance_m += distance(before, self.position);
         }
+        self.velocity_mps = [0, 1].map(|axis| (self.position[axis] - start[axis]) / seconds);
         motion
     }
 

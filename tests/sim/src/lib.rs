@@ -15,13 +15,22 @@
 //! of wheels and slopes, moving obstacles.
 
 pub mod body;
+pub mod faults;
+pub mod mission;
+pub mod picture;
 pub mod pilot;
 pub mod random;
+pub mod receiver;
+pub mod sensors;
 pub mod world;
 
 pub use body::{Body, Chassis, Motion};
+pub use faults::{Channel, Fault, Faulty};
+pub use mission::{Ending, Limits, Outcome, Run};
 pub use pilot::{Pilot, PilotError};
 pub use random::{Random, Stream};
+pub use receiver::{Dialect, Receiver, ReceiverSettings};
+pub use sensors::{RingSettings, Scene, SensorSettings, SensorSuite, Sensors};
 pub use world::{Nearest, World};
 
 /// A point or displacement of the map, metres, x east, y north.

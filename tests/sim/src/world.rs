@@ -76,6 +76,11 @@ impl World {
         Self::new(features.map(|feature| &feature.shape))
     }
 
+    /// South-west and north-east corners of the box around all obstacles, metres.
+    pub fn bounds(&self) -> Option<[Point; 2]> {
+        bounds(&self.parts)
+    }
+
     /// Distance along a ray to the first surface, metres; `None` if none is nearer than
     /// `most_m`. From within a disc: 0.
     pub fn range(&self, from: Point, heading_rad: f64, most_m: f64) -> Option<f64> {
@@ -225,19 +230,16 @@ fn segments(points: &[Point], closed: bool) -> impl Iterator<Item = Part> + '_ {
     open.chain(back.map(|(&from, &to)| Part::Segment { from, to }))
 }
 
+/// South-west and north-east corners of the box around parts.
+fn bounds(parts: &[Part]) -> Option<[Point; 2]> {
+    parts.iter().map(Part::bounds).reduce(|[a, b], [c, d]| {
+        [[a[0].min(c[0]), a[1].min(c[1])], [b[0].max(d[0]), b[1].max(d[1])]]
+    })
+}
+
 impl Index {
     fn new(parts: &[Part]) -> Self {
-        let mut low = [f64::INFINITY; 2];
-        let mut high = [f64::NEG_INFINITY; 2];
-        for [south_west, north_east] in parts.iter().map(Part::bounds) {
-            for axis in 0..2 {
-                low[axis] = low[axis].min(south_west[axis]);
-                high[axis] = high[axis].max(north_east[axis]);
-            }
-        }
-        if parts.is_empty() {
-            (low, high) = ([0.0; 2], [0.0; 2]);
-        }
+        let [low, high] = bounds(parts).unwrap_or_default();
         let longest = (high[0] - low[0]).max(high[1] - low[1]);
         let cell_m = CELL_M.max(longest / MAX_SIDE_CELLS);
         let count = |axis: usize| ((high[axis] - low[axis]) / cell_m) as usize + 1;

@@ -1,0 +1,288 @@
+//! What goes wrong between a sensor and the robot: decorators around a source of records.
+//!
+//! The kinds follow PX4's failure injection (off, stuck, garbage, wrong, slow, delayed,
+//! intermittent): `Drop` with chance 1 is off, with less intermittent; `Freeze` is stuck,
+//! `Garble` garbage, `Jump` wrong, `Delay` delayed. Decorators nest, so faults combine.
+
+use crate::{Random, Scene, Sensors, Stream};
+use robot_io::SensorRecord;
+use std::collections::VecDeque;
+use std::ops::Range;
+
+/// What goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// Each tick's data is lost with this probability.
+    Drop {
+        /// 0 to 1.
+        chance: f64,
+    },
+    /// The first data of the fault is repeated: GPS bytes in every tick that has some, so the
+    /// receiver keeps its rate. A line that is too slow for a message a tick repeats a piece
+    /// of one, which is garbage.
+    Freeze,
+    /// Everything is off by this much: GPS metres along the map's axes; heading, speed and
+    /// ranges by the first number in their own unit.
+    Jump {
+        /// By how much.
+        offset: [f64; 2],
+    },
+    /// Each byte or reading is replaced by a random one, which may be no number at all, with
+    /// this probability.
+    Garble {
+        /// 0 to 1.
+        chance: f64,
+    },
+    /// Data arrives this much later.
+    Delay {
+        /// Whole ticks.
+        ticks: usize,
+    },
+}
+
+/// Which sensor is concerned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// The GPS receiver and its serial line.
+    Gps,
+    /// The compass.
+    Heading,
+    /// Speed and turn rate.
+    Odometry,
+    /// The range readings.
+    Ranges,
+}
+
+/// Sensors of which one channel fails during a window of time.
+#[derive(Debug)]
+pub struct Faulty<S> {
+    inner: S,
+    fault: Fault,
+    channel: Channel,
+    window_us: Range<u64>,
+    random: Random,
+    /// The channel's data of the last ticks, the newest at the back; only this channel is set.
+    past: VecDeque<SensorRecord>,
+    /// The channel's data when it froze.
+    frozen: Option<SensorRecord>,
+}
+
+impl<S: Sensors> Faulty<S> {
+    /// Sensors that fail within a window, in seconds since the start.
+    pub fn new(inner: S, fault: Fault, channel: Channel, window_s: Range<f64>, seed: u64) -> Self {
+        let us = |seconds: f64| (seconds * 1e6) as u64;
+        Self {
+            inner,
+            fault,
+            channel,
+            window_us: us(window_s.start)..us(window_s.end),
+            random: Random::new(seed, Stream::Fault),
+            past: VecDeque::new(),
+            frozen: None,
+        }
+    }
+
+    /// What is on its way when the fault ends arrives at once, before what is fresh: nothing
+    /// is lost, as on a congested line.
+    fn delayed(&mut self, record: &mut SensorRecord, fails: bool, ticks: usize) {
+        self.past.push_back(self.channel.taken(record));
+        let kept = if fails { ticks } else { 0 };
+        let mut arrived = SensorRecord::default();
+        while self.past.len() > kept {
+            let Some(late) = self.past.front() else { break };
+            let mut gps = arrived.gps.clone();
+            if gps.extend_from_slice(&late.gps).is_err() {
+                // One record has no room for more; the rest comes with the next tick.
+                break;
+            }
+            arrived = SensorRecord { gps, ..late.clone() };
+            self.past.pop_front();
+        }
+        self.channel.put(record, arrived);
+    }
+}
+
+impl<S: Sensors> Sensors for Faulty<S> {
+    fn sense(&mut self, scene: &Scene<'_>) -> SensorRecord {
+        let fails = self.window_us.contains(&scene.time_us);
+        let mut scene = *scene;
+        if let (true, Channel::Gps, Fault::Jump { offset }) = (fails, self.channel, self.fault) {
+            scene.antenna = [scene.antenna[0] + offset[0], scene.antenna[1] + offset[1]];
+        }
+        let mut record = self.inner.sense(&scene);
+        match self.fault {
+            Fault::Delay { ticks } => self.delayed(&mut record, fails, ticks),
+            Fault::Freeze if !fails => self.frozen = None,
+            _ if !fails => {}
+            Fault::Drop { chance } => {
+                if self.random.chance(chance) {
+                    self.channel.taken(&mut record);
+                }
+            }
+            Fault::Freeze => self.channel.freeze(&mut self.frozen, &mut record),
+            Fault::Jump { offset } => self.channel.shift(&mut record, offset[0] as f32),
+            Fault::Garble { chance } => self.channel.garble(&mut record, chance, &mut self.random),
+        }
+        record
+    }
+}
+
+impl Channel {
+    /// Takes this channel's data out of a record.
+    fn taken(self, record: &mut SensorRecord) -> SensorRecord {
+        let mut out = SensorRecord::default();
+        self.exchange(record, &mut out);
+        out
+    }
+
+    /// Puts this channel's data into a record.
+    fn put(self, record: &mut SensorRecord, mut data: SensorRecord) {
+        self.exchange(record, &mut data);
+    }
+
+    fn exchange(self, a: &mut SensorRecord, b: &mut SensorRecord) {
+        match self {
+            Self::Gps => std::mem::swap(&mut a.gps, &mut b.gps),
+            Self::Heading => std::mem::swap(&mut a.heading_rad, &mut b.heading_rad),
+            Self::Odometry => {
+                std::mem::swap(&mut a.speed_mps, &mut b.speed_mps);
+                std::mem::swap(&mut a.turn_rate_radps, &mut b.turn_rate_radps);
+            }
+            Self::Ranges => std::mem::swap(&mut a.ranges, &mut b.ranges),
+        }
+    }
+
+    /// Remembers the first data of the fault and repeats it.
+    fn freeze(self, frozen: &mut Option<SensorRecord>, record: &mut SensorRecord) {
+        if self == Self::Gps && record.gps.is_empty() {
+            return;
+        }
+        let fresh = self.taken(record);
+        let kept = frozen.get_or_insert(fresh).clone();
+        self.put(record, kept);
+    }
+
+    fn shift(self, record: &mut SensorRecord, by: f32) {
+        let shifted = |x: Option<f32>| x.map(|x| x + by);
+        match self {
+            // The antenna was moved before the receiver looked.
+            Self::Gps => {}
+            Self::Heading => record.heading_rad = shifted(record.heading_rad),
+            Self::Odometry => record.speed_mps = shifted(record.speed_mps),
+            Self::Ranges => {
+                record.ranges.iter_mut().for_each(|range| range.distance_m += by);
+            }
+        }
+    }
+
+    fn garble(self, record: &mut SensorRecord, chance: f64, random: &mut Random) {
+        // Any 32 bits are an f32; some of them are infinite or no number.
+        let mut number = |x: &mut f32| {
+            if random.chance(chance) {
+                *x = f32::from_le_bytes([0; 4].map(|_: u8| random.byte()));
+            }
+        };
+        match self {
+            Self::Heading => record.heading_rad.iter_mut().for_each(number),
+            Self::Odometry => {
+                let both = record.speed_mps.iter_mut().chain(&mut record.turn_rate_radps);
+                both.for_each(number);
+            }
+            Self::Ranges => {
+                for range in &mut record.ranges {
+                    number(&mut range.bearing_rad);
+                    number(&mut range.distance_m);
+                }
+            }
+            Self::Gps => {
+                for byte in &mut record.gps {
+                    if random.chance(chance) {
+                        *byte = random.byte();
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Body, Chassis, World};
+
+    /// Each tick brings its own number on every channel, and a GPS byte every second tick.
+    struct Counter(u8);
+
+    impl Sensors for Counter {
+        fn sense(&mut self, scene: &Scene<'_>) -> SensorRecord {
+            self.0 += 1;
+            let gps = if self.0 % 2 == 0 { &[self.0][..] } else { &[] };
+            SensorRecord {
+                gps: gps.iter().copied().collect(),
+                heading_rad: Some(f32::from(self.0)),
+                speed_mps: Some(scene.antenna[0] as f32),
+                ..SensorRecord::default()
+            }
+        }
+    }
+
+    /// Twelve ticks of one second each, of which those from the fourth to the eighth fail.
+    fn check(fault: Fault, channel: Channel, wanted: &str) {
+        let world = World::new([]);
+        let body = Body::new(Chassis::default(), [0.0; 2], 0.0);
+        let mut sensors = Faulty::new(Counter(0), fault, channel, 3.0..8.0, 1);
+        let seen: Vec<String> = (0..12)
+            .map(|i| {
+                let (time_us, tick_us) = (i * 1_000_000, 1_000_000);
+                let antenna = body.position;
+                let record =
+                    sensors.sense(&Scene { world: &world, body, antenna, time_us, tick_us });
+                let numbers: Vec<String> = match channel {
+                    Channel::Gps => record.gps.iter().map(u8::to_string).collect(),
+                    _ => record.heading_rad.iter().map(f32::to_string).collect(),
+                };
+                if numbers.is_empty() { "-".to_owned() } else { numbers.join(",") }
+            })
+            .collect();
+        assert_eq!(seen.join(" "), wanted, "{fault:?} of {channel:?}");
+    }
+
+    #[test]
+    fn each_fault_does_what_its_name_says_within_its_window() {
+        let drop = Fault::Drop { chance: 1.0 };
+        check(drop, Channel::Heading, "1 2 3 - - - - - 9 10 11 12");
+        check(drop, Channel::Gps, "- 2 - - - - - - - 10 - 12");
+        check(Fault::Freeze, Channel::Heading, "1 2 3 4 4 4 4 4 9 10 11 12");
+        check(Fault::Freeze, Channel::Gps, "- 2 - 4 - 4 - 4 - 10 - 12");
+        let jump = Fault::Jump { offset: [50.0, 0.0] };
+        check(jump, Channel::Heading, "1 2 3 54 55 56 57 58 9 10 11 12");
+        let delay = Fault::Delay { ticks: 2 };
+        check(delay, Channel::Heading, "1 2 3 - - 4 5 6 9 10 11 12");
+        check(delay, Channel::Gps, "- 2 - - - 4 - 6 8 10 - 12");
+    }
+
+    #[test]
+    fn a_jump_moves_the_antenna_and_not_the_body() {
+        let world = World::new([]);
+        let body = Body::new(Chassis::default(), [1.0, 0.0], 0.0);
+        let scene =
+            Scene { world: &world, body, antenna: body.position, time_us: 0, tick_us: 50_000 };
+        let jump = Fault::Jump { offset: [50.0, 0.0] };
+        let mut sensors = Faulty::new(Counter(0), jump, Channel::Gps, 0.0..1.0, 1);
+        assert_eq!(sensors.sense(&scene).speed_mps, Some(51.0));
+    }
+
+    #[test]
+    fn garbage_is_the_same_for_the_same_seed() {
+        let garbled = |seed| {
+            let mut random = Random::new(seed, Stream::Fault);
+            let mut record = SensorRecord { gps: (0..100).collect(), ..Default::default() };
+            Channel::Gps.garble(&mut record, 0.1, &mut random);
+            record.gps
+        };
+        assert_eq!(garbled(1), garbled(1));
+        assert_ne!(garbled(1), garbled(2));
+        let changed = garbled(1).iter().zip(0_u8..).filter(|(a, b)| **a != *b).count();
+        assert!((3..=20).contains(&changed), "{changed} of 100 at a chance of 0.1");
+    }
+}

@@ -1,0 +1,211 @@
+//! A GPS receiver: from the true position to the bytes on its serial line.
+//!
+//! Noise, rate, delay and baud rate are the receiver's; the messages are real UBX NAV-PVT
+//! frames or NMEA 0183 sentences, so that the robot's own drivers are under test.
+
+use crate::body::distance;
+use crate::{Point, Random, Stream};
+use math::scalar::wide;
+use math::{Frame, GeoPoint, Vec2};
+use plan_compiler::map::Reference;
+use std::collections::VecDeque;
+
+mod encode;
+
+pub use encode::{Dialect, Solution};
+
+/// How a receiver works.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReceiverSettings {
+    /// The language of its messages.
+    pub dialect: Dialect,
+    /// Solutions a second; 0: silent.
+    pub rate_hz: f64,
+    /// From the instant of a solution to the first byte of its message, seconds.
+    pub delay_s: f64,
+    /// Speed of the serial line, bits a second, ten bits a byte.
+    pub baud: u32,
+    /// Standard deviation of the position along each axis, metres.
+    pub sigma_m: f64,
+    /// Time after which the error is another one, seconds; 0: each fix has its own (white noise).
+    pub correlation_s: f64,
+    /// Standard deviation of the velocity along each axis, m/s.
+    pub velocity_sigma_mps: f64,
+}
+
+impl ReceiverSettings {
+    /// A receiver without error and delay.
+    pub const PERFECT: Self = Self {
+        dialect: Dialect::Ubx,
+        rate_hz: 5.0,
+        delay_s: 0.0,
+        baud: 115_200,
+        sigma_m: 0.0,
+        correlation_s: 0.0,
+        velocity_sigma_mps: 0.0,
+    };
+
+    /// A good receiver under an open sky: 1 m, white noise, a tenth of a second late.
+    pub const ONE_METRE: Self = Self {
+        dialect: Dialect::Ubx,
+        rate_hz: 5.0,
+        delay_s: 0.1,
+        baud: 38_400,
+        sigma_m: 1.0,
+        correlation_s: 0.0,
+        velocity_sigma_mps: 0.05,
+    };
+}
+
+/// A receiver on the robot.
+#[derive(Clone, Debug)]
+pub struct Receiver {
+    settings: ReceiverSettings,
+    frame: Frame,
+    /// Of the map's y axis, clockwise from true north.
+    heading_rad: f64,
+    random: Random,
+    error_m: Point,
+    solved: u64,
+    /// Messages that are not yet on the line, with the time when they get there.
+    waiting: VecDeque<(u64, Vec<u8>)>,
+    /// Bytes on the line, and the part of a byte that the last tick had room for.
+    line: VecDeque<u8>,
+    room: f64,
+}
+
+impl Receiver {
+    /// A receiver on a map whose place on the globe is known.
+    pub fn new(settings: ReceiverSettings, reference: &Reference, seed: u64) -> Self {
+        let mut random = Random::new(seed, Stream::Gps);
+        let error_m = [0, 1].map(|_| settings.sigma_m * random.normal());
+        Self {
+            settings,
+            frame: Frame::new(reference.place, reference.at, reference.heading_rad),
+            heading_rad: reference.heading_rad,
+            random,
+            error_m,
+            solved: 0,
+            waiting: VecDeque::new(),
+            line: VecDeque::new(),
+            room: 0.0,
+        }
+    }
+
+    /// The bytes that arrive by `time_us`, at most `most`, when the antenna is at a point of
+    /// the map and moves with a velocity along the map's axes. To be called with growing times.
+    pub fn bytes(
+        &mut self,
+        time_us: u64,
+        tick_us: u64,
+        antenna: Point,
+        velocity: Point,
+        most: usize,
+    ) -> Vec<u8> {
+        if self.is_due(time_us) {
+            let solution = self.solve(time_us, antenna, velocity);
+            let at = time_us + (self.settings.delay_s * 1e6) as u64;
+            self.waiting.push_back((at, self.settings.dialect.message(&solution)));
+        }
+        while self.waiting.front().is_some_and(|&(at, _)| at <= time_us) {
+            self.line.extend(self.waiting.pop_front().into_iter().flat_map(|(_, bytes)| bytes));
+        }
+        self.room += f64::from(self.settings.baud) / 10.0 * tick_us as f64 * 1e-6;
+        let count = self.line.len().min(self.room as usize).min(most);
+        // An idle line saves nothing up.
+        self.room = if self.line.len() == count { 0.0 } else { self.room - count as f64 };
+        self.line.drain(..count).collect()
+    }
+
+    /// Whether a solution falls into the tick that ends now; at most one does.
+    fn is_due(&mut self, time_us: u64) -> bool {
+        let due = (time_us as f64 * 1e-6 * self.settings.rate_hz) as u64 + 1;
+        let is_due = due > self.solved && self.settings.rate_hz > 0.0;
+        self.solved = due;
+        is_due
+    }
+
+    fn solve(&mut self, time_us: u64, antenna: Point, velocity: Point) -> Solution {
+        self.wander();
+        let at = [antenna[0] + self.error_m[0], antenna[1] + self.error_m[1]];
+        let (c, s) = (wide::cos(self.heading_rad), wide::sin(self.heading_rad));
+        let true_velocity = [c * velocity[0] + s * velocity[1], c * velocity[1] - s * velocity[0]];
+        Solution {
+            time_us,
+            place: self.place(at),
+            velocity_mps: true_velocity
+                .map(|v| v + self.settings.velocity_sigma_mps * self.random.normal()),
+            accuracy_m: (self.settings.sigma_m * std::f64::consts::SQRT_2).max(0.02),
+            is_valid: true,
+        }
+    }
+
+    /// The next error: first-order Gauss-Markov, with the same spread at any correlation.
+    fn wander(&mut self) {
+        let correlation = self.settings.correlation_s;
+        let kept = if correlation > 0.0 {
+            wide::exp(-1.0 / (self.settings.rate_hz * correlation))
+        } else {
+            0.0
+        };
+        let fresh = self.settings.sigma_m * wide::sqrt(1.0 - kept * kept);
+        for axis in 0..2 {
+            self.error_m[axis] = kept * self.error_m[axis] + fresh * self.random.normal();
+        }
+    }
+
+    fn place(&self, at: Point) -> GeoPoint {
+        self.frame.to_geodetic(Vec2::new(at[0] as f32, at[1] as f32))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reference() -> Reference {
+        let place = GeoPoint::from_degrees(33.77, -84.4).expect("on the globe");
+        Reference { place, at: [0.0, 0.0], heading_rad: 0.0 }
+    }
+
+    /// The bytes of ten seconds at 20 ticks a second, tick by tick.
+    fn ten_seconds(settings: ReceiverSettings, seed: u64) -> Vec<Vec<u8>> {
+        let mut receiver = Receiver::new(settings, &reference(), seed);
+        (0..200).map(|i| receiver.bytes(i * 50_000, 50_000, [5.0, 6.0], [0.0; 2], 576)).collect()
+    }
+
+    #[test]
+    fn messages_come_at_the_rate_and_after_the_delay() {
+        let perfect = ten_seconds(ReceiverSettings::PERFECT, 1);
+        assert_eq!(perfect.iter().filter(|bytes| !bytes.is_empty()).count(), 50);
+        assert_eq!(perfect.iter().map(Vec::len).sum::<usize>(), 50 * 100);
+        let late = ten_seconds(ReceiverSettings { delay_s: 0.3, ..ReceiverSettings::PERFECT }, 1);
+        assert_eq!(late.iter().position(|bytes| !bytes.is_empty()), Some(6));
+    }
+
+    #[test]
+    fn a_slow_line_spreads_a_message_over_ticks_and_loses_nothing() {
+        let slow = ReceiverSettings { baud: 9_600, rate_hz: 1.0, ..ReceiverSettings::PERFECT };
+        let ticks = ten_seconds(slow, 1);
+        assert!(ticks.iter().all(|bytes| bytes.len() <= 48));
+        assert_eq!(ticks.iter().map(Vec::len).sum::<usize>(), 10 * 100);
+    }
+
+    #[test]
+    fn errors_have_the_stated_spread_and_the_same_seed_the_same_bytes() {
+        for correlation_s in [0.0, 2.0] {
+            let settings = ReceiverSettings { correlation_s, ..ReceiverSettings::ONE_METRE };
+            assert_eq!(ten_seconds(settings, 3), ten_seconds(settings, 3));
+            assert_ne!(ten_seconds(settings, 3), ten_seconds(settings, 4));
+            let mut receiver = Receiver::new(settings, &reference(), 5);
+            let mut squares = 0.0;
+            for _ in 0..20_000 {
+                receiver.wander();
+                squares +=
+                    distance(receiver.error_m, [0.0; 2]) * distance(receiver.error_m, [0.0; 2]);
+            }
+            let sigma = wide::sqrt(squares / 40_000.0);
+            assert!((sigma - 1.0).abs() < 0.06, "{correlation_s}: {sigma}");
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Messages of GPS receivers, as they stand in the interface descriptions: u-blox UBX
+//! NAV-PVT, and NMEA 0183 RMC with GGA.
+
+use math::GeoPoint;
+use math::scalar::wide;
+
+/// The language that a receiver speaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialect {
+    /// UBX NAV-PVT: binary, 100 bytes a solution.
+    Ubx,
+    /// NMEA 0183: an RMC and a GGA sentence for each solution.
+    Nmea,
+}
+
+/// What a receiver has worked out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution {
+    /// Since the start of the simulation, which is noon of the 1st of June 2026, UTC.
+    pub time_us: u64,
+    /// Where.
+    pub place: GeoPoint,
+    /// East and north, m/s.
+    pub velocity_mps: [f64; 2],
+    /// What the receiver says of its horizontal accuracy, metres.
+    pub accuracy_m: f64,
+    /// Whether it vouches for the position.
+    pub is_valid: bool,
+}
+
+impl Dialect {
+    /// The bytes of a solution.
+    pub fn message(self, solution: &Solution) -> Vec<u8> {
+        match self {
+            Self::Ubx => ubx_nav_pvt(solution).to_vec(),
+            Self::Nmea => (rmc(solution) + &gga(solution)).into_bytes(),
+        }
+    }
+}
+
+/// Metres of accuracy for an HDOP of 1; the drivers assume the same.
+const METRES_PER_HDOP: f64 = 2.5;
+/// Knots in a metre a second.
+const KNOTS_PER_MPS: f64 = 3600.0 / 1852.0;
+/// Bytes of the payload of NAV-PVT.
+const PAYLOAD: usize = 92;
+
+fn ubx_nav_pvt(solution: &Solution) -> [u8; PAYLOAD + 8] {
+    let mut payload = [0; PAYLOAD];
+    let mut put = |at: usize, bytes: &[u8]| payload[at..at + bytes.len()].copy_from_slice(bytes);
+    let (hour, minute, second) = clock(solution);
+    // The 1st of June 2026 is a Monday, the second day of the GPS week.
+    let week_ms = (86_400 + 43_200) * 1_000 + solution.time_us / 1_000;
+    put(0, &((week_ms % 604_800_000) as u32).to_le_bytes());
+    put(4, &2026_u16.to_le_bytes());
+    put(6, &[6, 1, hour, minute, second, 0b111]);
+    put(16, &((solution.time_us % 1_000_000 * 1_000) as i32).to_le_bytes());
+    put(20, &[if solution.is_valid { 3 } else { 0 }, u8::from(solution.is_valid), 0, 12]);
+    put(24, &solution.place.lon_e7.to_le_bytes());
+    put(28, &solution.place.lat_e7.to_le_bytes());
+    put(40, &millimetres(solution.accuracy_m).to_le_bytes());
+    put(44, &millimetres(solution.accuracy_m * 1.5).to_le_bytes());
+    let [east, north] = solution.velocity_mps;
+    put(48, &(millimetres(north)).to_le_bytes());
+    put(52, &(millimetres(east)).to_le_bytes());
+    put(60, &(millimetres(wide::hypot(east, north))).to_le_bytes());
+    put(64, &((course_deg(solution) * 1e5).round() as i32).to_le_bytes());
+    put(68, &100_u32.to_le_bytes());
+    put(72, &500_000_u32.to_le_bytes());
+    put(76, &120_u16.to_le_bytes());
+    put(78, &[u8::from(!solution.is_valid), 0]);
+    frame(0x01, 0x07, &payload)
+}
+
+/// Sync characters, class, identity, length, payload, 8-bit Fletcher checksum.
+fn frame(class: u8, identity: u8, payload: &[u8; PAYLOAD]) -> [u8; PAYLOAD + 8] {
+    let mut message = [0; PAYLOAD + 8];
+    message[..6].copy_from_slice(&[0xb5, 0x62, class, identity, PAYLOAD as u8, 0]);
+    message[6..6 + PAYLOAD].copy_from_slice(payload);
+    let (mut a, mut b) = (0_u8, 0_u8);
+    for &byte in &message[2..6 + PAYLOAD] {
+        a = a.wrapping_add(byte);
+        b = b.wrapping_add(a);
+    }
+    message[6 + PAYLOAD..].copy_from_slice(&[a, b]);
+    message
+}
+
+fn rmc(solution: &Solution) -> String {
+    let (status, mode) = if solution.is_valid { ("A", "A") } else { ("V", "N") };
+    let speed = wide::hypot(solution.velocity_mps[0], solution.velocity_mps[1]) * KNOTS_PER_MPS;
+    sentence(&format!(
+        "GNRMC,{},{status},{},{speed:.3},{:.2},010626,,,{mode}",
+        utc(solution),
+        coordinates(solution.place),
+        course_deg(solution),
+    ))
+}
+
+fn gga(solution: &Solution) -> String {
+    let quality = u8::from(solution.is_valid);
+    let hdop = (solution.accuracy_m / METRES_PER_HDOP).max(0.01);
+    sentence(&format!(
+        "GNGGA,{},{},{quality},12,{hdop:.2},0.0,M,0.0,M,,",
+        utc(solution),
+        coordinates(solution.place),
+    ))
+}
+
+fn sentence(body: &str) -> String {
+    let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+    format!("${body}*{checksum:02X}\r\n")
+}
+
+/// `ddmm.mmmmm,N,dddmm.mmmmm,E`; the last digit is worth 2 cm.
+fn coordinates(place: GeoPoint) -> String {
+    let parts = |degrees_e7: i32| {
+        let minutes_e5 = (u64::from(degrees_e7.unsigned_abs()) * 60 + 50) / 100;
+        let (degrees, minutes) = (minutes_e5 / 6_000_000, minutes_e5 % 6_000_000);
+        (degrees, minutes / 100_000, minutes % 100_000)
+    };
+    let (degrees, minutes, fraction) = parts(place.lat_e7);
+    let half = if place.lat_e7 < 0 { 'S' } else { 'N' };
+    let lat = format!("{degrees:02}{minutes:02}.{fraction:05},{half}");
+    let (degrees, minutes, fraction) = parts(place.lon_e7);
+    let half = if place.lon_e7 < 0 { 'W' } else { 'E' };
+    format!("{lat},{degrees:03}{minutes:02}.{fraction:05},{half}")
+}
+
+/// `hhmmss.ss`.
+fn utc(solution: &Solution) -> String {
+    let (hour, minute, second) = clock(solution);
+    format!("{hour:02}{minute:02}{second:02}.{:02}", solution.time_us / 10_000 % 100)
+}
+
+fn clock(solution: &Solution) -> (u8, u8, u8) {
+    let seconds = solution.time_us / 1_000_000 + 43_200;
+    ((seconds / 3_600 % 24) as u8, (seconds / 60 % 60) as u8, (seconds % 60) as u8)
+}
+
+/// Clockwise from north, 0 to 360.
+fn course_deg(solution: &Solution) -> f64 {
+    let [east, north] = solution.velocity_mps;
+    let degrees = wide::atan2(east, north).to_degrees();
+    if degrees < 0.0 { degrees + 360.0 } else { degrees }
+}
+
+fn millimetres(metres: f64) -> i32 {
+    (metres * 1e3).round() as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn solution() -> Solution {
+        Solution {
+            time_us: 3_661_250_000,
+            place: GeoPoint { lat_e7: 337_756_000, lon_e7: -843_990_001 },
+            velocity_mps: [-1.0, 1.0],
+            accuracy_m: 1.5,
+            is_valid: true,
+        }
+    }
+
+    #[test]
+    fn sentences_read_as_the_standard_writes_them() {
+        let text = String::from_utf8(Dialect::Nmea.message(&solution())).expect("ASCII");
+        assert_eq!(
+            text,
+            "$GNRMC,130101.25,A,3346.53600,N,08423.94001,W,2.749,315.00,010626,,,A*68\r\n\
+             $GNGGA,130101.25,3346.53600,N,08423.94001,W,1,12,0.60,0.0,M,0.0,M,,*63\r\n"
+        );
+    }
+
+    #[test]
+    fn a_frame_has_its_fields_where_the_protocol_says() {
+        let bytes = Dialect::Ubx.message(&solution());
+        assert_eq!(bytes.len(), 100);
+        assert_eq!(bytes[..6], [0xb5, 0x62, 1, 7, 92, 0]);
+        let field = |at: usize| i32::from_le_bytes(bytes[6 + at..10 + at].try_into().expect("4"));
+        assert_eq!((field(24), field(28)), (-843_990_001, 337_756_000));
+        assert_eq!((field(40), field(48), field(52), field(60)), (1_500, 1_000, -1_000, 1_414));
+        assert_eq!(field(64), 31_500_000);
+        assert_eq!(bytes[6 + 20..6 + 22], [3, 1]);
+    }
+}
