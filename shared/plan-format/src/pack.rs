@@ -18,6 +18,11 @@ impl PackedLayer {
     pub fn counts(&self) -> Counts {
         self.counts
     }
+
+    /// Bytes that it takes in a blob, unless it shares them with an equal layer.
+    pub fn bytes(&self) -> usize {
+        self.cells.len()
+    }
 }
 
 /// Packs a field. The field is taken to obey its own description; the reader, which
