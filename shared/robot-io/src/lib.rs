@@ -8,6 +8,7 @@
 #![no_std]
 
 pub mod commands;
+pub mod frame;
 pub mod limits;
 pub mod percepts;
 pub mod record;
