@@ -1,1 +1,115 @@
+//! The tick: what the robot perceives goes in, what it shall do comes out.
+//!
+//! [`tick`] decides everything about motion, in this order:
+//!
+//! | step | module | what happens |
+//! |---|---|---|
+//! | sense | [`sense`] | fixes are judged, position and heading are kept up |
+//! | advise | [`guidance`] | the plan is asked; arrival and trouble are told apart |
+//! | schemas, blend | `schemas` | vectors are computed and summed by their gains |
+//! | drive | [`drive`] | the sum becomes speed and turn rate |
+//! | limit | [`limit`] | operator and obstacles have the last word |
+//!
+//! # Invariants
+//! - Pure: the commands depend on the arguments only; time is in the percepts. Equal plan,
+//!   state and percepts give equal commands and equal next state, on every target.
+//! - Total: no percept, however wrong, causes a panic, and trouble is data: every stop has a
+//!   [`Reason`].
+//! - Commands are finite and within the vehicle's limits, always.
+//! - A plan is advice. Without a map, and with a planning gain of 0, the robot drives by its
+//!   reactive schemas alone, bit for bit as if there had never been a plan.
+//!
+//! # Glossary
+//! - **advice**: what an internalized plan says in the robot's cell: a step, and its cost.
+//! - **commands**: speed, turn rate, outputs and the reason for them; the result of a tick.
+//! - **fix**: one solution of the GPS receiver.
+//! - **gain**: weight of a schema or a group of schemas in the blend.
+//! - **guidance**: advice, goal and gains for one tick, after arrival and trouble are decided.
+//! - **layer**: one internalized plan: a goal and a set of constraints.
+//! - **parallel plan**: layers with one goal, each more constrained than the one before.
+//! - **percepts**: all that one tick may know.
+//! - **schema**: turns percepts into a vector.
+//! - **tick**: one run of [`tick`], 20 a second by default.
+//!
+//! Source: W (Wagner and Arkin, "Internalized Plans for Communication-Sensitive Robot Team
+//! Behaviors"); the drive follows the values of its experiments.
+//!
+//! Deliberately absent: clocks, drivers, logging, allocation; a filter that fuses sensors
+//! (receivers and IMUs bring their own; here a good fix is taken as it is).
 #![no_std]
+
+pub mod drive;
+pub mod guidance;
+pub mod limit;
+pub mod sense;
+
+use plan_format::Plan;
+use robot_io::{Commands, Percepts, Reason};
+use schemas::{Noise, Vectors};
+use serde::{Deserialize, Serialize};
+
+/// All that one tick leaves to the next: plain data that can be kept, compared and replayed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Position, heading and what they rest on.
+    pub track: sense::Track,
+    /// The chosen layer, and whether the goal is reached.
+    pub progress: guidance::Progress,
+    /// The noise schema.
+    pub noise: Noise,
+}
+
+/// The state is kept in static memory; its budget is 4 KB.
+const _: () = assert!(size_of::<State>() <= 400);
+
+impl State {
+    /// The state before the first tick.
+    pub fn new(plan: &Plan<'_>) -> Self {
+        Self {
+            track: sense::Track::default(),
+            progress: guidance::Progress::default(),
+            noise: Noise::new(plan.parameters().seed),
+        }
+    }
+}
+
+/// Advances the controller by one tick. Pure: the result depends on the arguments only.
+/// Total: never panics, never fails.
+pub fn tick(plan: &Plan<'_>, state: &mut State, percepts: &Percepts) -> Commands {
+    let percepts = percepts.sanitised();
+    let wanted = decide(plan, state, &percepts).unwrap_or_else(Commands::stop);
+    let commands = limit::limit(&plan.parameters().vehicle, &percepts, wanted);
+    state.track.commanded(&commands);
+    commands
+}
+
+/// What the robot would do if neither operator nor obstacles objected; an error says why it
+/// stands still.
+fn decide(plan: &Plan<'_>, state: &mut State, percepts: &Percepts) -> Result<Commands, Reason> {
+    let parameters = plan.parameters();
+    let (vehicle, schema) = (&parameters.vehicle, &parameters.schemas);
+
+    let sensed = sense::sense(plan, &mut state.track, percepts);
+    let position = sensed.position?;
+    let is_armed = percepts.operator.is_armed;
+    let guidance = guidance::guide(plan, &mut state.progress, position, is_armed)?;
+    let Some(heading_rad) = sensed.heading_rad else {
+        return drive::creep(vehicle, percepts);
+    };
+
+    let repulsion = schemas::avoid_static_obstacle(
+        &percepts.ranges,
+        vehicle.radius_m,
+        schema.avoid_margin_m,
+        schema.avoid_sphere_m,
+    );
+    let vectors = Vectors {
+        goal: schemas::move_to_goal(position, guidance.goal, schema.goal_tolerance_m),
+        avoid: math::vector::rotated(repulsion.vector, heading_rad),
+        advice: schemas::follow_plan(guidance.step),
+        noise: state.noise.next(schema.noise_persistence_ticks),
+    };
+    let blended = schemas::blend(&guidance.gains, schema, &vectors);
+    let is_repelled = guidance.gains.reactive * schema.avoid_gain > 0.0 && repulsion.is_saturated;
+    Ok(drive::drive(vehicle, blended, heading_rad, is_repelled).because(guidance.reason))
+}

@@ -59,4 +59,6 @@ pub enum Reason {
     EmergencyStop,
     /// Driven by hand.
     Manual,
+    /// The plan does not say where on the globe its map lies, so no fix can be used.
+    NoOrigin,
 }

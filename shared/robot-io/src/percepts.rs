@@ -52,7 +52,7 @@ pub struct RangeReading {
 /// What the human in charge says; outranks everything else.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Operator {
-    /// The robot may move on its own.
+    /// The robot may move at all.
     pub is_armed: bool,
     /// Stand still, whatever else is said.
     pub is_emergency_stop: bool,

@@ -1,0 +1,79 @@
+//! From the blended vector to speed and turn rate.
+//!
+//! The vector's length times the base speed is the speed, up to the maximum; its direction is
+//! where the robot turns, slowing down by the cosine of the heading error. The three kinds of
+//! steering differ in what they do while the error is large:
+//! - differential: stops and turns on the spot;
+//! - Ackermann: keeps some way on, since without it there is no turning;
+//! - boat: keeps at least the cautious speed, since without it there is no steering.
+//!
+//! The last two back away from what repels them hard from ahead, while turning.
+//!
+//! Limits are not applied here: see [`crate::limit`].
+
+use math::{Vec2, scalar, vector};
+use plan_format::parameters::{Steering, Vehicle};
+use robot_io::{Commands, Percepts, Reason};
+
+use crate::sense::COURSE_SPEED_MPS;
+
+/// Turn rate for each radian of heading error, 1/s: the error halves in about a third of a
+/// second, which is several ticks and slower than any vehicle's own steering.
+const TURN_GAIN_PER_S: f32 = 2.0;
+
+/// What is left of an Ackermann vehicle's speed where the cosine would leave less.
+const LEAST_WAY: f32 = 0.3;
+
+/// Speed while looking for the heading, m/s: a little above what gives a course.
+const CREEP_SPEED_MPS: f32 = 0.6;
+const _: () = assert!(CREEP_SPEED_MPS > COURSE_SPEED_MPS);
+
+/// A speed and a turn rate without a reason yet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// m/s ahead.
+    pub speed_mps: f32,
+    /// rad/s counter-clockwise.
+    pub turn_rate_radps: f32,
+}
+
+impl Motion {
+    /// The commands for this motion.
+    pub fn because(self, reason: Reason) -> Commands {
+        let Self { speed_mps, turn_rate_radps } = self;
+        Commands { speed_mps, turn_rate_radps, outputs: 0, reason }
+    }
+}
+
+/// The motion along `blended` (map axes, 1 = base speed) of a vehicle that heads to
+/// `heading_rad`. `is_repelled`: an obstacle within the margin is part of the sum.
+pub fn drive(vehicle: &Vehicle, blended: Vec2, heading_rad: f32, is_repelled: bool) -> Motion {
+    let length = vector::length(blended);
+    if length == 0.0 {
+        return Motion { speed_mps: 0.0, turn_rate_radps: 0.0 };
+    }
+    let top_mps = if is_repelled { vehicle.cautious_speed_mps } else { vehicle.max_speed_mps };
+    let speed_mps = (length * vehicle.base_speed_mps).min(top_mps);
+    let ahead = vector::rotated(blended, -heading_rad);
+    let turn_rate_radps = TURN_GAIN_PER_S * vector::angle(ahead);
+    let cosine = scalar::clamp(ahead.x / length, -1.0, 1.0);
+    let speed_mps = match vehicle.steering {
+        Steering::Differential => speed_mps * cosine.max(0.0),
+        _ if cosine < 0.0 && is_repelled => -speed_mps,
+        Steering::Ackermann => speed_mps * cosine.max(LEAST_WAY),
+        Steering::Boat => (speed_mps * cosine).max(speed_mps.min(vehicle.cautious_speed_mps)),
+    };
+    Motion { speed_mps, turn_rate_radps }
+}
+
+/// Straight ahead until the course over ground tells the heading; an error where that is not
+/// allowed or cannot succeed.
+pub fn creep(vehicle: &Vehicle, percepts: &Percepts) -> Result<Commands, Reason> {
+    let tells_course = percepts.fix.is_some_and(|fix| fix.velocity_mmps.is_some());
+    if vehicle.may_creep && tells_course && vehicle.max_speed_mps > COURSE_SPEED_MPS {
+        let motion = Motion { speed_mps: CREEP_SPEED_MPS, turn_rate_radps: 0.0 };
+        Ok(motion.because(Reason::NoHeading))
+    } else {
+        Err(Reason::NoHeading)
+    }
+}

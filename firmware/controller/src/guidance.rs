@@ -1,0 +1,112 @@
+//! Where to, by which weights, and whether at all: the advice in its context.
+
+use advice::{Advice, Choice, Kind, advise};
+use math::{Vec2, vector};
+use plan_format::grid::STRAIGHT_STEP;
+use plan_format::parameters::{Gains, OnTrouble};
+use plan_format::{Direction, Plan};
+use robot_io::Reason;
+use serde::{Deserialize, Serialize};
+
+/// What the schemas need to know of plan and goal in one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Guidance {
+    /// The advised step, if there is one.
+    pub step: Option<Direction>,
+    /// The goal, map metres.
+    pub goal: Vec2,
+    /// Weights of the blend.
+    pub gains: Gains,
+    /// What the robot is doing.
+    pub reason: Reason,
+}
+
+/// How far the robot has come with its plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Progress {
+    /// The layer of a static selection.
+    pub choice: Choice,
+    /// The goal has been reached and not been left since.
+    pub is_at_goal: bool,
+}
+
+/// A robot that has arrived stands still until it is this many tolerances away from the goal:
+/// a position that wavers by less than a tolerance must not set it in motion again.
+const LEAVING: f32 = 2.0;
+
+/// The longest obstacle-free path over cells is this much longer than the straight line:
+/// the square root of 4 - 2 sqrt 2, at 22.5 degrees.
+const OCTILE_EXCESS: f32 = 1.082_392_2;
+
+/// Asks the plan. An error says why the robot has nowhere to go.
+///
+/// Until the robot is armed every choice is provisional: it starts from where it is armed.
+/// So a static selection is made anew, and an arrival forgotten, when it is disarmed.
+pub fn guide(
+    plan: &Plan<'_>,
+    progress: &mut Progress,
+    position: Vec2,
+    is_armed: bool,
+) -> Result<Guidance, Reason> {
+    if !is_armed {
+        *progress = Progress::default();
+    }
+    let goal = plan.goal().ok_or(Reason::NoPlan)?;
+    let distance_m = vector::length(goal - position);
+    let guided = weigh(plan, progress, position, goal, distance_m);
+    progress.is_at_goal = guided == Err(Reason::AtGoal);
+    guided
+}
+
+fn weigh(
+    plan: &Plan<'_>,
+    progress: &mut Progress,
+    position: Vec2,
+    goal: Vec2,
+    distance_m: f32,
+) -> Result<Guidance, Reason> {
+    let parameters = plan.parameters();
+    let tolerance_m = parameters.schemas.goal_tolerance_m;
+    if progress.is_at_goal && distance_m <= LEAVING * tolerance_m {
+        return Err(Reason::AtGoal);
+    }
+    let is_near = distance_m <= tolerance_m;
+    let without_advice = |gains, reason| {
+        if is_near { Err(Reason::AtGoal) } else { Ok(Guidance { step: None, goal, gains, reason }) }
+    };
+    // Without advice the reactive schemas must drive alone, also where they weigh nothing.
+    let reactive_only = Gains { reactive: 1.0, plan: 0.0, noise: parameters.gains.noise };
+    let Some(parallel_plan) = plan.parallel_plan(usize::from(parameters.plan)) else {
+        return without_advice(reactive_only, Reason::NoPlan);
+    };
+    // Advice without weight is not asked for, so that not even its troubles have an effect.
+    if parameters.gains.plan == 0.0 {
+        return without_advice(parameters.gains, Reason::Driving);
+    }
+    let cell = plan.cell_at(position);
+    let advice = advise(&parallel_plan, cell, parameters.selection, &mut progress.choice);
+    let in_trouble = |policy, reason| match policy {
+        OnTrouble::Stop => Err(reason),
+        OnTrouble::Reactive => without_advice(reactive_only, reason),
+    };
+    let with_advice =
+        |reason| Ok(Guidance { step: advice.direction, goal, gains: parameters.gains, reason });
+    match advice.kind {
+        Kind::Goal => Err(Reason::AtGoal),
+        Kind::Move if is_near && is_in_the_open(plan, &advice, distance_m) => Err(Reason::AtGoal),
+        Kind::Move => with_advice(Reason::Driving),
+        Kind::Escape => with_advice(Reason::Escaping),
+        Kind::NoRoute => in_trouble(parameters.trouble.no_route, Reason::NoRoute),
+        Kind::OffMap => in_trouble(parameters.trouble.off_map, Reason::OffMap),
+    }
+}
+
+/// Whether no obstacle is between here and the goal: the route is no longer than a free one
+/// could be. Being near the goal, but on the other side of a wall, is not being there.
+fn is_in_the_open(plan: &Plan<'_>, advice: &Advice, distance_m: f32) -> bool {
+    let resolution_m = plan.grid().resolution_m as f32;
+    // Both ends are up to half a cell's diagonal away from the centres that costs are for.
+    let free_m = OCTILE_EXCESS * (distance_m + core::f32::consts::SQRT_2 * resolution_m);
+    let cost_m = advice.cost.unwrap_or(u32::MAX) as f32 * (resolution_m / STRAIGHT_STEP as f32);
+    cost_m <= free_m
+}

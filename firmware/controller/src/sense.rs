@@ -1,0 +1,176 @@
+//! Where the robot is and where it heads: fixes judged, dead reckoning between them.
+//!
+//! Position: a good fix is taken as it is; until the next one the position is carried on by
+//! speed and heading. When no good fix has come for the stale time, the position is unknown.
+//!
+//! Heading: of compass or IMU; else the course over ground of a good fix above
+//! [`COURSE_SPEED_MPS`]; else the last heading, turned on by the turn rate. A heading that was
+//! once known drifts without ever being given up: as soon as the robot drives by it, its
+//! course corrects it.
+//!
+//! Where odometry or gyroscope are missing, the robot is taken to do what it was last told.
+
+use math::{Frame, Vec2, scalar, vector};
+use plan_format::Plan;
+use plan_format::parameters::FixPolicy;
+use robot_io::{Commands, Fix, Percepts, Reason};
+use serde::{Deserialize, Serialize};
+
+/// Slower than this, the course over ground says nothing about the heading, m/s.
+pub const COURSE_SPEED_MPS: f32 = 0.5;
+
+/// The longest time that is reckoned over, microseconds. After a longer pause the robot may
+/// have done anything; the next fix tells.
+const LONGEST_STEP_US: u64 = 1_000_000;
+
+/// A fix jumps if it is outside what the speed limit explains by this many times the
+/// accuracies of both fixes, which are given as one standard deviation.
+const JUMP_DEVIATIONS: f32 = 3.0;
+
+/// Sensors that claim more than this are taken at this, m/s and rad/s.
+const FASTEST: f32 = 100.0;
+
+/// Position and heading, or why not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensed {
+    /// Map metres.
+    pub position: Result<Vec2, Reason>,
+    /// Radians counter-clockwise from the map's x axis.
+    pub heading_rad: Option<f32>,
+}
+
+/// What is kept from tick to tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Track {
+    /// Time of the last tick.
+    now_us: u64,
+    /// Time stamp of the last fix that was judged: the same one is not judged twice.
+    judged_fix_us: Option<u64>,
+    /// Why the last fix that was judged was refused.
+    refusal: Option<Reason>,
+    /// The last good fix.
+    anchor: Option<Anchor>,
+    /// The anchor carried on, map metres.
+    position_m: [f32; 2],
+    heading_rad: Option<f32>,
+    /// Of the last commands.
+    speed_mps: f32,
+    turn_rate_radps: f32,
+}
+
+/// A good fix.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Anchor {
+    time_us: u64,
+    position_m: [f32; 2],
+    accuracy_m: f32,
+}
+
+impl Track {
+    /// Remembers the commands that leave a tick.
+    pub fn commanded(&mut self, commands: &Commands) {
+        self.speed_mps = commands.speed_mps;
+        self.turn_rate_radps = commands.turn_rate_radps;
+    }
+
+    /// Sets the clock; gives the time since the last tick, seconds.
+    fn advance(&mut self, now_us: u64) -> f32 {
+        if now_us < self.now_us {
+            // A clock that runs backwards: percepts before and after are not one history.
+            *self = Self { judged_fix_us: self.judged_fix_us, ..Self::default() };
+        }
+        let step_us = now_us.saturating_sub(self.now_us).min(LONGEST_STEP_US);
+        self.now_us = now_us;
+        step_us as u32 as f32 * 1e-6
+    }
+
+    fn is_stale(&self, time_us: u64, policy: &FixPolicy) -> bool {
+        self.now_us.saturating_sub(time_us) > u64::from(policy.stale_after_us)
+    }
+
+    /// Judges a fix; an error says why it cannot be used.
+    fn judge(&self, fix: &Fix, frame: &Frame, policy: &FixPolicy) -> Result<Anchor, Reason> {
+        if !fix.is_valid || fix.accuracy_mm > policy.max_accuracy_mm {
+            return Err(Reason::PoorFix);
+        }
+        // A time stamp from the future would never become stale.
+        let time_us = fix.time_us.min(self.now_us);
+        if self.is_stale(time_us, policy) {
+            return Err(Reason::StaleFix);
+        }
+        let position = frame.to_local(fix.place).ok_or(Reason::DistantFix)?;
+        let next = Anchor {
+            time_us,
+            position_m: position.into(),
+            accuracy_m: fix.accuracy_mm as f32 * 1e-3,
+        };
+        match &self.anchor {
+            // What lasts for longer than the stale time is believed: a robot whose first fix
+            // was wrong must be able to recover.
+            Some(last) if !self.is_stale(last.time_us, policy) && next.jumps(last, policy) => {
+                Err(Reason::JumpedFix)
+            }
+            _ => Ok(next),
+        }
+    }
+}
+
+impl Anchor {
+    fn jumps(&self, last: &Self, policy: &FixPolicy) -> bool {
+        let elapsed_us = self.time_us.saturating_sub(last.time_us).min(u64::from(u32::MAX));
+        let elapsed_s = elapsed_us as u32 as f32 * 1e-6;
+        let reach_m =
+            policy.max_jump_mps * elapsed_s + JUMP_DEVIATIONS * (self.accuracy_m + last.accuracy_m);
+        vector::length(Vec2::from(self.position_m) - Vec2::from(last.position_m)) > reach_m
+    }
+}
+
+/// Brings the track up to the percepts' time.
+pub fn sense(plan: &Plan<'_>, track: &mut Track, percepts: &Percepts) -> Sensed {
+    let elapsed_s = track.advance(percepts.time_us);
+    let (Some(frame), Some(origin)) = (plan.frame(), plan.origin()) else {
+        return Sensed { position: Err(Reason::NoOrigin), heading_rad: None };
+    };
+    let speed_mps = percepts.speed_mps.unwrap_or(track.speed_mps).clamp(-FASTEST, FASTEST);
+    let compass_rad =
+        percepts.heading_rad.map(|heading| scalar::wrap_angle(heading + origin.heading_rad as f32));
+    carry_on(track, percepts, elapsed_s, speed_mps);
+    if let Some(fix) = percepts.fix.filter(|fix| track.judged_fix_us != Some(fix.time_us)) {
+        track.judged_fix_us = Some(fix.time_us);
+        let judged = track.judge(&fix, frame, &plan.parameters().fixes);
+        track.refusal = judged.err();
+        if let Ok(anchor) = judged {
+            track.anchor = Some(anchor);
+            track.position_m = anchor.position_m;
+            track.heading_rad = course(&fix, frame, speed_mps < 0.0).or(track.heading_rad);
+        }
+    }
+    track.heading_rad = compass_rad.or(track.heading_rad);
+    Sensed { position: position(track, &plan.parameters().fixes), heading_rad: track.heading_rad }
+}
+
+fn carry_on(track: &mut Track, percepts: &Percepts, elapsed_s: f32, speed_mps: f32) {
+    let Some(heading_rad) = track.heading_rad else { return };
+    let turn_rate = percepts.turn_rate_radps.unwrap_or(track.turn_rate_radps);
+    let turned_rad = turn_rate.clamp(-FASTEST, FASTEST) * elapsed_s;
+    // The mean heading of the step is closer to the arc than either end.
+    let step = vector::from_angle(heading_rad + 0.5 * turned_rad) * (speed_mps * elapsed_s);
+    track.position_m = (Vec2::from(track.position_m) + step).into();
+    track.heading_rad = Some(scalar::wrap_angle(heading_rad + turned_rad));
+}
+
+/// The heading that a fix's velocity implies, map axes.
+fn course(fix: &Fix, frame: &Frame, is_astern: bool) -> Option<f32> {
+    let [east, north] = fix.velocity_mmps?.map(|mmps| mmps as f32 * 1e-3);
+    let velocity = frame.turned(east, north);
+    let ahead = if is_astern { -velocity } else { velocity };
+    (vector::length(velocity) > COURSE_SPEED_MPS).then(|| vector::angle(ahead))
+}
+
+fn position(track: &Track, policy: &FixPolicy) -> Result<Vec2, Reason> {
+    match &track.anchor {
+        Some(anchor) if !track.is_stale(anchor.time_us, policy) => Ok(track.position_m.into()),
+        Some(_) => Err(track.refusal.unwrap_or(Reason::StaleFix)),
+        None => Err(track.refusal.unwrap_or(Reason::NoFix)),
+    }
+}
