@@ -4,5 +4,9 @@
 //! every set of constraints, packed and written. Readers never stop at the first mistake:
 //! they return what they understood and every [`problem::Problem`] they found.
 
+pub mod bitmap;
+mod escape;
 pub mod map;
 pub mod problem;
+pub mod raster;
+pub mod search;

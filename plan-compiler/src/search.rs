@@ -1,0 +1,122 @@
+//! The search: from one goal to every cell, the exact cost and the best first move.
+//!
+//! Uniform-cost search over the eight neighbours (Wagner and Arkin, internalized plans,
+//! section 2.1). Costs are integers, [`STRAIGHT_STEP`] and [`DIAGONAL_STEP`] for a step, so
+//! that ties are exact and every correct order of relaxation gives the same field; that is
+//! what lets the fast methods be compared bit by bit with a plain Dijkstra search.
+//!
+//! A cost needs 32 bits, which is enough for [`MAX_COST`]: some 700,000 cells of path. Cells
+//! farther away than that are left without a route; [`is_cut_short`] tells whether any was.
+//!
+//! Deliberately absent: the choice among equally good moves by what packs best. Here it is
+//! fixed (see [`advice`]); a packer that knows the field may choose anew.
+//!
+//! [`STRAIGHT_STEP`]: plan_format::grid::STRAIGHT_STEP
+//! [`DIAGONAL_STEP`]: plan_format::grid::DIAGONAL_STEP
+
+pub(crate) mod advice;
+pub(crate) mod buckets;
+
+use crate::bitmap::Bitmap;
+use crate::escape;
+use plan_format::field::{self, Field};
+use plan_format::grid::DIAGONAL_STEP;
+use plan_format::{Cell, Direction};
+
+/// Whether a diagonal step may pass between or beside blocked cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Corners {
+    /// A diagonal step needs both cells that it passes between free.
+    Forbid,
+    /// A diagonal step needs only its end free (the papers' behaviour).
+    Allow,
+}
+
+/// The highest cost of a field. What lies above is room for the fast methods to add steps
+/// without overflow.
+pub const MAX_COST: u32 = 0xF000_0000;
+
+/// The field of one goal: the cost and the best first move of every cell that is not
+/// `blocked`, and the way out of every cell that is.
+///
+/// Where the goal is blocked or off the grid no cell has a route.
+pub fn solve(blocked: &Bitmap, goal: Cell, corners: Corners) -> Field {
+    Solver::new().solve(blocked, goal, corners)
+}
+
+/// Solves for one goal after another and keeps its buffers in between: on large maps fresh
+/// memory costs more than the search.
+#[derive(Debug, Default)]
+pub struct Solver {
+    buckets: buckets::Queue,
+}
+
+impl Solver {
+    /// A solver without buffers yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// As [`solve`].
+    pub fn solve(&mut self, blocked: &Bitmap, goal: Cell, corners: Corners) -> Field {
+        let mut field = Field { columns: 0, rows: 0, cost: Vec::new(), code: Vec::new() };
+        self.solve_into(blocked, goal, corners, &mut field);
+        field
+    }
+
+    /// As [`solve`], into a field that is overwritten.
+    pub fn solve_into(
+        &mut self,
+        blocked: &Bitmap,
+        goal: Cell,
+        corners: Corners,
+        field: &mut Field,
+    ) {
+        let cells = blocked.columns() as usize * blocked.rows() as usize;
+        field.columns = blocked.columns();
+        field.rows = blocked.rows();
+        field.cost.clear();
+        field.cost.resize(cells, field::UNREACHED);
+        field.code.clear();
+        field.code.resize(cells, field::NO_ROUTE);
+        let is_free = goal.column < field.columns && goal.row < field.rows && !blocked.get(goal);
+        let sources = is_free.then_some((goal, 0));
+        self.buckets.spread(blocked, false, sources, corners, &mut field.cost);
+        advice::advise(blocked, corners, field);
+        escape::escape(&mut self.buckets, blocked, field);
+    }
+}
+
+/// Whether a free cell has no route only because it is farther away than [`MAX_COST`].
+pub fn is_cut_short(blocked: &Bitmap, corners: Corners, field: &Field) -> bool {
+    let cost = |cell: Cell| {
+        let index = cell.row as usize * field.columns as usize + cell.column as usize;
+        field.cost.get(index).copied().unwrap_or(field::UNREACHED)
+    };
+    let highest = field.cost.iter().filter(|&&cost| cost != field::UNREACHED).max();
+    if highest.is_none_or(|&highest| highest < MAX_COST - DIAGONAL_STEP) {
+        return false;
+    }
+    let (columns, rows) = (field.columns, field.rows);
+    let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| Cell::new(column, row)));
+    cells.filter(|&cell| !blocked.get(cell) && cost(cell) == field::UNREACHED).any(|cell| {
+        Direction::ALL.into_iter().any(|direction| {
+            step(blocked, cell, direction, corners)
+                .is_some_and(|neighbour| cost(neighbour) != field::UNREACHED)
+        })
+    })
+}
+
+/// The cell that one step in a direction leads to, if it is free and the step allowed.
+pub fn step(blocked: &Bitmap, cell: Cell, direction: Direction, corners: Corners) -> Option<Cell> {
+    let free = |cell: Cell, towards: Direction| {
+        cell.neighbour(towards, blocked.columns(), blocked.rows()).filter(|&at| !blocked.get(at))
+    };
+    let code = direction.code();
+    let is_allowed = corners == Corners::Allow
+        || code.is_multiple_of(2)
+        || [code + 7, code + 1]
+            .into_iter()
+            .all(|side| free(cell, Direction::from_code(side)).is_some());
+    if is_allowed { free(cell, direction) } else { None }
+}
