@@ -1,1 +1,38 @@
+//! The shell: everything between the pure controller and the hardware.
+//!
+//! The controller decides; this crate brings it percepts and carries its commands away. It
+//! holds the tasks that every robot runs, be it a board, the QEMU guest or a test on a host:
+//!
+//! | task | does |
+//! |---|---|
+//! | [`control_task`] | at each tick: wait, sense, decide, act |
+//! | [`gps_task`] | receiver bytes, UBX and NMEA mixed, into the [`FixSlot`] |
+//! | [`operator_task`], [`telemetry_task`] | frames of the radio link |
+//!
+//! A robot is whatever implements [`Robot`]. [`lockstep`] is one that lives on records
+//! instead of hardware, so that a simulated world drives exactly this code.
+//!
+//! Invariants: a tick never waits for a receiver or a radio; the newest value wins
+//! everywhere and nothing queues; bytes from outside never cause a panic; a blob that does
+//! not validate is never driven by. `unsafe` is used once, to look at the plan region.
+//!
+//! Deliberately absent: drivers of any chip (see `boards/`), decisions about motion (see
+//! `controller`), allocation.
 #![no_std]
+
+#[macro_use]
+mod log;
+
+pub mod blob;
+pub mod control;
+pub mod drive;
+pub mod gps;
+pub mod link;
+pub mod lockstep;
+#[cfg(target_os = "none")]
+pub mod time;
+
+pub use blob::{Fallback, Loaded, load};
+pub use control::{Robot, TICK_PERIOD_US, control_task};
+pub use gps::{FixSlot, gps_task};
+pub use link::{OperatorSlot, Silence, Telemetry, operator_task, telemetry_task};

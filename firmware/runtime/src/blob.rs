@@ -1,0 +1,55 @@
+//! Finding the plan: the blob in its region of flash, or what the build falls back on.
+#![allow(unsafe_code)]
+
+use math::Vec2;
+use plan_format::{BlobError, Origin, Parameters, Plan};
+
+use crate::log;
+
+/// What to drive by when the blob is refused. A build decides it; the default stands still
+/// and takes manual commands only.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Fallback {
+    /// Speeds and limits.
+    pub parameters: Parameters,
+    /// Where the fallback's metres lie on the globe.
+    pub origin: Option<Origin>,
+    /// Where to go by the reactive schemas alone; `None`: nowhere.
+    pub goal: Option<Vec2>,
+}
+
+/// What there is to drive by.
+#[derive(Clone, Copy, Debug)]
+pub struct Loaded<'a> {
+    /// The validated blob, or the fallback.
+    pub plan: Plan<'a>,
+    /// Why the blob was refused, if it was.
+    pub refusal: Option<BlobError>,
+}
+
+/// Validates the blob in `region`, once; after that no look-up can fail.
+pub fn load<'a>(region: &'a [u8], fallback: &Fallback) -> Loaded<'a> {
+    match Plan::parse(region) {
+        Ok(plan) => {
+            info!("plan loaded");
+            Loaded { plan, refusal: None }
+        }
+        Err(refusal) => {
+            warn!("plan refused: {}", log::debug(&refusal));
+            let Fallback { parameters, origin, goal } = *fallback;
+            Loaded { plan: Plan::without_map(parameters, origin, goal), refusal: Some(refusal) }
+        }
+    }
+}
+
+/// The bytes between two symbols of the linker script; empty if `end` is not after `start`.
+///
+/// # Safety
+/// Everything from `start` up to `end` must be memory that can be read and that nobody
+/// writes while the program runs.
+pub unsafe fn region(start: *const u8, end: *const u8) -> &'static [u8] {
+    let length = end.addr().saturating_sub(start.addr());
+    // SAFETY: the caller vouches for the memory, for as long as the program runs; bytes need
+    // no alignment.
+    unsafe { core::slice::from_raw_parts(start, length) }
+}

@@ -1,0 +1,33 @@
+//! One logging macro a level, over defmt on a robot and nothing on a host, where defmt does
+//! not link. Arguments are evaluated in neither case where nobody listens.
+
+#[cfg(all(feature = "defmt", target_os = "none"))]
+macro_rules! warn {
+    ($($arguments:tt)*) => { defmt::warn!($($arguments)*) };
+}
+
+#[cfg(not(all(feature = "defmt", target_os = "none")))]
+macro_rules! warn {
+    ($text:literal $(, $argument:expr)* $(,)?) => {{ $(let _ = &$argument;)* }};
+}
+
+#[cfg(all(feature = "defmt", target_os = "none"))]
+macro_rules! info {
+    ($($arguments:tt)*) => { defmt::info!($($arguments)*) };
+}
+
+#[cfg(not(all(feature = "defmt", target_os = "none")))]
+macro_rules! info {
+    ($text:literal $(, $argument:expr)* $(,)?) => {{ $(let _ = &$argument;)* }};
+}
+
+/// What `Debug` prints, for types that know nothing of defmt.
+#[cfg(all(feature = "defmt", target_os = "none"))]
+pub(crate) fn debug<T: core::fmt::Debug>(value: &T) -> defmt::Debug2Format<'_, T> {
+    defmt::Debug2Format(value)
+}
+
+#[cfg(not(all(feature = "defmt", target_os = "none")))]
+pub(crate) fn debug<T: core::fmt::Debug>(value: &T) -> &T {
+    value
+}
