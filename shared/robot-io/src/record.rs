@@ -1,7 +1,10 @@
 //! Records: what a simulated or recorded world exchanges with a robot in lockstep, one
 //! pair a tick. GPS arrives as the receiver's own bytes, so the drivers are part of the test.
+//!
+//! On a pipe a record is its postcard bytes, filled up with zeros to a fixed size: one read
+//! and one write a tick, and no state that could get out of step.
 
-use crate::limits::{MAX_GPS_BYTES, MAX_RANGES};
+use crate::limits::{COMMAND_RECORD_BYTES, MAX_GPS_BYTES, MAX_RANGES, SENSOR_RECORD_BYTES};
 use crate::{Commands, Operator, RangeReading};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -34,4 +37,75 @@ pub struct CommandRecord {
     pub trace_hash: u64,
     /// Instructions that the tick took, where that can be counted; else 0.
     pub instructions: u32,
+}
+
+impl SensorRecord {
+    /// Its bytes on a pipe; `None` is impossible for a record within its limits.
+    pub fn to_bytes(&self) -> Option<[u8; SENSOR_RECORD_BYTES]> {
+        filled_up(self)
+    }
+
+    /// The record that bytes on a pipe say; `None` if they say none.
+    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        postcard::from_bytes(bytes).ok()
+    }
+}
+
+impl CommandRecord {
+    /// Its bytes on a pipe; `None` is impossible for a record within its limits.
+    pub fn to_bytes(&self) -> Option<[u8; COMMAND_RECORD_BYTES]> {
+        filled_up(self)
+    }
+
+    /// The record that bytes on a pipe say; `None` if they say none.
+    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        postcard::from_bytes(bytes).ok()
+    }
+}
+
+fn filled_up<T: Serialize, const N: usize>(value: &T) -> Option<[u8; N]> {
+    let mut bytes = [0; N];
+    postcard::to_slice(value, &mut bytes).ok()?;
+    Some(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Manual, Reason};
+    use core::iter::repeat_n;
+
+    #[test]
+    fn the_largest_records_fit_and_come_back() {
+        let reading = RangeReading { bearing_rad: -3.0, distance_m: 1e9 };
+        let sensors = SensorRecord {
+            gps: repeat_n(0xb5, MAX_GPS_BYTES).collect(),
+            heading_rad: Some(1.0),
+            speed_mps: Some(1.0),
+            turn_rate_radps: Some(1.0),
+            ranges: repeat_n(reading, MAX_RANGES).collect(),
+            operator: Operator {
+                is_armed: true,
+                is_emergency_stop: true,
+                manual: Some(Manual { speed_mps: 1.0, turn_rate_radps: 1.0 }),
+            },
+        };
+        let bytes = sensors.to_bytes().unwrap();
+        assert_eq!(SensorRecord::from_bytes(&bytes), Some(sensors));
+
+        let commands = Commands {
+            speed_mps: 1.0,
+            turn_rate_radps: 1.0,
+            outputs: u16::MAX,
+            reason: Reason::Manual,
+        };
+        let record = CommandRecord {
+            time_us: u64::MAX,
+            commands,
+            trace_hash: u64::MAX,
+            instructions: u32::MAX,
+        };
+        assert_eq!(CommandRecord::from_bytes(&record.to_bytes().unwrap()), Some(record));
+        assert_eq!(CommandRecord::from_bytes(&[0xff; COMMAND_RECORD_BYTES]), None);
+    }
 }

@@ -1,0 +1,146 @@
+//! Counts what the plan in its region costs to use: a name and a count a line.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    counts::print();
+    semihosting::process::exit(0)
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    guest::explain();
+}
+
+#[cfg(target_os = "none")]
+mod counts {
+    use controller::State;
+    use core::hint::black_box;
+    use guest::counter::Counter;
+    use math::Vec2;
+    use plan_format::{Answer, Layer, ParallelPlan, Plan};
+    use robot_io::{Fix, Operator, Percepts, RangeReading, Reason};
+    use semihosting::println;
+
+    /// Points in each direction at which the plan is asked.
+    const SAMPLES: u32 = 25;
+    /// Ticks that are counted.
+    const TICKS: u64 = 200;
+    /// Obstacles in sight of the counted ticks, all near enough to repel.
+    const OBSTACLES: usize = 8;
+    /// The tick at which those ticks are apart, microseconds.
+    const PERIOD_US: u64 = runtime::TICK_PERIOD_US;
+
+    pub(crate) fn print() {
+        let counter = Counter::start();
+        // What the measurement itself costs is not part of any count.
+        let mark = counter.mark();
+        let overhead = counter.since(mark);
+        let count = |mark| counter.since(mark) - overhead;
+
+        let mark = counter.mark();
+        let parsed = Plan::parse(black_box(guest::plan::region()));
+        let validation = count(mark);
+        let plan = parsed.expect("the harness loads a sound blob");
+        let parallel = chosen(&plan);
+        let layer = parallel.layer(parallel.layer_count() - 1).expect("plans have layers");
+
+        println!("blob-validation {validation}");
+        println!("look-up-worst {}", worst_look_up(&plan, &layer, counter, overhead));
+        println!("tick-8-obstacles-worst {}", worst_tick(&plan, &parallel, counter, overhead));
+    }
+
+    fn chosen(plan: &Plan<'static>) -> ParallelPlan<'static> {
+        plan.parallel_plan(plan.parameters().plan.into()).expect("the blob has plans")
+    }
+
+    /// From a position to an answer, all over the map.
+    fn worst_look_up(plan: &Plan<'_>, layer: &Layer<'_>, counter: Counter, overhead: u32) -> u32 {
+        let mut worst = 0;
+        for step in 0..SAMPLES * SAMPLES {
+            let point = black_box(sample(plan, step));
+            let mark = counter.mark();
+            let answer = look_up(plan, layer, point);
+            worst = worst.max(counter.since(mark) - overhead);
+            black_box(answer);
+        }
+        worst
+    }
+
+    #[inline(never)]
+    fn look_up(plan: &Plan<'_>, layer: &Layer<'_>, point: Vec2) -> Answer {
+        plan.cell_at(point).map_or(Answer::OffMap, |cell| layer.look_up(cell))
+    }
+
+    /// A point of a regular grid over the map.
+    fn sample(plan: &Plan<'_>, step: u32) -> Vec2 {
+        let grid = plan.grid();
+        let at = |corner: f64, cells: u32, index: u32| {
+            let share = (f64::from(index) + 0.5) / f64::from(SAMPLES);
+            (corner + f64::from(cells) * grid.resolution_m * share) as f32
+        };
+        Vec2::new(
+            at(grid.corner_m[0], grid.columns, step % SAMPLES),
+            at(grid.corner_m[1], grid.rows, step / SAMPLES),
+        )
+    }
+
+    /// Whole ticks of a robot on its way, a new fix in each, obstacles all around.
+    fn worst_tick(
+        plan: &Plan<'_>,
+        parallel: &ParallelPlan<'_>,
+        counter: Counter,
+        overhead: u32,
+    ) -> u32 {
+        let layer = parallel.layer(0).expect("plans have layers");
+        let start = (0..SAMPLES * SAMPLES)
+            .map(|step| sample(plan, step))
+            .find(|&point| is_far_from_goal(plan, &layer, point))
+            .expect("some sample has a route");
+        let mut state = State::new(plan);
+        let mut worst = 0;
+        for tick in 0..TICKS {
+            let percepts = percepts(plan, start, tick);
+            let mark = counter.mark();
+            let commands = controller::tick(black_box(plan), &mut state, black_box(&percepts));
+            let instructions = counter.since(mark) - overhead;
+            assert!(commands.reason == Reason::Driving, "a counted tick is a whole tick");
+            worst = worst.max(instructions);
+        }
+        worst
+    }
+
+    fn is_far_from_goal(plan: &Plan<'_>, layer: &Layer<'_>, point: Vec2) -> bool {
+        let goal = plan.goal().expect("the blob has plans");
+        (point - goal).norm_squared() > 100.0
+            && matches!(look_up(plan, layer, point), Answer::Move { .. })
+    }
+
+    fn percepts(plan: &Plan<'_>, at: Vec2, tick: u64) -> Percepts {
+        let frame = plan.frame().expect("the blob is on the globe");
+        let time_us = (tick + 1) * PERIOD_US;
+        // A different angle each tick, through several turns.
+        let turn_rad = tick as f32 * 0.1;
+        Percepts {
+            time_us,
+            fix: Some(Fix {
+                time_us,
+                is_valid: true,
+                place: frame.to_geodetic(at),
+                accuracy_mm: 500,
+                velocity_mmps: Some([300, -200]),
+            }),
+            heading_rad: Some(math::scalar::wrap_angle(turn_rad)),
+            speed_mps: Some(1.0),
+            turn_rate_radps: Some(0.1),
+            ranges: (0..OBSTACLES)
+                .map(|index| RangeReading {
+                    bearing_rad: math::scalar::wrap_angle(index as f32 * 0.7 + turn_rad),
+                    distance_m: 2.0 + index as f32 * 0.1,
+                })
+                .collect(),
+            operator: Operator { is_armed: true, ..Operator::default() },
+        }
+    }
+}

@@ -1,0 +1,22 @@
+//! The region that holds the plans, as QEMU's loader filled it.
+
+unsafe extern "C" {
+    static __plan_start: u8;
+    static __plan_end: u8;
+}
+
+/// The whole region. The blob's header says how much of it counts.
+pub fn region() -> &'static [u8] {
+    // SAFETY: the linker's symbols span memory that exists in the machine, is not used for
+    // anything else and that nobody writes after the loader.
+    unsafe { runtime::blob::region(&raw const __plan_start, &raw const __plan_end) }
+}
+
+/// The plan in the region, or a robot that stands still. A refusal is told to the harness.
+pub fn load() -> plan_format::Plan<'static> {
+    let loaded = runtime::load(region(), &runtime::Fallback::default());
+    if let Some(refusal) = loaded.refusal {
+        semihosting::eprintln!("plan refused: code {}, {}", refusal.code(), refusal);
+    }
+    loaded.plan
+}
