@@ -46,3 +46,57 @@ const fn xorshift(x: u32) -> u32 {
     let x = x ^ (x >> 17);
     x ^ (x << 5)
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn a_heading_is_held_for_its_ticks() {
+        let mut noise = Noise::new(7);
+        let drawn: Vec<Vec2> = (0..40).map(|_| noise.next(10)).collect();
+        for held in drawn.chunks(10) {
+            assert!(held.iter().all(|v| *v == held[0]), "{held:?}");
+        }
+        assert!(drawn[0] != drawn[10] && drawn[10] != drawn[20] && drawn[20] != drawn[30]);
+    }
+
+    #[test]
+    fn a_persistence_of_zero_draws_every_tick() {
+        let mut noise = Noise::new(7);
+        let drawn: Vec<Vec2> = (0..10).map(|_| noise.next(0)).collect();
+        assert!(drawn.windows(2).all(|pair| pair[0] != pair[1]), "{drawn:?}");
+    }
+
+    /// The first numbers of the generator from its state 1, as published with it.
+    #[test]
+    fn the_generator_is_xorshift_13_17_5() {
+        assert_eq!([1, 270_369, 67_634_689].map(xorshift), [270_369, 67_634_689, 2_647_435_461]);
+    }
+
+    #[test]
+    fn headings_are_unit_vectors_all_around() {
+        for seed in [0, 1, 2, u32::MAX] {
+            let mut noise = Noise::new(seed);
+            let drawn: Vec<Vec2> = (0..4_000).map(|_| noise.next(1)).collect();
+            assert!(drawn.iter().all(|v| (vector::length(*v) - 1.0).abs() < 2e-3), "seed {seed}");
+            let mean = drawn.iter().sum::<Vec2>() / drawn.len() as f32;
+            assert!(vector::length(mean) < 0.05, "seed {seed}: {mean:?}");
+            for quadrant in [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)] {
+                let is_in = |v: &&Vec2| v.x * quadrant.0 > 0.0 && v.y * quadrant.1 > 0.0;
+                let share = drawn.iter().filter(is_in).count();
+                assert!((900..1_100).contains(&share), "seed {seed}: {share} in {quadrant:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn seeds_differ_and_repeat() {
+        let first = |seed| Noise::new(seed).next(1);
+        assert_eq!(first(3), first(3));
+        assert!(first(3) != first(4) && first(0) != first(1));
+    }
+}
