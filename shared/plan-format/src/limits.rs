@@ -50,6 +50,10 @@ pub const MAX_FRAMES: usize = 64;
 pub const MAX_PRODUCTIONS: usize = 128;
 /// Edges of all productions together.
 pub const MAX_EDGES: usize = 512;
+/// Edges of one production: the live plan keeps a bit for each.
+pub const MAX_PRODUCTION_EDGES: usize = 16;
+/// Productions of one frame: the live plan keeps a bit for each that was tried.
+pub const MAX_ALTERNATIVES: usize = 16;
 /// Vertices of one production.
 pub const MAX_VERTICES: usize = 16;
 /// Protection intervals of all productions together.

@@ -14,6 +14,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("robot-io", &["math"]),
     ("advice", &["math", "plan-format"]),
     ("schemas", &["math", "plan-format", "robot-io"]),
+    ("grammar", &["plan-format"]),
     ("fuzzy", &["math", "plan-format"]),
     ("controller", &["advice", "math", "plan-format", "robot-io", "schemas"]),
     ("runtime", &["controller", "math", "plan-format", "robot-io"]),

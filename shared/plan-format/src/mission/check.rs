@@ -179,6 +179,7 @@ fn components(mission: &Mission<'_>) -> Checked {
     for frame in mission.frames().iter() {
         exists(mission.descriptions(), frame.description)?;
         require(frame.count > 0, MissionError::Reference)?;
+        require(usize::from(frame.count) <= limits::MAX_ALTERNATIVES, MissionError::TooLarge)?;
         spans(mission.productions(), frame.first, frame.count)?;
         require((0.0..=1.0).contains(&frame.threshold), MissionError::Number)?;
     }
@@ -190,6 +191,8 @@ fn graphs(mission: &Mission<'_>) -> Checked {
         if let Some(rules) = production.rules {
             exists(mission.rule_bases(), rules)?;
         }
+        let edges = usize::from(production.edges);
+        require(edges <= limits::MAX_PRODUCTION_EDGES, MissionError::TooLarge)?;
         spans(mission.edges(), production.first_edge, production.edges)?;
         spans(mission.intervals(), production.first_interval, production.intervals)?;
         graph(mission, &production)?;

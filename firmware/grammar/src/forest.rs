@@ -1,0 +1,577 @@
+//! The pool of components and what can be done with it.
+
+use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
+use plan_format::mission::{Description, Frame, Mission, Production, Symbol};
+
+/// A component's place in the pool; used again after the component is deleted.
+pub type Id = u8;
+/// A behaviour, by its index in the mission.
+pub type Owner = u8;
+
+/// The life cycle of a component (H, "Plan Component Representation").
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Life {
+    /// In the plan; its turn has not come.
+    Planned,
+    /// Its turn has come.
+    Scheduled,
+    /// Being carried out, or decomposed.
+    Started,
+    /// Interrupted with its behaviour.
+    Suspended,
+    /// Carried out; about to leave the pool.
+    Finished,
+    /// Gave an error; about to leave the pool.
+    Failed,
+    /// Given up with a component above or beside it; about to leave the pool.
+    Abandoned,
+}
+
+impl Life {
+    /// Whether a component may go from this state to another.
+    pub const fn may_become(self, next: Self) -> bool {
+        use Life::{Abandoned, Failed, Finished, Planned, Scheduled, Started, Suspended};
+        match self {
+            Planned => matches!(next, Scheduled | Abandoned),
+            // A frame that falls back is scheduled again.
+            Scheduled => matches!(next, Started | Finished | Failed | Suspended | Abandoned),
+            Started => matches!(next, Scheduled | Finished | Failed | Suspended | Abandoned),
+            Suspended => matches!(next, Started | Scheduled | Failed | Abandoned),
+            Finished | Failed | Abandoned => false,
+        }
+    }
+}
+
+/// A part of a live plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Component {
+    /// What it is.
+    pub symbol: Symbol,
+    /// Whose plan it belongs to.
+    pub owner: Owner,
+    /// The frame it is part of; `None` for a root.
+    pub parent: Option<Id>,
+    /// Which edge of the parent's production it is, counted within the production.
+    pub edge: u8,
+    /// Vertices of the parent's production between which it stands.
+    pub from: u8,
+    /// See `from`.
+    pub to: u8,
+    /// Where it is in its life.
+    pub life: Life,
+    /// How many frames lie above it.
+    pub depth: u8,
+    /// The production it was replaced by, for a decomposed frame: index into the mission.
+    pub production: Option<u16>,
+    /// Productions tried since it was planned, one bit each.
+    tried: u16,
+    /// Edges of its production that are finished, one bit each.
+    finished: u16,
+    /// Whether end recursion has come round.
+    has_come_round: bool,
+    /// What its life was before it was suspended.
+    was: Life,
+}
+
+/// What happened in a live plan, in order; the situation grid lives on these messages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// A component entered the plan.
+    Planned {
+        /// Its place.
+        id: Id,
+        /// The component.
+        component: Component,
+    },
+    /// A frame chose a production.
+    Decomposed {
+        /// The frame.
+        id: Id,
+        /// Index of the production in the mission.
+        production: u16,
+    },
+    /// End recursion: an equal frame below took this one's place.
+    CameRound {
+        /// The place.
+        id: Id,
+    },
+    /// A component's life went on.
+    Became {
+        /// Its place.
+        id: Id,
+        /// Its state now.
+        life: Life,
+    },
+    /// A component left the plan.
+    Deleted {
+        /// The place that is free now.
+        id: Id,
+    },
+}
+
+/// What came of an attempt to decompose a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// It was replaced by this production, an index into the mission.
+    Production(u16),
+    /// No production reached the threshold, and the frame has come round before: the loop is over.
+    LoopEnded,
+    /// No production that was not tried yet reached the threshold.
+    NothingApplicable,
+    /// The pool has no room for the production's components.
+    NoRoom,
+    /// The frame lies too deep.
+    TooDeep,
+    /// There is no such frame waiting.
+    NotScheduled,
+}
+
+/// How far an end reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// The plan goes on.
+    GoesOn,
+    /// This frame will choose anew.
+    FallsBack(Id),
+    /// The root is finished; the plan is gone.
+    RootFinished,
+    /// The root has failed; the plan is gone.
+    RootFailed,
+}
+
+/// The live plans of all behaviours.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forest {
+    slots: [Option<Component>; MAX_COMPONENTS],
+}
+
+impl Default for Forest {
+    fn default() -> Self {
+        Self { slots: [None; MAX_COMPONENTS] }
+    }
+}
+
+impl Forest {
+    /// Plants a plan with one component, its root frame; `None` if the pool is full.
+    pub fn plant(&mut self, owner: Owner, root: u16, tell: &mut dyn FnMut(Event)) -> Option<Id> {
+        let id = self.free_slot()?;
+        let component = Component {
+            symbol: Symbol::Frame(root),
+            owner,
+            parent: None,
+            edge: 0,
+            from: 0,
+            to: 0,
+            life: Life::Planned,
+            depth: 0,
+            production: None,
+            tried: 0,
+            finished: 0,
+            has_come_round: false,
+            was: Life::Planned,
+        };
+        self.add(id, component, tell);
+        self.set_life(id, Life::Scheduled, tell);
+        Some(id)
+    }
+
+    /// A component.
+    pub fn get(&self, id: Id) -> Option<&Component> {
+        self.slots.get(usize::from(id))?.as_ref()
+    }
+
+    /// All components with their places, in the order of the places.
+    pub fn iter(&self) -> impl Iterator<Item = (Id, &Component)> {
+        (0..).zip(&self.slots).filter_map(|(id, slot)| Some((id, slot.as_ref()?)))
+    }
+
+    /// How many components live.
+    pub fn len(&self) -> usize {
+        self.iter().count()
+    }
+
+    /// Whether nothing lives.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The root of a behaviour's plan.
+    pub fn root(&self, owner: Owner) -> Option<Id> {
+        let mut all = self.iter();
+        all.find(|(_, component)| component.owner == owner && component.parent.is_none())
+            .map(|(id, _)| id)
+    }
+
+    /// The next scheduled component of a behaviour, frames and actions alike.
+    pub fn scheduled(&self, owner: Owner) -> Option<Id> {
+        let mut all = self.iter();
+        all.find(|(_, component)| component.owner == owner && component.life == Life::Scheduled)
+            .map(|(id, _)| id)
+    }
+
+    /// A scheduled atomic action begins.
+    pub fn start(&mut self, id: Id, tell: &mut dyn FnMut(Event)) {
+        let is_action =
+            self.get(id).is_some_and(|component| matches!(component.symbol, Symbol::Action(_)));
+        if is_action {
+            self.set_life(id, Life::Started, tell);
+        }
+    }
+
+    /// Decomposes a scheduled frame: one production is chosen by `applicability`, asked with the
+    /// production's index and record, 0 ..= 1; its edges enter the plan and those that leave the
+    /// entry are scheduled. Unless a production is chosen the frame waits on, and the caller
+    /// decides (see [`Forest::finish`], [`Forest::fail`]). End recursion may have moved the frame:
+    /// the place where it stands now comes back too.
+    pub fn decompose(
+        &mut self,
+        mission: &Mission<'_>,
+        id: Id,
+        applicability: &mut dyn FnMut(u16, &Production) -> f32,
+        tell: &mut dyn FnMut(Event),
+    ) -> (Id, Choice) {
+        let Some(frame) = self.waiting_frame(mission, id) else {
+            return (id, Choice::NotScheduled);
+        };
+        let id = self.come_round(mission, id, tell);
+        let Some(component) = self.get(id).copied() else { return (id, Choice::NotScheduled) };
+        let Some((number, production)) = choose(mission, &frame, component.tried, applicability)
+        else {
+            let is_over = component.has_come_round && component.tried == 0;
+            return (id, if is_over { Choice::LoopEnded } else { Choice::NothingApplicable });
+        };
+        if usize::from(component.depth) + 1 >= MAX_DEPTH {
+            return (id, Choice::TooDeep);
+        }
+        if MAX_COMPONENTS - self.len() < usize::from(production.edges) {
+            return (id, Choice::NoRoom);
+        }
+        let chosen = frame.first.saturating_add(u16::from(number));
+        if let Some(slot) = self.get_mut(id) {
+            slot.production = Some(chosen);
+            slot.tried |= bit(number);
+            slot.finished = 0;
+        }
+        self.set_life(id, Life::Started, tell);
+        tell(Event::Decomposed { id, production: chosen });
+        let edges = mission
+            .edges()
+            .range(usize::from(production.first_edge), usize::from(production.edges));
+        for (number, edge) in (0..).zip(edges) {
+            let Some(place) = self.free_slot() else { break };
+            let part = Component {
+                symbol: edge.symbol,
+                owner: component.owner,
+                parent: Some(id),
+                edge: number,
+                from: edge.from,
+                to: edge.to,
+                life: Life::Planned,
+                depth: component.depth.saturating_add(1),
+                production: None,
+                tried: 0,
+                finished: 0,
+                has_come_round: false,
+                was: Life::Planned,
+            };
+            self.add(place, part, tell);
+        }
+        self.schedule_reached(mission, id, &production, tell);
+        (id, Choice::Production(chosen))
+    }
+
+    /// A component has done what it is for. It leaves the plan, and so does every frame above it
+    /// that waited for nothing else.
+    pub fn finish(&mut self, mission: &Mission<'_>, id: Id, tell: &mut dyn FnMut(Event)) -> Ended {
+        let mut id = id;
+        // Each round goes one level up.
+        for _ in 0..MAX_DEPTH {
+            let Some(component) = self.get(id).copied() else { return Ended::GoesOn };
+            self.set_life(id, Life::Finished, tell);
+            self.delete(id, tell);
+            let Some(parent) = component.parent else { return Ended::RootFinished };
+            let Some(production) = self.finish_edge(mission, parent, component.edge) else {
+                return Ended::GoesOn;
+            };
+            if !self.is_reached(mission, parent, &production, production.vertices.saturating_sub(1))
+            {
+                self.schedule_reached(mission, parent, &production, tell);
+                return Ended::GoesOn;
+            }
+            id = parent;
+        }
+        Ended::GoesOn
+    }
+
+    /// The frame that would be finished next if this component finished now, and so on upwards:
+    /// the parent, if it waits for nothing else.
+    pub fn completes(&self, mission: &Mission<'_>, id: Id) -> Option<Id> {
+        let component = self.get(id)?;
+        let parent = component.parent?;
+        let production = self.production_of(mission, parent)?;
+        let all = all_edges(&production);
+        let finished = self.get(parent)?.finished | bit(component.edge);
+        (finished & all == all).then_some(parent)
+    }
+
+    /// A component cannot be carried out. Its parent's production is given up, and the parent
+    /// chooses anew; a root that fails takes its plan with it.
+    pub fn fail(&mut self, id: Id, tell: &mut dyn FnMut(Event)) -> Ended {
+        let Some(component) = self.get(id).copied() else { return Ended::GoesOn };
+        self.abandon_below(id, tell);
+        self.set_life(id, Life::Failed, tell);
+        self.delete(id, tell);
+        let Some(parent) = component.parent else { return Ended::RootFailed };
+        self.fall_back(parent, tell);
+        Ended::FallsBack(parent)
+    }
+
+    /// Gives up what hangs below a frame, which will choose anew among what it has not tried.
+    pub fn fall_back(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
+        self.abandon_below(frame, tell);
+        if let Some(slot) = self.get_mut(frame) {
+            slot.production = None;
+            slot.finished = 0;
+        }
+        self.set_life(frame, Life::Scheduled, tell);
+    }
+
+    /// Puts a behaviour's plan to sleep as it is.
+    pub fn suspend(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
+        for id in 0..MAX_COMPONENTS as Id {
+            let Some(component) = self.get_mut(id).filter(|component| component.owner == owner)
+            else {
+                continue;
+            };
+            if matches!(component.life, Life::Scheduled | Life::Started) {
+                component.was = component.life;
+                self.set_life(id, Life::Suspended, tell);
+            }
+        }
+    }
+
+    /// Wakes a behaviour's plan as it was. Frames go on; an interrupted action is scheduled, so
+    /// that its initial description is checked again.
+    pub fn resume(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
+        for id in 0..MAX_COMPONENTS as Id {
+            let Some(component) = self.get(id).filter(|component| component.owner == owner) else {
+                continue;
+            };
+            if component.life == Life::Suspended {
+                let is_action = matches!(component.symbol, Symbol::Action(_));
+                let life = if is_action { Life::Scheduled } else { component.was };
+                self.set_life(id, life, tell);
+            }
+        }
+    }
+
+    /// Gives up a behaviour's whole plan.
+    pub fn uproot(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
+        for id in (0..MAX_COMPONENTS as Id).rev() {
+            if self.get(id).is_some_and(|component| component.owner == owner) {
+                self.set_life(id, Life::Abandoned, tell);
+                self.delete(id, tell);
+            }
+        }
+    }
+
+    /// Whether a component lies below a frame, at any depth.
+    pub fn is_below(&self, id: Id, frame: Id) -> bool {
+        let mut above = self.get(id).and_then(|component| component.parent);
+        for _ in 0..MAX_DEPTH {
+            match above {
+                Some(parent) if parent == frame => return true,
+                Some(parent) => above = self.get(parent).and_then(|component| component.parent),
+                None => return false,
+            }
+        }
+        false
+    }
+
+    /// Whether every edge into a vertex of a decomposed frame's production is finished.
+    pub fn is_reached(
+        &self,
+        mission: &Mission<'_>,
+        frame: Id,
+        production: &Production,
+        vertex: u8,
+    ) -> bool {
+        let finished = self.get(frame).map_or(0, |component| component.finished);
+        let edges = mission
+            .edges()
+            .range(usize::from(production.first_edge), usize::from(production.edges));
+        (0..).zip(edges).all(|(number, edge)| edge.to != vertex || finished & bit(number) != 0)
+    }
+
+    /// The production that a frame was replaced by.
+    pub fn production_of(&self, mission: &Mission<'_>, frame: Id) -> Option<Production> {
+        mission.productions().get(usize::from(self.get(frame)?.production?))
+    }
+
+    fn waiting_frame(&self, mission: &Mission<'_>, id: Id) -> Option<Frame> {
+        let component = self.get(id).filter(|component| component.life == Life::Scheduled)?;
+        let Symbol::Frame(index) = component.symbol else { return None };
+        mission.frames().get(usize::from(index))
+    }
+
+    /// End recursion: where a frame is the last thing that an equal frame above it waits for, it
+    /// takes that one's place. Returns the place where the frame stands then.
+    fn come_round(&mut self, mission: &Mission<'_>, id: Id, tell: &mut dyn FnMut(Event)) -> Id {
+        let Some(head) = self.loop_head(mission, id) else { return id };
+        self.abandon_below(head, tell);
+        let Some(component) = self.get_mut(head) else { return id };
+        component.production = None;
+        component.tried = 0;
+        component.finished = 0;
+        component.has_come_round = true;
+        tell(Event::CameRound { id: head });
+        self.set_life(head, Life::Scheduled, tell);
+        head
+    }
+
+    /// The nearest frame above with the same symbol, if nothing else is left to do on the way up
+    /// to it and no frame or protection interval in between has anything to say any more.
+    fn loop_head(&self, mission: &Mission<'_>, id: Id) -> Option<Id> {
+        let symbol = self.get(id)?.symbol;
+        let mut below = id;
+        for _ in 0..MAX_DEPTH {
+            let above = self.completes(mission, below)?;
+            if self.is_spanned(mission, above, self.get(below)?) {
+                return None;
+            }
+            let above_symbol = self.get(above)?.symbol;
+            if above_symbol == symbol {
+                return Some(above);
+            }
+            if !mission.description(above_symbol).is_some_and(is_silent) {
+                return None;
+            }
+            below = above;
+        }
+        None
+    }
+
+    /// Whether a protection interval of the frame's production reaches over one of its edges.
+    fn is_spanned(&self, mission: &Mission<'_>, frame: Id, edge: &Component) -> bool {
+        let Some(production) = self.production_of(mission, frame) else { return false };
+        mission
+            .intervals()
+            .range(usize::from(production.first_interval), usize::from(production.intervals))
+            .any(|interval| interval.from <= edge.from && interval.to >= edge.to)
+    }
+
+    fn finish_edge(&mut self, mission: &Mission<'_>, frame: Id, edge: u8) -> Option<Production> {
+        let production = self.production_of(mission, frame)?;
+        let component = self.get_mut(frame)?;
+        component.finished |= bit(edge);
+        Some(production)
+    }
+
+    fn schedule_reached(
+        &mut self,
+        mission: &Mission<'_>,
+        frame: Id,
+        production: &Production,
+        tell: &mut dyn FnMut(Event),
+    ) {
+        for id in 0..MAX_COMPONENTS as Id {
+            let Some(component) = self.get(id) else { continue };
+            if component.parent == Some(frame)
+                && component.life == Life::Planned
+                && self.is_reached(mission, frame, production, component.from)
+            {
+                self.set_life(id, Life::Scheduled, tell);
+            }
+        }
+    }
+
+    fn abandon_below(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
+        let mut doomed = 0_u32;
+        for (id, _) in self.iter() {
+            if self.is_below(id, frame) {
+                doomed |= 1 << id;
+            }
+        }
+        for id in 0..MAX_COMPONENTS as Id {
+            if doomed & 1 << id != 0 {
+                self.set_life(id, Life::Abandoned, tell);
+                self.delete(id, tell);
+            }
+        }
+    }
+
+    fn get_mut(&mut self, id: Id) -> Option<&mut Component> {
+        self.slots.get_mut(usize::from(id))?.as_mut()
+    }
+
+    fn free_slot(&self) -> Option<Id> {
+        self.slots.iter().position(Option::is_none).map(|index| index as Id)
+    }
+
+    fn add(&mut self, id: Id, component: Component, tell: &mut dyn FnMut(Event)) {
+        if let Some(slot) = self.slots.get_mut(usize::from(id)) {
+            *slot = Some(component);
+            tell(Event::Planned { id, component });
+        }
+    }
+
+    fn set_life(&mut self, id: Id, life: Life, tell: &mut dyn FnMut(Event)) {
+        if let Some(component) = self.get_mut(id)
+            && component.life.may_become(life)
+        {
+            component.life = life;
+            tell(Event::Became { id, life });
+        }
+    }
+
+    fn delete(&mut self, id: Id, tell: &mut dyn FnMut(Event)) {
+        if let Some(slot) = self.slots.get_mut(usize::from(id))
+            && slot.take().is_some()
+        {
+            tell(Event::Deleted { id });
+        }
+    }
+}
+
+/// The most applicable production that was not tried, with its number within the frame.
+fn choose(
+    mission: &Mission<'_>,
+    frame: &Frame,
+    tried: u16,
+    applicability: &mut dyn FnMut(u16, &Production) -> f32,
+) -> Option<(u8, Production)> {
+    let mut best: Option<(f32, u8, Production)> = None;
+    let all = mission.productions().range(usize::from(frame.first), usize::from(frame.count));
+    for (number, production) in (0_u8..).zip(all) {
+        if tried & bit(number) != 0 {
+            continue;
+        }
+        let value = applicability(frame.first.saturating_add(u16::from(number)), &production);
+        if value >= frame.threshold && best.is_none_or(|(highest, ..)| value > highest) {
+            best = Some((value, number, production));
+        }
+    }
+    best.map(|(_, number, production)| (number, production))
+}
+
+/// Whether a frame keeps nothing and brings nothing about.
+fn is_silent(description: Description) -> bool {
+    description.transient.is_empty()
+        && description.goal.is_empty()
+        && description.add == 0
+        && description.delete == 0
+        && description.max_speed_mps.is_infinite()
+        && description.min_distance_m <= 0.0
+}
+
+fn all_edges(production: &Production) -> u16 {
+    match production.edges {
+        edges @ 0..16 => (1 << edges) - 1,
+        _ => u16::MAX,
+    }
+}
+
+/// The bit of an edge or a production.
+fn bit(number: u8) -> u16 {
+    1_u16.checked_shl(u32::from(number)).unwrap_or(0)
+}

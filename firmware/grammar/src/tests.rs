@@ -1,0 +1,472 @@
+//! Grammars as text in, the course of the live plan as text out.
+
+extern crate std;
+
+use super::*;
+use plan_format::limits::MAX_COMPONENTS;
+use plan_format::mission::{
+    Action, ActionKind, Behaviour, Condition, Description, Edge, Frame, Inference, Input, Interval,
+    Label, Mission, MissionDraft, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
+};
+use proptest::prelude::*;
+use std::{collections::BTreeMap, fmt::Write, format, string::String, vec, vec::Vec};
+
+/// A grammar from text: a line is `FRAME = stage stage ... / stage ...`, the productions of a
+/// frame separated by `/`; a stage is a symbol or parallel ones joined by `|`. Upper-case names are
+/// frames, others are actions. The first line's frame is the root.
+struct Grammar {
+    bytes: Vec<u8>,
+    names: BTreeMap<String, Symbol>,
+}
+
+impl Grammar {
+    fn new(text: &str) -> Self {
+        Self::with(text, |_| {})
+    }
+
+    fn with(text: &str, change: impl FnOnce(&mut MissionDraft)) -> Self {
+        let mut draft = MissionDraft::default();
+        let mut names = BTreeMap::new();
+        let lines: Vec<(&str, &str)> = text
+            .lines()
+            .filter_map(|line| line.split_once('='))
+            .map(|(a, b)| (a.trim(), b.trim()))
+            .collect();
+        for (number, (frame, _)) in lines.iter().enumerate() {
+            names.insert(String::from(*frame), Symbol::Frame(number as u16));
+        }
+        draft.descriptions.push(Description {
+            initial: Condition::default(),
+            transient: Condition::default(),
+            goal: Condition::default(),
+            add: 0,
+            delete: 0,
+            max_speed_mps: f32::INFINITY,
+            min_distance_m: 0.0,
+        });
+        for (frame, productions) in &lines {
+            let first = draft.productions.len() as u16;
+            for stages in productions.split('/') {
+                Self::production(&mut draft, &mut names, stages);
+            }
+            let name = draft.name(frame);
+            let count = draft.productions.len() as u8 - first as u8;
+            draft.frames.push(Frame {
+                name,
+                first,
+                count,
+                description: 0,
+                threshold: 0.5,
+                may_add: 0,
+                may_delete: 0,
+                resources: 1,
+            });
+        }
+        Self::behaviour(&mut draft);
+        change(&mut draft);
+        Self { bytes: draft.write().expect("the grammar is sound"), names }
+    }
+
+    fn production(draft: &mut MissionDraft, names: &mut BTreeMap<String, Symbol>, stages: &str) {
+        let first_edge = draft.edges.len() as u16;
+        let mut vertex = 0;
+        for stage in stages.split_whitespace() {
+            for name in stage.split('|') {
+                let symbol = *names.entry(String::from(name)).or_insert_with(|| {
+                    let text = draft.name(name);
+                    draft.actions.push(Action {
+                        name: text,
+                        kind: ActionKind::Hold { for_ms: 0 },
+                        description: 0,
+                        until: Condition::default(),
+                        timeout_ms: 1,
+                        resources: 1,
+                    });
+                    Symbol::Action(draft.actions.len() as u16 - 1)
+                });
+                draft.edges.push(Edge { from: vertex, to: vertex + 1, symbol, work: 0 });
+            }
+            vertex += 1;
+        }
+        let name = draft.name("");
+        draft.productions.push(Production {
+            name,
+            rules: None,
+            first_edge,
+            edges: (draft.edges.len() - usize::from(first_edge)) as u8,
+            vertices: vertex + 1,
+            first_interval: 0,
+            intervals: 0,
+        });
+    }
+
+    fn behaviour(draft: &mut MissionDraft) {
+        let name = draft.name("all");
+        draft.inputs.push(Input {
+            name,
+            source: Source::Time,
+            low: 0.0,
+            high: 1.0,
+            hold_ms: 0,
+            missing: 0.0,
+        });
+        draft.rules.push(Rule { input: 0, labels: [Label::PS; 7] });
+        draft.rule_bases.push(RuleBase { first: 0, count: 1, inference: Inference::Min });
+        draft.behaviours.push(Behaviour {
+            name,
+            root: 0,
+            start_up: None,
+            shut_down: None,
+            rules: 0,
+            dormant: 0.0,
+            unconditional: 1.0,
+            hysteresis: 0.0,
+            dwell_ms: 0,
+            switch_point: SwitchPoint::Earliest,
+            resources: 1,
+        });
+    }
+
+    fn mission(&self) -> Mission<'_> {
+        Mission::parse(&self.bytes).expect("the grammar is sound")
+    }
+}
+
+/// Runs a plan: in every round the next scheduled component is decomposed or carried out.
+/// `action` says whether an action, by name, succeeds; `applicable` how applicable a production is.
+struct Run<'g> {
+    mission: Mission<'g>,
+    forest: Forest,
+    log: String,
+}
+
+impl<'g> Run<'g> {
+    fn new(grammar: &'g Grammar) -> Self {
+        let mut forest = Forest::default();
+        forest.plant(0, 0, &mut |_| {});
+        Self { mission: grammar.mission(), forest, log: String::new() }
+    }
+
+    fn go(
+        &mut self,
+        rounds: usize,
+        mut action: impl FnMut(&str) -> bool,
+        mut applicable: impl FnMut(u16) -> f32,
+    ) -> &str {
+        for _ in 0..rounds {
+            let Some(id) = self.forest.scheduled(0) else { break };
+            let component = *self.forest.get(id).expect("scheduled components live");
+            let ended = match component.symbol {
+                Symbol::Action(index) => {
+                    let record = self.mission.actions().get(usize::from(index)).expect("it exists");
+                    let name = self.mission.name(record.name);
+                    self.forest.start(id, &mut |_| {});
+                    if action(name) {
+                        write!(self.log, " {name}").expect("strings take everything");
+                        self.forest.finish(&self.mission, id, &mut |_| {})
+                    } else {
+                        write!(self.log, " {name}!").expect("strings take everything");
+                        self.forest.fail(id, &mut |_| {})
+                    }
+                }
+                Symbol::Frame(_) => {
+                    let mut ask = |index, _: &Production| applicable(index);
+                    match self.forest.decompose(&self.mission, id, &mut ask, &mut |_| {}) {
+                        (_, Choice::Production(_)) => Ended::GoesOn,
+                        (id, Choice::LoopEnded) => {
+                            self.forest.finish(&self.mission, id, &mut |_| {})
+                        }
+                        (id, _) => self.forest.fail(id, &mut |_| {}),
+                    }
+                }
+            };
+            match ended {
+                Ended::RootFinished => self.log.push_str(" done"),
+                Ended::RootFailed => self.log.push_str(" failed"),
+                Ended::GoesOn | Ended::FallsBack(_) => {}
+            }
+        }
+        self.log.trim()
+    }
+}
+
+/// What a grammar does when everything succeeds and everything is applicable.
+#[track_caller]
+fn check(grammar: &str, expected: &str) {
+    let grammar = Grammar::new(grammar);
+    let mut run = Run::new(&grammar);
+    assert_eq!(run.go(1_000, |_| true, |_| 1.0), expected);
+    assert!(run.forest.is_empty(), "something is left in the pool");
+}
+
+/// H03, H04: a frame is replaced by its production, and the parts run in the order of the graph.
+#[test]
+fn h04_replacement_keeps_the_order() {
+    check("A = a b c", "a b c done");
+    check("A = a B d\nB = b c", "a b c d done");
+    check("A = B C\nB = a b\nC = c", "a b c done");
+}
+
+/// H05: parallel edges are scheduled together, and what follows waits for all of them.
+#[test]
+fn h05_parallel_edges_join() {
+    let grammar = Grammar::new("A = a|b|B d\nB = x y");
+    let mut run = Run::new(&grammar);
+    run.go(1, |_| true, |_| 1.0);
+    let scheduled = run.forest.iter().filter(|(_, c)| c.life == Life::Scheduled).count();
+    assert_eq!(scheduled, 3, "all parallel parts at once");
+    let log = run.go(100, |_| true, |_| 1.0);
+    assert!(log.ends_with("d done"), "{log}");
+    for part in ["a", "b", "x y"] {
+        assert!(log.find(part) < log.find('d'), "{log}");
+    }
+}
+
+/// H06: the most applicable production is taken, among equals the first.
+#[test]
+fn h06_the_best_production_is_chosen() {
+    let grammar = Grammar::new("A = a / b / c");
+    for (applicability, expected) in
+        [([0.6, 0.9, 0.7], "b done"), ([0.7, 0.7, 0.7], "a done"), ([0.4, 0.4, 0.5], "c done")]
+    {
+        let mut run = Run::new(&grammar);
+        assert_eq!(run.go(10, |_| true, |index| applicability[usize::from(index)]), expected);
+    }
+}
+
+/// H24: below the threshold nothing is considered, and the outcome is defined.
+#[test]
+fn h24_nothing_applicable_fails() {
+    let grammar = Grammar::new("A = a / b");
+    assert_eq!(Run::new(&grammar).go(10, |_| true, |_| 0.49), "failed");
+}
+
+/// H08: a frame is decomposed only when its turn comes.
+#[test]
+fn h08_decomposition_is_lazy() {
+    let grammar = Grammar::new("A = a B\nB = b");
+    let mut run = Run::new(&grammar);
+    run.go(1, |_| true, |_| 1.0);
+    let frame =
+        run.forest.iter().find(|(_, c)| c.symbol == grammar.names["B"]).expect("B is planned");
+    assert_eq!((frame.1.life, frame.1.production), (Life::Planned, None));
+}
+
+/// H10: an error falls back to the next higher level, which chooses anew; at the root it fails.
+#[test]
+fn h10_failure_falls_back_one_level() {
+    let run = |text: &str, fails: &str| {
+        let grammar = Grammar::new(text);
+        let mut run = Run::new(&grammar);
+        let log = String::from(run.go(100, |name| name != fails, |_| 1.0));
+        assert!(run.forest.is_empty());
+        log
+    };
+    assert_eq!(run("A = x B y\nB = a b / c", "b"), "x a b! c y done");
+    assert_eq!(run("A = x B / z\nB = a / b a", "a"), "x a! b a! z done");
+    assert_eq!(run("A = a b", "b"), "a b! failed");
+    // What runs beside the failed part is given up with it.
+    assert_eq!(run("A = B z\nB = b|a c / d", "b"), "b! d z done");
+}
+
+/// H07: end recursion runs a million times round in constant memory, and ends when its rule is no
+/// longer applicable.
+#[test]
+fn h07_a_million_rounds_in_constant_memory() {
+    let grammar = Grammar::new("A = a A");
+    let mut run = Run::new(&grammar);
+    let (mut rounds, mut largest) = (0_u32, 0);
+    while let Some(id) = run.forest.scheduled(0) {
+        largest = largest.max(run.forest.len());
+        let mut ask = |_, _: &Production| if rounds < 1_000_000 { 1.0 } else { 0.0 };
+        match run.forest.get(id).expect("it lives").symbol {
+            Symbol::Action(_) => {
+                run.forest.start(id, &mut |_| {});
+                run.forest.finish(&run.mission, id, &mut |_| {});
+                rounds += 1;
+            }
+            Symbol::Frame(_) => match run.forest.decompose(&run.mission, id, &mut ask, &mut |_| {})
+            {
+                (_, Choice::Production(_)) => {}
+                (id, choice) => {
+                    assert_eq!(choice, Choice::LoopEnded);
+                    assert_eq!(
+                        run.forest.finish(&run.mission, id, &mut |_| {}),
+                        Ended::RootFinished
+                    );
+                }
+            },
+        }
+    }
+    assert_eq!((rounds, largest), (1_000_000, 3));
+}
+
+/// H07: loops through other frames come round too, and what stands above a loop goes on after it.
+#[test]
+fn h07_indirect_loops_and_what_follows_them() {
+    let grammar = Grammar::new("R = A z\nA = a B\nB = b A");
+    let mut run = Run::new(&grammar);
+    let mut turns = 0;
+    let log = run.go(
+        100,
+        |_| true,
+        |production| {
+            turns += u32::from(production == 1);
+            if production == 1 && turns > 3 { 0.0 } else { 1.0 }
+        },
+    );
+    assert_eq!(log, "a b a b a b z done");
+}
+
+/// H10: a failure in a later round falls back to the loop's frame, not to the beginning.
+#[test]
+fn h10_a_failure_in_a_loop_falls_back_to_the_loop() {
+    let grammar = Grammar::new("R = s A\nA = a b A / c A");
+    let mut run = Run::new(&grammar);
+    let mut count = 0;
+    let log = run.go(
+        14,
+        |name| {
+            count += u32::from(name == "b");
+            !(name == "b" && count == 2)
+        },
+        |_| 1.0,
+    );
+    assert_eq!(log, "s a b a b! c a b");
+}
+
+/// Recursion that is not end recursion is bounded by the depth, and what is too large for the pool
+/// is refused without harm.
+#[test]
+fn what_exceeds_the_limits_fails_and_leaves_nothing() {
+    check("A = a A b", &format!("{}failed", "a ".repeat(7)));
+    let wide = "A = a|b|c|d|e|f|g|h B B B\nB = a|b|c|d|e|f|g|h|i|j|k|l|m B";
+    let grammar = Grammar::new(wide);
+    let mut run = Run::new(&grammar);
+    run.go(500, |_| true, |_| 1.0);
+    assert!(run.forest.len() <= MAX_COMPONENTS);
+}
+
+/// A protection interval over the last edge keeps the frame in place: its end must come after.
+#[test]
+fn an_interval_over_the_last_edge_forbids_coming_round() {
+    let grammar = Grammar::with("A = a A", |draft| {
+        draft.intervals.push(Interval {
+            from: 0,
+            to: 2,
+            condition: Condition::default(),
+            is_derived: false,
+        });
+        draft.productions[0].intervals = 1;
+    });
+    let mut run = Run::new(&grammar);
+    run.go(4, |_| true, |_| 1.0);
+    assert!(run.forest.iter().any(|(_, component)| component.depth == 2));
+}
+
+/// H28: sleeping keeps the plan, and an interrupted action is begun again.
+#[test]
+fn h28_a_plan_sleeps_and_wakes_as_it_was() {
+    let grammar = Grammar::new("A = a b");
+    let mut run = Run::new(&grammar);
+    run.go(1, |_| true, |_| 1.0);
+    let id = run.forest.scheduled(0).expect("a is scheduled");
+    run.forest.start(id, &mut |_| {});
+    run.forest.suspend(0, &mut |_| {});
+    assert_eq!(run.forest.scheduled(0), None);
+    run.forest.resume(0, &mut |_| {});
+    assert_eq!(run.forest.get(id).map(|component| component.life), Some(Life::Scheduled));
+    assert_eq!(run.go(10, |_| true, |_| 1.0), "a b done");
+}
+
+/// H16: only the transitions of the table happen, whatever is asked.
+#[test]
+fn h16_the_life_cycle_is_the_table() {
+    use Life::{Abandoned, Failed, Finished, Planned, Scheduled, Started, Suspended};
+    let all = [Planned, Scheduled, Started, Suspended, Finished, Failed, Abandoned];
+    let mut table = String::new();
+    for from in all {
+        for to in all {
+            table.push(if from.may_become(to) { 'x' } else { '.' });
+        }
+        table.push('\n');
+    }
+    assert_eq!(
+        table,
+        ".x....x\n\
+         ..xxxxx\n\
+         .x.xxxx\n\
+         .xx..xx\n\
+         .......\n\
+         .......\n\
+         .......\n"
+    );
+}
+
+fn random_grammar() -> impl Strategy<Value = String> {
+    let stage =
+        prop::collection::vec(prop::sample::select(vec!["a", "b", "c", "A", "B", "C"]), 1..4)
+            .prop_map(|parts| parts.join("|"));
+    let production = prop::collection::vec(stage, 1..4).prop_map(|stages| stages.join(" "));
+    let frame = prop::collection::vec(production, 1..4).prop_map(|all| all.join(" / "));
+    (frame.clone(), frame.clone(), frame).prop_map(|(a, b, c)| format!("A = {a}\nB = {b}\nC = {c}"))
+}
+
+proptest! {
+    /// Whatever the grammar and whatever fails: the pool's trees hang together, events tell of every
+    /// change, and only legal transitions happen.
+    #[test]
+    fn random_plans_keep_the_invariants(text in random_grammar(), chance in prop::collection::vec(any::<u8>(), 64)) {
+        let grammar = Grammar::new(&text);
+        let mission = grammar.mission();
+        let mut forest = Forest::default();
+        let mut mirror: BTreeMap<Id, Life> = BTreeMap::new();
+        let mut wrong = String::new();
+        let mut tell = |event: Event| match event {
+            Event::Planned { id, component } => {
+                if mirror.insert(id, component.life).is_some() { wrong.push_str("planned twice;"); }
+            }
+            Event::Became { id, life } => match mirror.insert(id, life) {
+                Some(before) if before.may_become(life) => {}
+                before => wrong.push_str(&format!("{before:?} became {life:?};")),
+            },
+            Event::Deleted { id } => {
+                if mirror.remove(&id).is_none() { wrong.push_str("deleted what was not there;"); }
+            }
+            Event::Decomposed { .. } | Event::CameRound { .. } => {}
+        };
+        forest.plant(0, 0, &mut tell);
+        for round in 0..400_usize {
+            let luck = chance[round % chance.len()];
+            if luck == 1 {
+                forest.suspend(0, &mut tell);
+                forest.resume(0, &mut tell);
+            }
+            let Some(id) = forest.scheduled(0) else { break };
+            match forest.get(id).map(|component| component.symbol) {
+                Some(Symbol::Action(_)) if luck < 64 => { forest.fail(id, &mut tell); }
+                Some(Symbol::Action(_)) => {
+                    forest.start(id, &mut tell);
+                    forest.finish(&mission, id, &mut tell);
+                }
+                _ => {
+                    let mut ask = |index, _: &Production| f32::from(u8::from((luck >> (index % 8)) & 1 == 1));
+                    match forest.decompose(&mission, id, &mut ask, &mut tell) {
+                        (_, Choice::Production(_)) => {}
+                        (id, Choice::LoopEnded) => { forest.finish(&mission, id, &mut tell); }
+                        (id, _) => { forest.fail(id, &mut tell); }
+                    }
+                }
+            }
+            for (id, component) in forest.iter() {
+                let parent = component.parent.and_then(|parent| forest.get(parent));
+                prop_assert!(component.parent.is_some() == parent.is_some(), "{id} hangs in the air");
+                prop_assert_eq!(component.depth, parent.map_or(0, |parent| parent.depth + 1));
+            }
+            prop_assert!(forest.is_empty() || forest.scheduled(0).is_some(), "a dead plan");
+        }
+        prop_assert_eq!(&wrong, "");
+        let lives: BTreeMap<Id, Life> = forest.iter().map(|(id, component)| (id, component.life)).collect();
+        prop_assert_eq!(lives, mirror);
+    }
+}
