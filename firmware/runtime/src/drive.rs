@@ -21,8 +21,8 @@ impl Differential {
         let left = commands.speed_mps - half_difference;
         let right = commands.speed_mps + half_difference;
         let fastest = left.abs().max(right.abs()).max(self.full_speed_mps);
-        // Not above 0 where the settings or the command are nonsense: stand still.
-        if fastest > 0.0 && fastest.is_finite() {
+        // Where the settings or the command are nonsense: stand still.
+        if left.is_finite() && right.is_finite() && fastest > 0.0 {
             [left / fastest, right / fastest]
         } else {
             [0.0, 0.0]

@@ -4,7 +4,7 @@
 //!
 //! | last heard | then silence |
 //! |---|---|
-//! | nothing yet | not armed |
+//! | nothing yet | not armed, unless at the board's own button |
 //! | emergency stop | stays pressed, for ever |
 //! | driven by hand | stands still, not armed: nobody may be surprised by autonomy |
 //! | armed | by [`Silence`]: not armed, or the mission goes on |
@@ -51,20 +51,19 @@ impl<M: RawMutex> OperatorSlot<M> {
         self.heard.lock(|cell| cell.set(Some((time_us, operator))));
     }
 
-    /// What the operator says at `now_us`, silence taken into account.
-    pub fn at(&self, now_us: u64) -> Operator {
-        let Some((time_us, heard)) = self.heard.lock(Cell::get) else {
-            return Operator::default();
-        };
+    /// What the operator says at `now_us`, silence taken into account; `None` if nothing was
+    /// ever heard, so that a board without a radio can ask its buttons.
+    pub fn at(&self, now_us: u64) -> Option<Operator> {
+        let (time_us, heard) = self.heard.lock(Cell::get)?;
         if now_us.saturating_sub(time_us) <= LINK_TIMEOUT_US {
-            return heard;
+            return Some(heard);
         }
         let goes_on = self.silence == Silence::Allows && heard.manual.is_none();
-        Operator {
+        Some(Operator {
             is_armed: heard.is_armed && goes_on,
             is_emergency_stop: heard.is_emergency_stop,
             manual: None,
-        }
+        })
     }
 }
 
@@ -126,14 +125,14 @@ mod tests {
     fn check(silence: Silence, said: Operator, after: Operator) {
         let slot = OperatorSlot::<NoopRawMutex>::new(silence);
         slot.hear(5_000_000, said);
-        assert_eq!(slot.at(5_000_000), said);
-        assert_eq!(slot.at(5_000_000 + LINK_TIMEOUT_US), said);
-        assert_eq!(slot.at(5_000_001 + LINK_TIMEOUT_US), after);
+        assert_eq!(slot.at(5_000_000), Some(said));
+        assert_eq!(slot.at(5_000_000 + LINK_TIMEOUT_US), Some(said));
+        assert_eq!(slot.at(5_000_001 + LINK_TIMEOUT_US), Some(after));
     }
 
     #[test]
     fn silence_has_a_meaning_for_each_state() {
-        assert_eq!(OperatorSlot::<NoopRawMutex>::new(Silence::Allows).at(0), NOT_ARMED);
+        assert_eq!(OperatorSlot::<NoopRawMutex>::new(Silence::Allows).at(0), None);
         check(Silence::Disarms, ARMED, NOT_ARMED);
         check(Silence::Allows, ARMED, ARMED);
         for silence in [Silence::Disarms, Silence::Allows] {
@@ -151,6 +150,6 @@ mod tests {
         bytes[100] = 0;
         bytes[101..101 + frame.len()].copy_from_slice(&frame);
         block_on(operator_task(&bytes[..], &slot, || 7));
-        assert_eq!(slot.at(7), BY_HAND);
+        assert_eq!(slot.at(7), Some(BY_HAND));
     }
 }
