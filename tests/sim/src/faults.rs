@@ -216,7 +216,7 @@ mod tests {
     impl Sensors for Counter {
         fn sense(&mut self, scene: &Scene<'_>) -> SensorRecord {
             self.0 += 1;
-            let gps = if self.0 % 2 == 0 { &[self.0][..] } else { &[] };
+            let gps = if self.0.is_multiple_of(2) { &[self.0][..] } else { &[] };
             SensorRecord {
                 gps: gps.iter().copied().collect(),
                 heading_rad: Some(f32::from(self.0)),

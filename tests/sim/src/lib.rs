@@ -27,7 +27,7 @@ pub mod world;
 pub use body::{Body, Chassis, Motion};
 pub use faults::{Channel, Fault, Faulty};
 pub use mission::{Ending, Limits, Outcome, Run};
-pub use pilot::{Pilot, PilotError};
+pub use pilot::{HostPilot, Pilot, PilotError};
 pub use random::{Random, Stream};
 pub use receiver::{Dialect, Receiver, ReceiverSettings};
 pub use sensors::{RingSettings, Scene, SensorSettings, SensorSuite, Sensors};

@@ -1,6 +1,11 @@
 //! Who drives: whatever answers a record of sensors with a record of commands.
 
+use plan_format::Plan;
 use robot_io::{CommandRecord, SensorRecord};
+use runtime::lockstep::{Link, Mailbox, drive};
+use std::fmt;
+use std::pin::Pin;
+use std::rc::Rc;
 
 /// A robot's controller in lockstep with the world: one exchange is one tick.
 pub trait Pilot {
@@ -31,5 +36,50 @@ impl<P: Pilot + ?Sized> Pilot for &mut P {
 impl<P: Pilot + ?Sized> Pilot for Box<P> {
     fn exchange(&mut self, sensors: &SensorRecord) -> Result<CommandRecord, PilotError> {
         (**self).exchange(sensors)
+    }
+}
+
+/// The robot in this process: the runtime of a board, fed by hand.
+pub struct HostPilot<'p> {
+    mailbox: Rc<Mailbox>,
+    robot: Pin<Box<dyn Future<Output = ()> + 'p>>,
+}
+
+impl<'p> HostPilot<'p> {
+    /// A robot before its first tick.
+    pub fn new(plan: Plan<'p>) -> Self {
+        let mailbox = Rc::new(Mailbox::default());
+        let robot = Box::pin(drive(plan, Shared(Rc::clone(&mailbox))));
+        Self { mailbox, robot }
+    }
+}
+
+impl Pilot for HostPilot<'_> {
+    fn exchange(&mut self, sensors: &SensorRecord) -> Result<CommandRecord, PilotError> {
+        let answer = self.mailbox.step(self.robot.as_mut(), sensors.clone());
+        answer.ok_or_else(|| PilotError::Ended("it does not wait for its mailbox".to_owned()))
+    }
+}
+
+impl fmt::Debug for HostPilot<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("HostPilot").finish_non_exhaustive()
+    }
+}
+
+/// A mailbox that the robot and its owner both hold.
+struct Shared(Rc<Mailbox>);
+
+impl Link for Shared {
+    fn is_ready(&self) -> bool {
+        (&*self.0).is_ready()
+    }
+
+    fn receive(&mut self) -> Option<SensorRecord> {
+        (&*self.0).receive()
+    }
+
+    fn send(&mut self, record: &CommandRecord) {
+        (&*self.0).send(record);
     }
 }

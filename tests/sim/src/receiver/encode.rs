@@ -38,8 +38,9 @@ impl Dialect {
     }
 }
 
-/// Metres of accuracy for an HDOP of 1; the drivers assume the same.
-const METRES_PER_HDOP: f64 = 2.5;
+/// Horizontal error for an HDOP of 1 and no corrections, metres: the standard positioning
+/// service's, and what the robot's driver assumes.
+const METRES_PER_HDOP: f64 = 4.0;
 /// Knots in a metre a second.
 const KNOTS_PER_MPS: f64 = 3600.0 / 1852.0;
 /// Bytes of the payload of NAV-PVT.
@@ -169,7 +170,7 @@ mod tests {
         assert_eq!(
             text,
             "$GNRMC,130101.25,A,3346.53600,N,08423.94001,W,2.749,315.00,010626,,,A*68\r\n\
-             $GNGGA,130101.25,3346.53600,N,08423.94001,W,1,12,0.60,0.0,M,0.0,M,,*63\r\n"
+             $GNGGA,130101.25,3346.53600,N,08423.94001,W,1,12,0.38,0.0,M,0.0,M,,*6E\r\n"
         );
     }
 
