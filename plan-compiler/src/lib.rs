@@ -6,7 +6,9 @@
 
 pub mod bitmap;
 mod escape;
+pub mod formats;
 pub mod map;
 pub mod problem;
 pub mod raster;
 pub mod search;
+pub mod source;

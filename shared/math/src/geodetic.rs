@@ -13,9 +13,9 @@ use crate::vector::Vec2;
 use serde::{Deserialize, Serialize};
 
 /// WGS-84 semi-major axis, metres.
-const SEMI_MAJOR_M: f64 = 6_378_137.0;
+pub const SEMI_MAJOR_M: f64 = 6_378_137.0;
 /// WGS-84 first eccentricity squared.
-const ECCENTRICITY_SQUARED: f64 = 6.694_379_990_141_316_5e-3;
+pub const ECCENTRICITY_SQUARED: f64 = 6.694_379_990_141_316_5e-3;
 /// Units of 1e-7 degrees in half a turn.
 const HALF_TURN_E7: i64 = 1_800_000_000;
 
@@ -140,6 +140,23 @@ pub fn metres_per_degree(lat_deg: f64) -> (f64, f64) {
     (meridian.to_radians(), parallel.to_radians())
 }
 
+/// Metres east and north from one place to another, both `[latitude, longitude]` in
+/// degrees, in the plane of the first: [`Frame`]'s arithmetic in double precision, for
+/// maps that give more digits than a receiver does.
+pub fn offset_m(from_deg: [f64; 2], to_deg: [f64; 2]) -> [f64; 2] {
+    let (per_lat, per_lon) = metres_per_degree(from_deg[0]);
+    let dlon = to_deg[1] - from_deg[1];
+    // The short way round, as `wrap_e7`; the difference itself is left exact where it can be.
+    let dlon = if dlon > 180.0 {
+        dlon - 360.0
+    } else if dlon < -180.0 {
+        dlon + 360.0
+    } else {
+        dlon
+    };
+    [dlon * per_lon, (to_deg[0] - from_deg[0]) * per_lat]
+}
+
 /// A longitude difference the short way round.
 fn wrap_e7(difference: i64) -> i64 {
     if difference > HALF_TURN_E7 {
@@ -192,6 +209,16 @@ mod tests {
         let frame = Frame::new(place(10.0, 179.9999), [0.0, 0.0], 0.0);
         let p = frame.to_local(place(10.0, -179.9999)).unwrap();
         assert!((p.x - 21.9).abs() < 0.1, "{p:?}");
+    }
+
+    #[test]
+    fn double_precision_offsets_agree_with_the_frame() {
+        let frame = Frame::new(place(33.7756, -84.399), [0.0, 0.0], 0.0);
+        let [x, y] = offset_m([33.7756, -84.399], [33.776141, -84.398784]);
+        let p = frame.to_local(place(33.776141, -84.398784)).unwrap();
+        assert!((x - f64::from(p.x)).abs() < 1e-3 && (y - f64::from(p.y)).abs() < 1e-3);
+        let [x, _] = offset_m([10.0, 179.9999], [10.0, -179.9999]);
+        assert!((x - 21.9).abs() < 0.1, "{x}");
     }
 
     #[test]

@@ -113,6 +113,22 @@ pub mod wide {
     pub fn exp(x: f64) -> f64 {
         libm::exp(x)
     }
+    /// Hyperbolic sine.
+    pub fn sinh(x: f64) -> f64 {
+        libm::sinh(x)
+    }
+    /// Hyperbolic cosine.
+    pub fn cosh(x: f64) -> f64 {
+        libm::cosh(x)
+    }
+    /// Inverse hyperbolic sine.
+    pub fn asinh(x: f64) -> f64 {
+        libm::asinh(x)
+    }
+    /// Inverse hyperbolic tangent.
+    pub fn atanh(x: f64) -> f64 {
+        libm::atanh(x)
+    }
 }
 
 #[cfg(test)]

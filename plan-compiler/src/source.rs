@@ -1,0 +1,177 @@
+//! Reading a file: every way in which that fails, said so that its user can mend it.
+//!
+//! Text is UTF-8. Old maps carry the odd Latin-1 letter in a comment or a name, so text
+//! that is not UTF-8 is read as Latin-1 with a warning; binary files are refused.
+
+use crate::problem::{Problem, Source};
+use std::fs::File;
+use std::io::{ErrorKind, Read};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Largest input that is read, bytes: far above any map, far below a machine's memory.
+pub const MAX_FILE_BYTES: u64 = 256 << 20;
+
+/// Names in a folder that are looked at to suggest the one that was meant.
+const MAX_NAMES_LOOKED_AT: usize = 10_000;
+
+/// The text of a file, and what is worth knowing about how it was read.
+pub fn read_text(path: &Path) -> Result<(Arc<Source>, Vec<Problem>), Problem> {
+    decode(path, read_bytes(path)?)
+}
+
+/// The bytes of a file.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
+    let name = path.display();
+    let failed = |error: std::io::Error| cannot_read(path, &error);
+    // A directory opens on Unix and fails only when read, with a message about neither.
+    if std::fs::metadata(path).map_err(failed)?.is_dir() {
+        return Err(Problem::error(format!("{name} is a directory"))
+            .mend("name a map file inside it instead"));
+    }
+    let mut bytes = Vec::new();
+    // One byte past the limit shows that there is more, whatever the file claims its length is.
+    File::open(path)
+        .and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(failed)?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        let limit = MAX_FILE_BYTES >> 20;
+        return Err(Problem::error(format!("{name} is larger than {limit} MiB"))
+            .mend("cut the part out that the robot will drive in"));
+    }
+    Ok(bytes)
+}
+
+/// Bytes as text.
+pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<(Arc<Source>, Vec<Problem>), Problem> {
+    let name = path.display().to_string();
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(Problem::error(format!("{name} is empty"))
+            .mend("check that it was saved, and that this is the file you mean"));
+    }
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(
+            Problem::error(format!("{name} is UTF-16 text")).mend("save it as UTF-8 instead")
+        );
+    }
+    if is_binary(&bytes) {
+        return Err(Problem::error(format!("{name} is not a text file"))
+            .mend("name a map file; text maps hold readable characters only"));
+    }
+    let mut problems = Vec::new();
+    let text = String::from_utf8(bytes).unwrap_or_else(|error| {
+        problems.push(
+            Problem::warning(format!("{name} is not UTF-8; it is read as Latin-1"))
+                .mend("save it as UTF-8, so that names with accents come out right"),
+        );
+        error.as_bytes().iter().map(|&byte| char::from(byte)).collect()
+    });
+    // A byte order mark says nothing in UTF-8.
+    let text = text.strip_prefix('\u{feff}').map(String::from).unwrap_or(text);
+    Ok((Arc::new(Source { name, text }), problems))
+}
+
+/// NULs, or more than one control character in a hundred bytes (old editors leave a few).
+fn is_binary(bytes: &[u8]) -> bool {
+    let is_control = |byte: &&u8| byte.is_ascii_control() && !matches!(byte, 9..=13 | 0x1a);
+    bytes.contains(&0) || bytes.iter().filter(is_control).count() > bytes.len() / 100
+}
+
+fn cannot_read(path: &Path, error: &std::io::Error) -> Problem {
+    let name = path.display();
+    match error.kind() {
+        ErrorKind::NotFound => {
+            let problem = Problem::error(format!("there is no file {name}"));
+            match similar_name(path) {
+                Some(other) => problem.mend(format!("did you mean {other}?")),
+                None => problem.mend("check the path; it is relative to the current folder"),
+            }
+        }
+        ErrorKind::PermissionDenied => Problem::error(format!("no permission to read {name}"))
+            .mend("make it readable, for example with chmod u+r"),
+        _ => Problem::error(format!("cannot read {name}: {error}")),
+    }
+}
+
+/// The file beside `path` whose name is nearest to it.
+fn similar_name(path: &Path) -> Option<String> {
+    let wanted = path.file_name()?.to_str()?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let entries = std::fs::read_dir(folder.unwrap_or(Path::new("."))).ok()?;
+    entries
+        .flatten()
+        .take(MAX_NAMES_LOOKED_AT)
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .map(|name| (strsim::damerau_levenshtein(&name, wanted), name))
+        .filter(|(distance, name)| distance * 3 <= name.len())
+        .min()
+        .map(|(_, name)| path.with_file_name(name).display().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(bytes: &[u8], expected: &str) {
+        let got = match decode(Path::new("a.ovl"), bytes.to_vec()) {
+            Ok((source, problems)) => {
+                let notes: String = problems.iter().map(|p| format!(" [{p}]")).collect();
+                format!("{:?}{notes}", source.text)
+            }
+            Err(problem) => problem.message,
+        };
+        assert_eq!(got, expected);
+    }
+
+    #[test]
+    fn bytes_become_text_or_a_reason() {
+        check(b"ORIGIN 0 0\n", r#""ORIGIN 0 0\n""#);
+        check(b"", "a.ovl is empty");
+        check(b" \r\n\t", "a.ovl is empty");
+        check(b"\xef\xbb\xbfPP", r#""PP""#);
+        check("-- Stra\u{df}e".as_bytes(), "\"-- Stra\u{df}e\"");
+        check(b"-- Stra\xdfe", "\"-- Stra\u{df}e\" [a.ovl is not UTF-8; it is read as Latin-1]");
+        check(b"\xff\xfeP\0P\0", "a.ovl is UTF-16 text");
+        check(b"\x7fELF\x02\x01\x01\0\0\0", "a.ovl is not a text file");
+        check(b"\x01\x02\x03\x04garbage", "a.ovl is not a text file");
+        // The end-of-file mark of old systems.
+        check(b"PP\x1a", r#""PP\u{1a}""#);
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_explained() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("campus.ovl"), "ORIGIN 0 0").unwrap();
+        let error = |name: &str| read_text(&folder.path().join(name)).unwrap_err();
+
+        let missing = error("campsu.ovl");
+        assert!(missing.message.starts_with("there is no file"), "{missing}");
+        assert!(missing.mend.unwrap().ends_with("campus.ovl?"));
+        assert!(!error("nothing-alike.txt").mend.unwrap().contains("did you mean"));
+        assert!(error(".").message.ends_with("is a directory"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_without_permission_is_explained() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("locked.ovl");
+        std::fs::write(&path, "ORIGIN 0 0").unwrap();
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
+        match read_text(&path) {
+            Err(problem) => assert!(problem.message.starts_with("no permission"), "{problem}"),
+            // The superuser may read everything.
+            Ok((source, _)) => assert_eq!(source.text, "ORIGIN 0 0"),
+        }
+    }
+
+    #[test]
+    fn a_file_beyond_the_limit_is_refused_without_reading_it_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("huge.ovl");
+        // Sparse: it takes no room on the disc.
+        File::create(&path).unwrap().set_len(MAX_FILE_BYTES + 1).unwrap();
+        assert!(read_bytes(&path).unwrap_err().message.ends_with("is larger than 256 MiB"));
+    }
+}
