@@ -128,13 +128,19 @@ impl PlanRecord {
     }
 }
 
-/// One layer in section `layers`.
+/// One layer in section `layers`. Offsets are counted in section `cells`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LayerRecord {
     pub(crate) name: NameAt,
-    /// Where its cells begin in section `cells`.
-    pub(crate) offset: u32,
-    pub(crate) length: u32,
+    /// Where the table of plane `terrain` begins.
+    pub(crate) terrain: u32,
+    /// Where the table of plane `routes` begins.
+    pub(crate) routes: u32,
+    /// Where the roots begin.
+    pub(crate) roots: u32,
+    pub(crate) root_count: u16,
+    /// Bytes that this layer added.
+    pub(crate) bytes: u32,
     pub(crate) counts: Counts,
 }
 
@@ -150,19 +156,22 @@ pub struct Counts {
 }
 
 impl LayerRecord {
-    pub(crate) const BYTES: usize = 23;
+    pub(crate) const BYTES: usize = 33;
 
     pub(crate) fn get(section: &[u8], index: usize) -> Option<Self> {
         let at = index.checked_mul(Self::BYTES)?;
         let record = section.get(at..)?.get(..Self::BYTES)?;
         Some(Self {
             name: NameAt { offset: u16_at(record, 0)?, length: *record.get(2)? },
-            offset: u32_at(record, 3)?,
-            length: u32_at(record, 7)?,
+            terrain: u32_at(record, 3)?,
+            routes: u32_at(record, 7)?,
+            roots: u32_at(record, 11)?,
+            root_count: u16_at(record, 15)?,
+            bytes: u32_at(record, 17)?,
             counts: Counts {
-                free: u32_at(record, 11)?,
-                blocked: u32_at(record, 15)?,
-                unreachable: u32_at(record, 19)?,
+                free: u32_at(record, 21)?,
+                blocked: u32_at(record, 25)?,
+                unreachable: u32_at(record, 29)?,
             },
         })
     }
@@ -171,8 +180,12 @@ impl LayerRecord {
     pub(crate) fn put(&self, section: &mut Vec<u8>) {
         section.extend_from_slice(&self.name.offset.to_le_bytes());
         section.push(self.name.length);
+        for offset in [self.terrain, self.routes, self.roots] {
+            section.extend_from_slice(&offset.to_le_bytes());
+        }
+        section.extend_from_slice(&self.root_count.to_le_bytes());
         let Counts { free, blocked, unreachable } = self.counts;
-        for number in [self.offset, self.length, free, blocked, unreachable] {
+        for number in [self.bytes, free, blocked, unreachable] {
             section.extend_from_slice(&number.to_le_bytes());
         }
     }

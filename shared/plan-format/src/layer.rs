@@ -1,11 +1,16 @@
 //! One internalized plan: the answer of every cell to "where to from here?".
 //!
-//! W, section 2: "the robot's current location is used as an index into the plan".
+//! W, section 2: "the robot's current location is used as an index into the plan". Plane
+//! `terrain` says whether a cell is free and, if not, how to leave it. Plane `routes` names for
+//! each free cell a *root*: another cell, to which one of the cell's optimal paths is as short as
+//! it would be without obstacles. So `cost = cost(root) + octile(cell, root)`, exactly, and the
+//! direction is towards the root. Where roots do not pay, a block holds its costs itself.
 
-use crate::bytes::u32_at;
+use crate::blocks::{Place, Plane, Stored, superblocks};
+use crate::bytes::{u16_at, u32_at};
 use crate::directory::Counts;
 use crate::error::BlobError;
-use crate::grid::{Cell, Direction};
+use crate::grid::{Cell, Direction, octile};
 
 /// What a layer says about a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,13 +35,25 @@ pub enum Answer {
     OffMap,
 }
 
-/// Bytes of a cell: its code and its cost. The codes are those of a field.
-pub(crate) const CELL_BYTES: usize = 5;
-const GOAL: u8 = 8;
-const NO_ROUTE: u8 = 9;
-const NO_ESCAPE: u8 = 10;
-const ESCAPE: u8 = 16;
-const UNREACHED: u32 = u32::MAX;
+/// Terrain of a free cell.
+pub(crate) const FREE: u16 = 0;
+/// Terrain of a blocked cell without escape.
+pub(crate) const NO_ESCAPE: u16 = 1;
+/// Terrain of a blocked cell with an escape: this plus the direction's code.
+pub(crate) const ESCAPE: u16 = 2;
+const LAST_TERRAIN: u16 = ESCAPE + 7;
+
+/// Route entry of a free cell without a route. All others are twice a root's number, plus one
+/// where the straight part of the way comes first.
+pub(crate) const NO_ROUTE_ENTRY: u16 = u16::MAX;
+/// Codes in blocks of cells that have their own: 0 to 7 are moves.
+pub(crate) const OWN_GOAL: u8 = 8;
+/// A free cell without a route in a block of cells that have their own code.
+#[cfg(feature = "std")]
+pub(crate) const OWN_NO_ROUTE: u8 = 9;
+
+/// Bytes of a root: column, row, cost.
+pub(crate) const ROOT_BYTES: usize = 8;
 
 /// One layer, read in place.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +61,10 @@ pub struct Layer<'a> {
     pub(crate) name: &'a str,
     pub(crate) columns: u32,
     pub(crate) rows: u32,
-    pub(crate) cells: &'a [u8],
+    pub(crate) terrain: Plane<'a>,
+    pub(crate) routes: Plane<'a>,
+    pub(crate) roots: &'a [u8],
+    pub(crate) bytes: u32,
     pub(crate) counts: Counts,
 }
 
@@ -54,9 +74,9 @@ impl<'a> Layer<'a> {
         self.name
     }
 
-    /// Bytes of its cells in the blob.
+    /// Bytes that the layer added to the blob; what it shares with layers before it counts there.
     pub fn bytes(&self) -> usize {
-        self.cells.len()
+        self.bytes as usize
     }
 
     /// How many cells are of each kind.
@@ -69,43 +89,89 @@ impl<'a> Layer<'a> {
         if cell.column >= self.columns || cell.row >= self.rows {
             return Answer::OffMap;
         }
-        let index = cell.row as usize * self.columns as usize + cell.column as usize;
-        // The lengths were checked when the blob was parsed, so nothing is out of range.
-        self.at(index * CELL_BYTES).unwrap_or(Answer::OffMap)
-    }
-
-    fn at(&self, offset: usize) -> Option<Answer> {
-        let code = *self.cells.get(offset)?;
-        let cost = u32_at(self.cells, offset + 1)?;
-        match code {
-            0..=7 if cost != UNREACHED => {
-                Some(Answer::Move { direction: Direction::from_code(code), cost })
-            }
-            GOAL if cost == 0 => Some(Answer::Goal),
-            NO_ROUTE if cost == UNREACHED => Some(Answer::NoRoute),
-            NO_ESCAPE if cost == UNREACHED => Some(Answer::Blocked { escape: None }),
-            ESCAPE..=23 if cost == UNREACHED => {
-                Some(Answer::Blocked { escape: Some(Direction::from_code(code)) })
-            }
-            _ => None,
+        let place = Place::new(cell, superblocks(self.columns));
+        // Both planes were validated, so neither is ever without an answer.
+        match self.terrain.get(place) {
+            Some(Stored::Entry(FREE)) => self.route(cell, place).unwrap_or(Answer::NoRoute),
+            Some(Stored::Entry(NO_ESCAPE)) => Answer::Blocked { escape: None },
+            Some(Stored::Entry(terrain)) => Answer::Blocked {
+                escape: Some(Direction::from_code(terrain.wrapping_sub(ESCAPE) as u8)),
+            },
+            _ => Answer::NoRoute,
         }
     }
 
-    /// Proves once that no look-up can fail and that the counts are true.
+    fn route(&self, cell: Cell, place: Place) -> Option<Answer> {
+        Some(match self.routes.get(place)? {
+            Stored::Entry(NO_ROUTE_ENTRY) => Answer::NoRoute,
+            Stored::Entry(entry) => {
+                let root = self.roots.get(usize::from(entry >> 1) * ROOT_BYTES..)?;
+                let root = Root {
+                    cell: Cell::new(u16_at(root, 0)?.into(), u16_at(root, 2)?.into()),
+                    cost: u32_at(root, 4)?,
+                };
+                let cost = root.cost_from(cell);
+                match root.direction_from(cell, entry & 1 == 1) {
+                    Some(direction) => Answer::Move { direction, cost },
+                    None => Answer::Goal,
+                }
+            }
+            Stored::Own { code: code @ 0..=7, cost } => {
+                Answer::Move { direction: Direction::from_code(code), cost }
+            }
+            Stored::Own { code: OWN_GOAL, .. } => Answer::Goal,
+            Stored::Own { .. } => Answer::NoRoute,
+        })
+    }
+
+    /// Proves once that no look-up can fail.
     pub(crate) fn validate(&self) -> Result<(), BlobError> {
-        let cells = u64::from(self.columns) * u64::from(self.rows);
-        if self.cells.len() as u64 != cells * CELL_BYTES as u64 {
-            return Err(BlobError::Cells);
-        }
-        let mut counts = Counts::default();
-        for offset in (0..self.cells.len()).step_by(CELL_BYTES) {
-            match self.at(offset).ok_or(BlobError::Cells)? {
-                Answer::Move { .. } | Answer::Goal => counts.free += 1,
-                Answer::NoRoute => counts.unreachable += 1,
-                Answer::Blocked { .. } => counts.blocked += 1,
-                Answer::OffMap => return Err(BlobError::Cells),
+        let count = superblocks(self.columns) as usize * superblocks(self.rows) as usize;
+        let roots = self.roots.len() / ROOT_BYTES;
+        let roots_fit = self.roots.as_chunks::<ROOT_BYTES>().0.iter().all(|root| {
+            let [x0, x1, y0, y1, ..] = *root;
+            u32::from(u16::from_le_bytes([x0, x1])) < self.columns
+                && u32::from(u16::from_le_bytes([y0, y1])) < self.rows
+        });
+        let is_route = |entry: u16| entry == NO_ROUTE_ENTRY || usize::from(entry >> 1) < roots;
+        let counted = u64::from(self.counts.free)
+            + u64::from(self.counts.blocked)
+            + u64::from(self.counts.unreachable);
+        let sound = roots_fit
+            && counted == u64::from(self.columns) * u64::from(self.rows)
+            && self.terrain.validate(count, false, |entry| entry <= LAST_TERRAIN)
+            && self.routes.validate(count, true, is_route);
+        if sound { Ok(()) } else { Err(BlobError::Cells) }
+    }
+}
+
+/// A cell that others refer to, and its cost to the goal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Root {
+    pub(crate) cell: Cell,
+    pub(crate) cost: u32,
+}
+
+impl Root {
+    /// The cost of a cell whose way leads by this root.
+    pub(crate) fn cost_from(self, cell: Cell) -> u32 {
+        let columns = self.cell.column.abs_diff(cell.column);
+        let rows = self.cell.row.abs_diff(cell.row);
+        self.cost.wrapping_add(octile(columns, rows))
+    }
+
+    /// The first step from a cell towards the root; `None` at the root itself.
+    pub(crate) fn direction_from(self, cell: Cell, straight_first: bool) -> Option<Direction> {
+        let mut dx = self.cell.column as i32 - cell.column as i32;
+        let mut dy = self.cell.row as i32 - cell.row as i32;
+        if straight_first {
+            let (columns, rows) = (dx.unsigned_abs(), dy.unsigned_abs());
+            if columns > rows {
+                dy = 0;
+            } else if columns < rows {
+                dx = 0;
             }
         }
-        if counts == self.counts { Ok(()) } else { Err(BlobError::Cells) }
+        Direction::from_signs(dx, dy)
     }
 }

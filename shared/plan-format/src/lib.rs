@@ -7,6 +7,7 @@
 //! Deliberately absent: allocation, `unsafe`, and (without the `std` feature) the writer.
 #![cfg_attr(not(feature = "std"), no_std)]
 
+mod blocks;
 mod bytes;
 mod directory;
 mod error;

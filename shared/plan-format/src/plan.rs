@@ -1,9 +1,11 @@
 //! The blob as a robot sees it: parsed once, then asked every tick.
 
+use crate::blocks::Plane;
+use crate::bytes::range;
 use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
 use crate::error::BlobError;
 use crate::grid::{Cell, Grid};
-use crate::layer::Layer;
+use crate::layer::{Layer, ROOT_BYTES};
 use crate::parameters::Parameters;
 use crate::{header, limits};
 use math::{Frame, Vec2};
@@ -275,11 +277,16 @@ impl<'a> ParallelPlan<'a> {
     /// A layer by its index; 0 is the least constrained.
     pub fn layer(&self, index: usize) -> Option<Layer<'a>> {
         let record = self.layer_record(index)?;
+        let section = self.sections.cells;
+        let root_bytes = u32::from(record.root_count) * ROOT_BYTES as u32;
         Some(Layer {
             name: record.name.get(self.sections.names)?,
             columns: self.sections.columns,
             rows: self.sections.rows,
-            cells: crate::bytes::range(self.sections.cells, record.offset, record.length)?,
+            terrain: Plane { section, table: record.terrain },
+            routes: Plane { section, table: record.routes },
+            roots: range(section, record.roots, root_bytes)?,
+            bytes: record.bytes,
             counts: record.counts,
         })
     }

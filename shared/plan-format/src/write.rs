@@ -1,9 +1,11 @@
 //! The writer: a draft in, bytes out. The same draft gives the same bytes.
 
+use crate::blocks::SLACK_BYTES;
 use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
 use crate::error::BlobError;
 use crate::grid::Grid;
-use crate::pack::PackedLayer;
+use crate::layer::ROOT_BYTES;
+use crate::pack::{PackedLayer, PackedPlane};
 use crate::parameters::Parameters;
 use crate::plan::Plan;
 use crate::{header, limits};
@@ -118,6 +120,7 @@ pub fn write(draft: &Draft) -> Result<Vec<u8>, WriteError> {
     for plan in &draft.plans {
         sections.put(plan);
     }
+    sections.cells.bytes.extend_from_slice(&[0; SLACK_BYTES]);
     let directory = Directory {
         grid: draft.grid,
         origin: draft.origin.map(Into::into),
@@ -182,12 +185,16 @@ impl Sections {
         };
         record.put(&mut self.plans);
         for layer in &plan.layers {
-            let offset = self.cells.put(&layer.packed.cells);
+            let before = self.cells.bytes.len();
+            let packed = &layer.packed;
             let record = LayerRecord {
                 name: self.name(&layer.name),
-                offset,
-                length: layer.packed.cells.len() as u32,
-                counts: layer.packed.counts,
+                terrain: self.cells.put_plane(&packed.terrain),
+                routes: self.cells.put_plane(&packed.routes),
+                roots: self.cells.put(&packed.roots),
+                root_count: (packed.roots.len() / ROOT_BYTES) as u16,
+                bytes: (self.cells.bytes.len() - before) as u32,
+                counts: packed.counts,
             };
             record.put(&mut self.layers);
         }
@@ -215,6 +222,13 @@ impl Pool {
         self.bytes.extend_from_slice(item);
         self.known.insert(item.to_vec(), offset);
         offset
+    }
+
+    /// Where the table of a plane stands, its superblocks before it.
+    fn put_plane(&mut self, plane: &PackedPlane) -> u32 {
+        let table: Vec<u8> =
+            plane.superblocks().flat_map(|bytes| self.put(bytes).to_le_bytes()).collect();
+        self.put(&table)
     }
 }
 

@@ -1,0 +1,122 @@
+//! For every cell, the moves that the advice rule allows.
+
+use crate::field::{Field, MOVES, UNREACHED, advised, is_blocked};
+use crate::grid::Direction;
+
+/// Bits of the diagonal directions in a set of moves.
+const DIAGONALS: u8 = 0b1010_1010;
+
+/// A field with a border of one unreached cell, so that every cell has eight neighbours.
+pub(crate) struct Bordered {
+    /// Cells in a row, border included.
+    pub(crate) stride: usize,
+    /// Cost of each cell.
+    pub(crate) cost: Vec<u32>,
+    /// Moves that minimise cost + step, without the straight ones if any is diagonal; a bit for
+    /// each direction's code. Empty where a cell has no route or its cost is not the least over its
+    /// neighbours, which no search leaves behind.
+    pub(crate) moves: Vec<u8>,
+}
+
+impl Bordered {
+    pub(crate) fn new(field: &Field) -> Self {
+        let (columns, rows) = (field.columns as usize, field.rows as usize);
+        let stride = columns + 2;
+        let mut cost = vec![UNREACHED; stride * (rows + 2)];
+        if columns > 0 {
+            for (row, cells) in field.cost.chunks(columns).take(rows).enumerate() {
+                let at = (row + 1) * stride + 1;
+                cost[at..at + cells.len()].copy_from_slice(cells);
+            }
+        }
+        let mut bordered = Self { stride, cost, moves: vec![0; stride * (rows + 2)] };
+        let cuts_corners = bordered.cuts_corners(field);
+        for row in 0..rows {
+            bordered.find_moves(row, columns, cuts_corners);
+            bordered.keep_agreeing(field, row);
+        }
+        bordered
+    }
+
+    /// Index of a cell.
+    pub(crate) fn index(&self, column: usize, row: usize) -> usize {
+        (row + 1) * self.stride + column + 1
+    }
+
+    /// Column and row of an index that is not on the border.
+    pub(crate) fn column_row(&self, index: usize) -> (u32, u32) {
+        ((index % self.stride - 1) as u32, (index / self.stride - 1) as u32)
+    }
+
+    /// The index of a neighbour.
+    pub(crate) fn neighbour(&self, index: usize, direction: Direction) -> usize {
+        let (dx, dy) = direction.step();
+        index.wrapping_add_signed(dy as isize * self.stride as isize + dx as isize)
+    }
+
+    /// Whether any move of the field passes the corner of a blocked cell. If none does, every
+    /// move that stays off corners obeys the rule the field was made by, whichever it was.
+    fn cuts_corners(&self, field: &Field) -> bool {
+        let columns = field.columns as usize;
+        let blocked = |cell: usize| field.code.get(cell).is_none_or(|&code| is_blocked(code));
+        field.code.iter().enumerate().any(|(cell, &code)| {
+            advised(code).is_some_and(|direction| {
+                let (dx, dy) = direction.step();
+                direction.is_diagonal()
+                    && (blocked(cell.wrapping_add_signed(dx as isize))
+                        || blocked(cell.wrapping_add_signed(dy as isize * columns as isize)))
+            })
+        })
+    }
+
+    /// Fills in the moves of one row, a direction at a time so that each is one plain loop.
+    fn find_moves(&mut self, row: usize, columns: usize, cuts_corners: bool) {
+        let start = self.index(0, row);
+        let row_at = |index: usize| &self.cost[index..index + columns];
+        let here = row_at(start);
+        let moves = &mut self.moves[start..start + columns];
+        for direction in Direction::ALL {
+            let (dx, dy) = direction.step();
+            let beside = start.wrapping_add_signed(dx as isize);
+            let above = start.wrapping_add_signed(dy as isize * self.stride as isize);
+            let there = row_at(above.wrapping_add_signed(dx as isize));
+            let step = direction.step_cost();
+            let bit = 1 << direction.code();
+            // Between free cells a straight step is never forbidden, so a neighbour of a cell
+            // with a route is blocked exactly if it was not reached.
+            let (beside, above) = if direction.is_diagonal() && !cuts_corners {
+                (row_at(beside), row_at(above))
+            } else {
+                (here, here)
+            };
+            let neighbours = there.iter().zip(beside).zip(above);
+            for ((found, &cost), ((&there, &beside), &above)) in
+                moves.iter_mut().zip(here).zip(neighbours)
+            {
+                let optimal = there.wrapping_add(step) == cost
+                    && there < cost
+                    && cost != UNREACHED
+                    && beside != UNREACHED
+                    && above != UNREACHED;
+                *found |= if optimal { bit } else { 0 };
+            }
+        }
+    }
+
+    /// Leaves diagonals only where there are any, and nothing where the field's own advice is not
+    /// among the moves found.
+    fn keep_agreeing(&mut self, field: &Field, row: usize) {
+        let start = self.index(0, row);
+        let columns = field.columns as usize;
+        let codes = field.code.get(row * columns..).unwrap_or_default();
+        for (column, found) in self.moves[start..start + columns].iter_mut().enumerate() {
+            if *found & DIAGONALS != 0 {
+                *found &= DIAGONALS;
+            }
+            let code = codes.get(column).copied().unwrap_or(MOVES);
+            if code >= MOVES || *found >> code & 1 == 0 {
+                *found = 0;
+            }
+        }
+    }
+}
