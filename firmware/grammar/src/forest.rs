@@ -1,46 +1,12 @@
 //! The pool of components and what can be done with it.
 
 use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
-use plan_format::mission::{Description, Frame, Mission, Production, Symbol};
+use plan_format::mission::{Description, Frame, Life, Mission, Production, Symbol};
 
 /// A component's place in the pool; used again after the component is deleted.
 pub type Id = u8;
 /// A behaviour, by its index in the mission.
 pub type Owner = u8;
-
-/// The life cycle of a component (H, "Plan Component Representation").
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Life {
-    /// In the plan; its turn has not come.
-    Planned,
-    /// Its turn has come.
-    Scheduled,
-    /// Being carried out, or decomposed.
-    Started,
-    /// Interrupted with its behaviour.
-    Suspended,
-    /// Carried out; about to leave the pool.
-    Finished,
-    /// Gave an error; about to leave the pool.
-    Failed,
-    /// Given up with a component above or beside it; about to leave the pool.
-    Abandoned,
-}
-
-impl Life {
-    /// Whether a component may go from this state to another.
-    pub const fn may_become(self, next: Self) -> bool {
-        use Life::{Abandoned, Failed, Finished, Planned, Scheduled, Started, Suspended};
-        match self {
-            Planned => matches!(next, Scheduled | Abandoned),
-            // A frame that falls back is scheduled again.
-            Scheduled => matches!(next, Started | Finished | Failed | Suspended | Abandoned),
-            Started => matches!(next, Scheduled | Finished | Failed | Suspended | Abandoned),
-            Suspended => matches!(next, Started | Scheduled | Failed | Abandoned),
-            Finished | Failed | Abandoned => false,
-        }
-    }
-}
 
 /// A part of a live plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -254,9 +220,7 @@ impl Forest {
         }
         self.set_life(id, Life::Started, tell);
         tell(Event::Decomposed { id, production: chosen });
-        let edges = mission
-            .edges()
-            .range(usize::from(production.first_edge), usize::from(production.edges));
+        let edges = mission.edges_of(&production);
         for (number, edge) in (0..).zip(edges) {
             let Some(place) = self.free_slot() else { break };
             let part = Component {
@@ -397,9 +361,7 @@ impl Forest {
         vertex: u8,
     ) -> bool {
         let finished = self.get(frame).map_or(0, |component| component.finished);
-        let edges = mission
-            .edges()
-            .range(usize::from(production.first_edge), usize::from(production.edges));
+        let edges = mission.edges_of(production);
         (0..).zip(edges).all(|(number, edge)| edge.to != vertex || finished & bit(number) != 0)
     }
 
@@ -455,8 +417,7 @@ impl Forest {
     fn is_spanned(&self, mission: &Mission<'_>, frame: Id, edge: &Component) -> bool {
         let Some(production) = self.production_of(mission, frame) else { return false };
         mission
-            .intervals()
-            .range(usize::from(production.first_interval), usize::from(production.intervals))
+            .intervals_of(&production)
             .any(|interval| interval.from <= edge.from && interval.to >= edge.to)
     }
 
@@ -541,7 +502,7 @@ fn choose(
     applicability: &mut dyn FnMut(u16, &Production) -> f32,
 ) -> Option<(u8, Production)> {
     let mut best: Option<(f32, u8, Production)> = None;
-    let all = mission.productions().range(usize::from(frame.first), usize::from(frame.count));
+    let all = mission.productions_of(frame);
     for (number, production) in (0_u8..).zip(all) {
         if tried & bit(number) != 0 {
             continue;

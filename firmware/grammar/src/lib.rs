@@ -33,7 +33,7 @@
 
 mod forest;
 
-pub use forest::{Choice, Component, Ended, Event, Forest, Id, Life, Owner};
+pub use forest::{Choice, Component, Ended, Event, Forest, Id, Owner};
 
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,7 @@ use super::*;
 use plan_format::limits::MAX_COMPONENTS;
 use plan_format::mission::{
     Action, ActionKind, Behaviour, Condition, Description, Edge, Frame, Inference, Input, Interval,
-    Label, Mission, MissionDraft, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
+    Label, Life, Mission, MissionDraft, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
 };
 use proptest::prelude::*;
 use std::{collections::BTreeMap, fmt::Write, format, string::String, vec, vec::Vec};

@@ -15,6 +15,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("advice", &["math", "plan-format"]),
     ("schemas", &["math", "plan-format", "robot-io"]),
     ("grammar", &["plan-format"]),
+    ("monitor", &["plan-format"]),
     ("fuzzy", &["math", "plan-format"]),
     ("controller", &["advice", "math", "plan-format", "robot-io", "schemas"]),
     ("runtime", &["controller", "math", "plan-format", "robot-io"]),

@@ -126,14 +126,14 @@ impl<'a, T: Record> Table<'a, T> {
     }
 
     /// The records in order, from `first`, at most `count`.
-    pub fn range(&self, first: usize, count: usize) -> impl Iterator<Item = T> + 'a {
-        let table = *self;
-        (first..first.saturating_add(count).min(self.len())).filter_map(move |i| table.get(i))
+    pub fn range(self, first: u16, count: u8) -> impl Iterator<Item = T> + use<'a, T> {
+        let first = usize::from(first);
+        (first..first + usize::from(count)).map_while(move |index| self.get(index))
     }
 
     /// All records in order.
-    pub fn iter(&self) -> impl Iterator<Item = T> + 'a {
-        self.range(0, self.len())
+    pub fn iter(self) -> impl Iterator<Item = T> + use<'a, T> {
+        (0..self.len()).map_while(move |index| self.get(index))
     }
 
     /// Whether the bytes are whole records and each of them can be read.

@@ -120,7 +120,7 @@ fn inputs_and_rules(mission: &Mission<'_>) -> Checked {
         require(base.count > 0, MissionError::Number)?;
         spans(mission.rules(), base.first, base.count)?;
         // Rule bases are evaluated in order, so one may build on earlier results only.
-        for rule in mission.rules().range(usize::from(base.first), usize::from(base.count)) {
+        for rule in mission.rules_of(&base) {
             let input = mission.inputs().get(usize::from(rule.input));
             if let Some(Source::Rules(earlier)) = input.map(|input| input.source) {
                 require(usize::from(earlier) < index, MissionError::Reference)?;
@@ -206,8 +206,7 @@ fn graph(mission: &Mission<'_>, production: &Production) -> Checked {
     let vertices = production.vertices;
     require(vertices >= 2 && usize::from(vertices) <= limits::MAX_VERTICES, MissionError::Graph)?;
     let (mut entered, mut left) = (1_u32, 1_u32 << (vertices - 1));
-    let (first, count) = (usize::from(production.first_edge), usize::from(production.edges));
-    for Edge { from, to, symbol, .. } in mission.edges().range(first, count) {
+    for Edge { from, to, symbol, .. } in mission.edges_of(production) {
         require(from < to && to < vertices, MissionError::Graph)?;
         entered |= 1 << to;
         left |= 1 << from;
@@ -218,9 +217,7 @@ fn graph(mission: &Mission<'_>, production: &Production) -> Checked {
     }
     let all = u32::MAX >> (32 - u32::from(vertices));
     require(entered == all && left == all, MissionError::Graph)?;
-    let (first, count) =
-        (usize::from(production.first_interval), usize::from(production.intervals));
-    for interval in mission.intervals().range(first, count) {
+    for interval in mission.intervals_of(production) {
         require(interval.from < interval.to && interval.to < vertices, MissionError::Graph)?;
     }
     Ok(())

@@ -11,12 +11,14 @@
 
 pub mod bytes;
 mod check;
+mod life;
 pub mod records;
 #[cfg(feature = "std")]
 mod write;
 
 pub use bytes::Table;
 pub use check::MissionError;
+pub use life::Life;
 pub use records::{
     Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Frame,
     Inference, Input, Interval, Label, Name, Production, Rule, RuleBase, Source, SwitchPoint,
@@ -119,6 +121,26 @@ impl<'a> Mission<'a> {
     /// Behaviours.
     pub fn behaviours(&self) -> Table<'a, Behaviour> {
         Table::new(self.0.behaviours)
+    }
+
+    /// The rules of a rule base.
+    pub fn rules_of(&self, base: &RuleBase) -> impl Iterator<Item = Rule> + use<'a> {
+        self.rules().range(base.first, base.count)
+    }
+
+    /// The productions of a frame, in the order of their numbers.
+    pub fn productions_of(&self, frame: &Frame) -> impl Iterator<Item = Production> + use<'a> {
+        self.productions().range(frame.first, frame.count)
+    }
+
+    /// The edges of a production, in the order of their numbers.
+    pub fn edges_of(&self, production: &Production) -> impl Iterator<Item = Edge> + use<'a> {
+        self.edges().range(production.first_edge, production.edges)
+    }
+
+    /// The protection intervals of a production.
+    pub fn intervals_of(&self, production: &Production) -> impl Iterator<Item = Interval> + use<'a> {
+        self.intervals().range(production.first_interval, production.intervals)
     }
 
     /// The text of a name; empty where there is none.

@@ -351,8 +351,8 @@ pub struct Edge {
     pub to: u8,
     /// What it carries.
     pub symbol: Symbol,
-    /// Work that is lost if the behaviour is interrupted between this edge's start and the
-    /// next point where nothing is lost; any unit.
+    /// What it costs to interrupt the behaviour right after it: the work that will have to be
+    /// done again; any unit, the same for all edges.
     pub work: u16,
 }
 

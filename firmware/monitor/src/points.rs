@@ -1,0 +1,103 @@
+//! Where a behaviour can be interrupted: the coming vertices, and what is protected there.
+
+use crate::grid::{Entry, Grid, Id, Owner, is_reached};
+use crate::relation::leads;
+use plan_format::mission::{Condition, Life, Mission, Production};
+
+/// A coming point of a plan at which it may be interrupted (H, figure 2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Point {
+    /// The frame in whose production the vertex lies.
+    pub frame: Id,
+    /// The vertex.
+    pub vertex: u8,
+    /// What the protection intervals in force there protect, all together.
+    pub held: Condition,
+    /// The work that will have to be done again after an interruption there.
+    pub lost_work: u16,
+}
+
+impl Grid {
+    /// The coming interruption points of a behaviour in the order in which they will be reached:
+    /// from the innermost frames outwards, within a frame along the graph. A frame's exit is the
+    /// vertex that the frame itself leads to, and is listed there; the root's exit is the end of
+    /// the behaviour and no interruption.
+    pub fn points(&self, mission: &Mission<'_>, owner: Owner, tell: &mut dyn FnMut(Point)) {
+        let deepest = self.frames(owner).map(|(id, _)| self.above(id).count()).max().unwrap_or(0);
+        for depth in (0..=deepest).rev() {
+            for (id, frame) in self.frames(owner) {
+                if self.above(id).count() == depth {
+                    self.points_of(mission, id, frame, tell);
+                }
+            }
+        }
+    }
+
+    fn frames(&self, owner: Owner) -> impl Iterator<Item = (Id, &Entry)> {
+        self.iter().filter(move |(_, entry)| {
+            entry.owner == owner
+                && entry.production.is_some()
+                && matches!(entry.life, Life::Started | Life::Suspended)
+        })
+    }
+
+    fn points_of(&self, mission: &Mission<'_>, id: Id, frame: &Entry, tell: &mut dyn FnMut(Point)) {
+        let Some(production) = self.production_of(mission, frame) else { return };
+        let outer = self.held_above(mission, id);
+        for vertex in 1..production.vertices.saturating_sub(1) {
+            if is_reached(mission, &production, frame.finished, vertex) {
+                continue;
+            }
+            let held = with_held_at(mission, &production, vertex, outer);
+            let edges = mission.edges_of(&production);
+            let into = edges.filter(|edge| edge.to == vertex);
+            let lost_work = into.fold(0_u16, |sum, edge| sum.saturating_add(edge.work));
+            tell(Point { frame: id, vertex, held, lost_work });
+        }
+    }
+
+    /// What the frames above protect as long as this one runs.
+    fn held_above(&self, mission: &Mission<'_>, id: Id) -> Condition {
+        let mut held = Condition::default();
+        let mut part = self.get(id);
+        for (_, above) in self.above(id) {
+            if let (Some(production), Some(below)) = (self.production_of(mission, above), part) {
+                // In force while this part of the production runs: begun before, not ended before.
+                for interval in intervals(mission, &production) {
+                    if leads(mission, &production, interval.from, below.from)
+                        && leads(mission, &production, below.to, interval.to)
+                    {
+                        held = and(held, interval.condition);
+                    }
+                }
+            }
+            part = Some(above);
+        }
+        held
+    }
+}
+
+fn with_held_at(
+    mission: &Mission<'_>,
+    production: &Production,
+    vertex: u8,
+    outer: Condition,
+) -> Condition {
+    intervals(mission, production)
+        .filter(|interval| {
+            leads(mission, production, interval.from, vertex)
+                && !leads(mission, production, interval.to, vertex)
+        })
+        .fold(outer, |held, interval| and(held, interval.condition))
+}
+
+fn intervals(
+    mission: &Mission<'_>,
+    production: &Production,
+) -> impl Iterator<Item = plan_format::mission::Interval> {
+    mission.intervals_of(production)
+}
+
+fn and(a: Condition, b: Condition) -> Condition {
+    Condition { must: a.must | b.must, must_not: a.must_not | b.must_not }
+}
