@@ -1,1 +1,25 @@
-fn main() {}
+//! Wayfield on the nRF52840-DK: a rover with two motors, a GPS receiver and a radio.
+//!
+//! This file is the architecture of the firmware: which task runs on which pins. Everything
+//! that decides lies in other crates; [`robot`] is what this board does to a motor and a
+//! button. To make another board, copy the folder (see `boards/README.md`).
+//!
+//! ```text
+//! GPS -- UARTE1 --> gps ------------ FIXES ------+
+//! radio - UARTE0 -> operator ------- OPERATOR ---+--> control --> PWM0 --> motors
+//! radio <- UARTE0 - telemetry <----- TELEMETRY --+
+//! ```
+#![cfg_attr(target_os = "none", no_std, no_main)]
+#![cfg_attr(target_os = "none", allow(unsafe_code))]
+
+#[cfg(target_os = "none")]
+mod board;
+#[cfg(target_os = "none")]
+mod robot;
+
+/// What happens when the program for the board is started on a host.
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("This program runs on an nRF52840-DK. In its folder, with the board connected:");
+    println!("    cargo run --profile firmware");
+}

@@ -1,0 +1,129 @@
+//! Pins, clocks and tasks.
+
+use defmt_rtt as _;
+use embassy_executor::Spawner;
+use embassy_nrf::buffered_uarte::{self, BufferedUarte, BufferedUarteRx, BufferedUarteTx};
+use embassy_nrf::uarte::{self, Baudrate};
+use embassy_nrf::{bind_interrupts, peripherals};
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use panic_probe as _;
+use runtime::{Fallback, FixSlot, OperatorSlot, Silence, Telemetry, time};
+use static_cell::ConstStaticCell;
+
+use crate::robot::Rover;
+
+/// What the receiver sends at: u-blox from the factory, series 9 and 10 (8 and older: 9600).
+const GPS_BAUD: Baudrate = Baudrate::Baud38400;
+/// What the radio's modem, or the USB port of the kit, sends at.
+const LINK_BAUD: Baudrate = Baudrate::Baud115200;
+/// Bytes that a UART takes in while the processor is elsewhere: 20 ms at 115,200 baud.
+const UART_BYTES: usize = 256;
+/// Plans of this rover may lead out of the radio's range.
+const ON_SILENCE: Silence = Silence::Allows;
+
+type Shared = CriticalSectionRawMutex;
+
+/// The latest fix: from the GPS task to the control task.
+static FIXES: FixSlot<Shared> = FixSlot::new();
+/// What the human in charge said last: from the operator task to the control task.
+pub(crate) static OPERATOR: OperatorSlot<Shared> = OperatorSlot::new(ON_SILENCE);
+/// The latest tick: from the control task to the telemetry task.
+pub(crate) static TELEMETRY: Telemetry<Shared> = Telemetry::new();
+
+/// Tells probe-rs which chip the program is for.
+#[used]
+#[unsafe(link_section = ".probe-rs.chip")]
+static CHIP: [u8; 13] = *b"nRF52840_xxAA";
+
+bind_interrupts!(struct Interrupts {
+    UARTE0 => buffered_uarte::InterruptHandler<peripherals::UARTE0>;
+    UARTE1 => buffered_uarte::InterruptHandler<peripherals::UARTE1>;
+});
+
+#[embassy_executor::main]
+async fn main(spawner: Spawner) {
+    let p = embassy_nrf::init(embassy_nrf::config::Config::default());
+
+    // The drivers use these buffers by DMA for as long as the program runs.
+    static GPS_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
+    static GPS_TX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
+    static LINK_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
+    static LINK_TX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
+
+    let gps = BufferedUarte::new(
+        p.UARTE1,
+        p.TIMER1,
+        p.PPI_CH0,
+        p.PPI_CH1,
+        p.PPI_GROUP0,
+        p.P1_01,
+        p.P1_02,
+        Interrupts,
+        at(GPS_BAUD),
+        GPS_RX.take(),
+        GPS_TX.take(),
+    );
+    let link = BufferedUarte::new(
+        p.UARTE0,
+        p.TIMER2,
+        p.PPI_CH2,
+        p.PPI_CH3,
+        p.PPI_GROUP1,
+        p.P0_08,
+        p.P0_06,
+        Interrupts,
+        at(LINK_BAUD),
+        LINK_RX.take(),
+        LINK_TX.take(),
+    );
+    let motors = [p.P1_03.into(), p.P1_04.into(), p.P1_05.into(), p.P1_06.into()];
+    let rover = Rover::new(p.PWM0, motors, p.P0_11.into(), p.P0_13.into(), p.WDT);
+
+    // The receiver is not configured, so nothing is sent to it.
+    let (gps, _) = gps.split();
+    let (operator, telemetry) = link.split();
+    // A task can be spawned once, and each is.
+    spawner.spawn(gps_task(gps).unwrap());
+    spawner.spawn(operator_task(operator).unwrap());
+    spawner.spawn(telemetry_task(telemetry).unwrap());
+    spawner.spawn(control_task(rover).unwrap());
+}
+
+#[embassy_executor::task]
+async fn gps_task(reader: BufferedUarteRx<'static>) {
+    runtime::gps_task(reader, &FIXES, time::now_us).await;
+}
+
+#[embassy_executor::task]
+async fn operator_task(reader: BufferedUarteRx<'static>) {
+    runtime::operator_task(reader, &OPERATOR, time::now_us).await;
+}
+
+#[embassy_executor::task]
+async fn telemetry_task(writer: BufferedUarteTx<'static>) {
+    runtime::telemetry_task(writer, &TELEMETRY).await;
+}
+
+#[embassy_executor::task]
+async fn control_task(mut rover: Rover) {
+    // Without a sound blob this rover stands still and takes manual commands only.
+    let loaded = runtime::load(plan_region(), &Fallback::default());
+    runtime::control_task(loaded.plan, &mut rover, &FIXES).await;
+}
+
+/// The flash that `memory.x` keeps for the plans.
+fn plan_region() -> &'static [u8] {
+    unsafe extern "C" {
+        static _plan_start: u8;
+        static _plan_end: u8;
+    }
+    // SAFETY: the linker script lays both symbols around a region of flash that belongs to
+    // no section of the program, and the program writes no flash.
+    unsafe { runtime::blob::region(&raw const _plan_start, &raw const _plan_end) }
+}
+
+fn at(baudrate: Baudrate) -> uarte::Config {
+    let mut config = uarte::Config::default();
+    config.baudrate = baudrate;
+    config
+}

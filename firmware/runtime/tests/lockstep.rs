@@ -1,0 +1,193 @@
+//! The whole shell on a host: GPS bytes in, commands out, through the tasks that a board runs.
+
+use std::cell::RefCell;
+use std::pin::pin;
+
+use math::{GeoPoint, Vec2};
+use plan_format::parameters::Gains;
+use plan_format::{Origin, Parameters, Plan};
+use robot_io::{CommandRecord, Operator, RangeReading, Reason, SensorRecord};
+use runtime::lockstep::{Link, Mailbox, drive, run};
+use runtime::{Fallback, TICK_PERIOD_US, load};
+
+const HOME: GeoPoint = GeoPoint { lat_e7: 337_756_180, lon_e7: -843_963_300 };
+const ARMED: Operator = Operator { is_armed: true, is_emergency_stop: false, manual: None };
+
+/// Reactive driving to a point 100 m east of home; no map.
+fn eastward() -> Plan<'static> {
+    let parameters = Parameters { gains: Gains::REACTIVE_ONLY, ..Parameters::default() };
+    let origin = Origin { place: HOME, at_m: [0.0, 0.0], heading_rad: 0.0 };
+    Plan::without_map(parameters, Some(origin), Some(Vec2::new(100.0, 0.0)))
+}
+
+/// NAV-PVT at home.
+fn nav_pvt() -> Vec<u8> {
+    let mut body = vec![1, 7, 92, 0];
+    body.resize(4 + 92, 0);
+    body[4 + 20] = 3;
+    body[4 + 21] = 1;
+    body[4 + 24..4 + 28].copy_from_slice(&HOME.lon_e7.to_le_bytes());
+    body[4 + 28..4 + 32].copy_from_slice(&HOME.lat_e7.to_le_bytes());
+    body[4 + 40..4 + 44].copy_from_slice(&1_000_u32.to_le_bytes());
+    let (a, b) = body.iter().fold((0_u8, 0_u8), |(a, b), &byte| {
+        let a = a.wrapping_add(byte);
+        (a, b.wrapping_add(a))
+    });
+    [&[0xb5, 0x62], &body[..], &[a, b]].concat()
+}
+
+fn record(gps: &[u8]) -> SensorRecord {
+    SensorRecord {
+        gps: gps.iter().copied().collect(),
+        heading_rad: Some(0.0),
+        operator: ARMED,
+        ..SensorRecord::default()
+    }
+}
+
+/// A world that plays back records and writes down the answers.
+struct Tape<'a> {
+    records: std::vec::IntoIter<SensorRecord>,
+    answers: &'a RefCell<Vec<CommandRecord>>,
+}
+
+impl Link for Tape<'_> {
+    fn receive(&mut self) -> Option<SensorRecord> {
+        self.records.next()
+    }
+
+    fn send(&mut self, record: &CommandRecord) {
+        self.answers.borrow_mut().push(*record);
+    }
+
+    fn stop_count(&mut self) -> u32 {
+        77
+    }
+}
+
+fn play(plan: Plan<'_>, records: &[SensorRecord]) -> Vec<CommandRecord> {
+    let answers = RefCell::new(Vec::new());
+    run(plan, Tape { records: records.to_vec().into_iter(), answers: &answers });
+    answers.into_inner()
+}
+
+/// Fixes once a second, cut in two; an obstacle and a careless operator on the way.
+fn mission() -> Vec<SensorRecord> {
+    let fix = nav_pvt();
+    let (head, tail) = fix.split_at(31);
+    (0..200)
+        .map(|tick| {
+            let mut record = record(match tick % 20 {
+                0 => head,
+                1 => tail,
+                _ => &[],
+            });
+            if (50..80).contains(&tick) {
+                let reading = RangeReading { bearing_rad: 0.1, distance_m: 2.0 };
+                record.ranges.push(reading).expect("there is room");
+            }
+            record.operator.is_emergency_stop = (100..110).contains(&tick);
+            record
+        })
+        .collect()
+}
+
+#[test]
+fn a_fix_counts_in_the_tick_of_its_last_byte() {
+    let fix = nav_pvt();
+    let (head, tail) = fix.split_at(99);
+    let answers = play(eastward(), &[record(&[]), record(head), record(tail), record(&[])]);
+    let reasons: Vec<Reason> = answers.iter().map(|answer| answer.commands.reason).collect();
+    assert_eq!(reasons[..2], [Reason::NoFix; 2]);
+    assert!(answers[2].commands.speed_mps > 0.5 && answers[3].commands.speed_mps > 0.5);
+}
+
+#[test]
+fn several_fixes_in_one_record_are_all_read() {
+    let fixes = nav_pvt().repeat(5);
+    let answers = play(eastward(), &[record(&fixes)]);
+    assert!(answers[0].commands.speed_mps > 0.5, "{:?}", answers[0]);
+}
+
+#[test]
+fn time_counts_ticks_and_instructions_are_the_links() {
+    let answers = play(eastward(), &mission());
+    assert_eq!(answers.len(), 200);
+    for (tick, answer) in (1..).zip(&answers) {
+        assert_eq!(answer.time_us, tick * TICK_PERIOD_US);
+        assert_eq!(answer.instructions, 77);
+    }
+}
+
+#[test]
+fn the_same_records_give_the_same_answers_in_every_way_of_running() {
+    let records = mission();
+    let answers = play(eastward(), &records);
+    assert_eq!(play(eastward(), &records), answers);
+
+    let mailbox = Mailbox::default();
+    let mut robot = pin!(drive(eastward(), &mailbox));
+    for (record, expected) in records.into_iter().zip(answers) {
+        let answer = mailbox.step(robot.as_mut(), record).expect("an answer");
+        // This link counts no instructions.
+        assert_eq!(CommandRecord { instructions: 77, ..answer }, expected);
+    }
+}
+
+#[test]
+fn the_trace_hash_notices_any_change() {
+    let hash = |records: &[SensorRecord]| {
+        play(eastward(), records).last().expect("there are answers").trace_hash
+    };
+    let records = mission();
+    let sound = hash(&records);
+    for tick in [0, 1, 60, 105, 199] {
+        let mut changed = records.clone();
+        changed[tick].heading_rad = Some(1e-6);
+        assert_ne!(hash(&changed), sound, "tick {tick}");
+    }
+}
+
+#[test]
+fn what_is_not_a_number_is_no_percept() {
+    let mut noisy = mission();
+    for record in &mut noisy {
+        record.turn_rate_radps = Some(f32::NAN);
+        let nowhere = RangeReading { bearing_rad: f32::INFINITY, distance_m: 1.0 };
+        record.ranges.push(nowhere).expect("there is room");
+    }
+    assert_eq!(play(eastward(), &noisy), play(eastward(), &mission()));
+}
+
+#[test]
+fn the_operator_outranks_the_plan() {
+    for (tick, answer) in play(eastward(), &mission()).iter().enumerate() {
+        let is_stopped = (100..110).contains(&tick);
+        assert_eq!(answer.commands.reason == Reason::EmergencyStop, is_stopped, "tick {tick}");
+        assert!(!is_stopped || answer.commands.speed_mps == 0.0);
+    }
+}
+
+#[test]
+fn a_refused_blob_stands_still_or_drives_reactively_as_the_build_says() {
+    for region in [&[][..], &[0; 192], &[0xff; 4096], b"not a blob at all, however long it is"] {
+        let stop = load(region, &Fallback::default());
+        assert!(stop.refusal.is_some());
+        assert!(play(stop.plan, &mission()).iter().all(|answer| answer.commands.speed_mps == 0.0));
+
+        let plan = eastward();
+        let fallback =
+            Fallback { parameters: *plan.parameters(), origin: plan.origin(), goal: plan.goal() };
+        let reactive = load(region, &fallback);
+        assert_eq!(reactive.refusal, stop.refusal);
+        assert_eq!(play(reactive.plan, &mission()), play(plan, &mission()));
+    }
+}
+
+#[test]
+fn a_mailbox_that_nobody_reads_says_so() {
+    let mailbox = Mailbox::default();
+    let elsewhere = Mailbox::default();
+    let mut robot = pin!(drive(eastward(), &elsewhere));
+    assert_eq!(mailbox.step(robot.as_mut(), SensorRecord::default()), None);
+}
