@@ -24,7 +24,7 @@ pub mod pipe;
 #[cfg(target_os = "none")]
 pub mod plan;
 #[cfg(target_os = "none")]
-pub mod stack;
+pub mod memory;
 
 /// What an image does when it is run on a host.
 #[cfg(not(target_os = "none"))]

@@ -9,6 +9,7 @@ use robot_io::{CommandRecord, SensorRecord};
 use runtime::lockstep::Link;
 use semihosting::fs::File;
 use semihosting::io::{Read, Write};
+use static_cell::StaticCell;
 
 use crate::counter::Counter;
 
@@ -20,29 +21,34 @@ const OUTPUT: &CStr = c"/dev/fd/1";
 pub struct Pipe {
     input: File,
     output: File,
+    /// The record that is arriving; in static memory, to keep the stack small.
+    arriving: &'static mut [u8; SENSOR_RECORD_BYTES],
     counter: Counter,
     mark: u32,
 }
 
 impl Pipe {
-    /// Opens both ends.
+    /// Opens both ends, once.
     ///
     /// # Panics
     /// Where QEMU was started without such pipes: there is nothing to drive then.
     pub fn open(counter: Counter) -> Self {
+        static ARRIVING: StaticCell<[u8; SENSOR_RECORD_BYTES]> = StaticCell::new();
+        let arriving = ARRIVING.init_with(|| [0; SENSOR_RECORD_BYTES]);
         let input = File::open(INPUT).expect("standard input is a pipe");
         let output = File::create(OUTPUT).expect("standard output is a pipe");
-        Self { input, output, counter, mark: counter.mark() }
+        Self { input, output, arriving, counter, mark: counter.mark() }
     }
 }
 
 impl Link for Pipe {
+    #[inline(never)]
     fn receive(&mut self) -> Option<SensorRecord> {
-        let mut bytes = [0; SENSOR_RECORD_BYTES];
-        self.input.read_exact(&mut bytes).ok()?;
-        SensorRecord::from_bytes(&bytes)
+        self.input.read_exact(self.arriving).ok()?;
+        SensorRecord::from_bytes(self.arriving)
     }
 
+    #[inline(never)]
     fn send(&mut self, record: &CommandRecord) {
         // A harness that has gone closes the input too, and that ends the mission.
         if let Some(bytes) = record.to_bytes() {

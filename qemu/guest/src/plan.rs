@@ -1,5 +1,8 @@
 //! The region that holds the plans, as QEMU's loader filled it.
 
+use plan_format::Plan;
+use static_cell::StaticCell;
+
 unsafe extern "C" {
     static __plan_start: u8;
     static __plan_end: u8;
@@ -12,11 +15,12 @@ pub fn region() -> &'static [u8] {
     unsafe { runtime::blob::region(&raw const __plan_start, &raw const __plan_end) }
 }
 
-/// The plan in the region, or a robot that stands still. A refusal is told to the harness.
-pub fn load() -> plan_format::Plan<'static> {
+/// The plan in the region, or one to stand still by. A refusal is told to the harness. Once.
+pub fn load() -> &'static Plan<'static> {
+    static PLAN: StaticCell<Plan<'static>> = StaticCell::new();
     let loaded = runtime::load(region(), &runtime::Fallback::default());
     if let Some(refusal) = loaded.refusal {
         semihosting::eprintln!("plan refused: code {}, {}", refusal.code(), refusal);
     }
-    loaded.plan
+    PLAN.init(loaded.plan)
 }

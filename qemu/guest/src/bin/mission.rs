@@ -4,26 +4,38 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-use embassy_executor::Spawner;
-
-#[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let nothing_to_do = || panic!("every task waits, and in lockstep none ever does");
-    guest::executor::run(|spawner: Spawner| spawner.spawn(mission().unwrap()), nothing_to_do)
+    let plan = guest::plan::load();
+    let pipe = guest::pipe::Pipe::open(guest::counter::Counter::start());
+    guest::executor::run(|spawner| spawner.spawn(robot(plan, pipe).unwrap()), finish)
 }
 
 /// The runtime's tasks, joined into one future that lies in static memory as on any board.
 #[cfg(target_os = "none")]
 #[embassy_executor::task]
-async fn mission() {
-    let pipe = guest::pipe::Pipe::open(guest::counter::Counter::start());
-    let robot = runtime::lockstep::drive(guest::plan::load(), pipe);
-    let runtime_bytes = size_of_val(&robot);
-    robot.await;
+fn robot(
+    plan: &'static plan_format::Plan<'static>,
+    pipe: guest::pipe::Pipe,
+) -> impl Future<Output = ()> + 'static {
+    runtime::lockstep::drive(*plan, pipe)
+}
+
+/// Bytes of what a function returns.
+#[cfg(target_os = "none")]
+const fn output_bytes<A, B, R>(_: &impl Fn(A, B) -> R) -> usize {
+    size_of::<R>()
+}
+
+/// In lockstep a task never waits for time: nothing to do means that the mission is over.
+#[cfg(target_os = "none")]
+fn finish() {
     semihosting::eprintln!("control-state-bytes {}", size_of::<controller::State>());
-    semihosting::eprintln!("runtime-state-bytes {runtime_bytes}");
-    semihosting::eprintln!("stack-bytes {}", guest::stack::high_water_bytes());
+    semihosting::eprintln!("plan-view-bytes {}", size_of::<plan_format::Plan<'_>>());
+    let drive = |plan, pipe: guest::pipe::Pipe| runtime::lockstep::drive(plan, pipe);
+    semihosting::eprintln!("tasks-bytes {}", output_bytes(&drive));
+    semihosting::eprintln!("static-bytes {}", guest::memory::static_bytes());
+    semihosting::eprintln!("stack-bytes {}", guest::memory::stack_bytes());
     semihosting::process::exit(0)
 }
 
