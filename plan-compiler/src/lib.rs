@@ -5,10 +5,15 @@
 //! they return what they understood and every [`problem::Problem`] they found.
 
 pub mod bitmap;
+pub mod compile;
 mod escape;
 pub mod formats;
 pub mod map;
+pub mod mission;
+pub mod output;
 pub mod problem;
 pub mod raster;
+pub mod render;
 pub mod search;
 pub mod source;
+pub mod verify;

@@ -1,0 +1,332 @@
+//! The command line, as `--help` teaches it.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use plan_compiler::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
+use plan_compiler::formats::{Format, OparOptions, ReadOptions};
+use plan_compiler::mission::{self, Goal, GoalAt};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  plan-compiler build campus.opar -o plans.bin
+      Compiles a map. Its named points become goals; campus.mission.toml beside it is
+      found by itself.
+  plan-compiler build yard.ovl --goal gate=12.5,40 --goal shed=-3,8 --resolution 0.5
+      Compiles for two goals of your own, in cells of half a metre.
+  plan-compiler inspect plans.bin
+      Says what a blob holds.
+  plan-compiler query plans.bin --layer gate/physical --at 3,4
+      Asks for the advice at one point, as the robot would.
+  plan-compiler export plans.bin --layer gate/physical --what cost -o cost.npy
+      Writes the cost to the goal of every cell as a NumPy array.
+  plan-compiler render plans.bin --layer gate/physical -o field.png
+      Draws obstacles, bands of cost and the advice.
+  plan-compiler verify plans.bin --map yard.ovl
+      Proves every cell of every layer anew.
+
+Exit status: 0 done, 1 the input is wrong, 2 the command line is wrong.";
+
+const ASSUMPTIONS: &str = "\
+What is assumed of maps:
+  All      Metres, x east, y north. A cell is blocked if the exact shape, grown by the
+           robot's radius, touches it. A diagonal step needs both cells beside it free
+           unless --corners allow.
+  Overlay  (MissionLab .ovl) ORIGIN is added to coordinates and subtracted from UTM ones.
+           UTM LAT/LON is converted by WGS-84, not by the historic Clarke 1866. OBSTACLE
+           gives a radius, OBJECT a diameter; OBJECTs block only if FIXED. Walls are lines:
+           their insides are unreachable, and blocked only with --fill-walls. BOUNDARYs
+           whose names hold NoCommZone block in layer `comms`; NoFlyZones and WeatherZones
+           only where a mission says so. A comment `--RESOLUTION 1.0` sets the cells.
+  OPAR     WGS-84 decimal degrees. Deltas are metres (--opar-units deg for degrees), each
+           an offset from its record's position, east before north (--opar-order ne for
+           the reverse). The points form a closed polygon. Type 1 is a building, an
+           obstacle; type 2 foliage, which weakens radio and blocks in layer `comms` only
+           (--opar-type N=building|foliage for others). Outside the area's polygon
+           everything is blocked.
+
+A mission file NAME.mission.toml beside the map NAME sets goals, layers, the robot's radius,
+speeds and gains; MISSION.md lists its keys.";
+
+/// Compiles maps into internalized plans for small robots.
+///
+/// A plan holds, for every cell of a map, the cost to a goal and the best of eight
+/// directions; the robot's firmware reads it in place.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{ASSUMPTIONS}"))]
+pub(crate) struct Cli {
+    /// Print errors only
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Compile a map, or a mission that names one, into a blob of plans
+    #[command(after_long_help = ASSUMPTIONS)]
+    Build(Build),
+    /// Say what a blob holds
+    Inspect(Inspect),
+    /// Ask a layer for the advice at points: a line of JSON for each
+    Query(Query),
+    /// Write a layer as an array [row, column], row 0 in the south
+    Export(Export),
+    /// Draw a layer as SVG or PNG
+    Render(Render),
+    /// Prove every cell of every layer anew
+    Verify(Verify),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Build {
+    /// The map, or a mission file that names it
+    #[arg(value_name = "MAP|MISSION")]
+    pub(crate) input: PathBuf,
+    /// The blob to write
+    #[arg(long, short, default_value = "plans.bin", value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// A goal in the map's metres, x east, y north; repeatable. Replaces all other goals
+    #[arg(long = "goal", value_name = "NAME=X,Y", value_parser = goal, allow_hyphen_values = true)]
+    pub(crate) goals: Vec<Goal>,
+    #[command(flatten)]
+    pub(crate) map: MapOptions,
+}
+
+/// How a map is read and made into cells.
+#[derive(Debug, Args)]
+pub(crate) struct MapOptions {
+    /// The mission file; otherwise NAME.mission.toml beside the map, if it is there
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mission: Option<PathBuf>,
+    /// Side of a cell; otherwise the mission's, the map's, or 1
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    pub(crate) resolution: Option<f64>,
+    /// Grow obstacles by this, so that the robot's centre keeps clear of them
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    pub(crate) robot_radius: Option<f64>,
+    /// Whether a diagonal step may pass a blocked cell beside it
+    #[arg(long, value_name = "RULE")]
+    pub(crate) corners: Option<CornersRule>,
+    /// Block the insides of closed walls too
+    #[arg(long)]
+    pub(crate) fill_walls: bool,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Inspect {
+    /// The blob
+    #[arg(value_name = "PLANS")]
+    pub(crate) plans: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("points").required(true).args(["at", "geo", "stdin"]))]
+pub(crate) struct Query {
+    /// The blob
+    #[arg(value_name = "PLANS")]
+    pub(crate) plans: PathBuf,
+    /// The layer, as `inspect` names it
+    #[arg(long, value_name = "PLAN/LAYER")]
+    pub(crate) layer: LayerName,
+    /// A point in the map's metres, x east, y north
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
+    pub(crate) at: Option<[f64; 2]>,
+    /// A place on the globe, WGS-84 degrees
+    #[arg(long, value_name = "LAT,LON", value_parser = pair, allow_hyphen_values = true)]
+    pub(crate) geo: Option<[f64; 2]>,
+    /// Points from standard input, one `X Y` a line
+    #[arg(value_name = "-", value_parser = ["-"])]
+    pub(crate) stdin: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Export {
+    /// The blob
+    #[arg(value_name = "PLANS")]
+    pub(crate) plans: PathBuf,
+    /// The layer, as `inspect` names it
+    #[arg(long, value_name = "PLAN/LAYER")]
+    pub(crate) layer: LayerName,
+    /// What of it
+    #[arg(long)]
+    pub(crate) what: WhatToExport,
+    /// The file to write: .npy or .csv
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Render {
+    /// The blob
+    #[arg(value_name = "PLANS")]
+    pub(crate) plans: PathBuf,
+    /// The layer, as `inspect` names it
+    #[arg(long, value_name = "PLAN/LAYER")]
+    pub(crate) layer: LayerName,
+    /// The file to write: .svg or .png
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Draw the exact shapes of this map over the cells
+    #[arg(long, value_name = "MAP")]
+    pub(crate) map: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Verify {
+    /// The blob
+    #[arg(value_name = "PLANS")]
+    pub(crate) plans: PathBuf,
+    /// Also compare the blocked cells with those of this map, or of a mission that names it.
+    /// The options are those that the blob was built with
+    #[arg(long = "map", value_name = "MAP|MISSION")]
+    pub(crate) input: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) map: MapOptions,
+}
+
+/// What a map file itself leaves open.
+#[derive(Debug, Args)]
+pub(crate) struct Reading {
+    /// The map's format; otherwise by its content
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) format: Option<Format>,
+    /// What cells count as that a map leaves unknown; no format that is read today has any
+    #[arg(long, value_name = "CELLS", default_value = "obstacle")]
+    pub(crate) unknown: Unknown,
+    /// What OPAR's deltas are measured in
+    #[arg(long, value_name = "UNIT", default_value = "m")]
+    pub(crate) opar_units: DeltaUnit,
+    /// Which of a pair of OPAR's deltas comes first: east or north
+    #[arg(long, value_name = "ORDER", default_value = "en")]
+    pub(crate) opar_order: DeltaOrder,
+    /// What a type of OPAR's obstructions is, besides 1=building and 2=foliage; repeatable
+    #[arg(long = "opar-type", value_name = "N=building|foliage")]
+    pub(crate) opar_types: Vec<ObstructionType>,
+}
+
+impl Reading {
+    /// As the readers take it.
+    pub(crate) fn options(&self) -> ReadOptions {
+        let opar = OparOptions {
+            units: self.opar_units,
+            order: self.opar_order,
+            types: self.opar_types.clone(),
+        };
+        ReadOptions { format: self.format, opar }
+    }
+}
+
+/// What cells count as that a map leaves unknown.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Unknown {
+    /// Never enter
+    Obstacle,
+    /// Drive on
+    Free,
+}
+
+/// Whether diagonal steps may cut corners.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum CornersRule {
+    /// Both cells beside a diagonal step must be free
+    Forbid,
+    /// As in the papers
+    Allow,
+}
+
+/// What of a layer to export.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum WhatToExport {
+    /// float32 metres to the goal; inf where blocked or without a route
+    Cost,
+    /// int8: 0 to 7 for E NE N NW W SW S SE, -1 the goal, -2 blocked or without a route
+    Direction,
+    /// uint8: 1 blocked, 0 free
+    Blocked,
+}
+
+/// `PLAN/LAYER`.
+#[derive(Clone, Debug)]
+pub(crate) struct LayerName {
+    pub(crate) plan: String,
+    pub(crate) layer: String,
+}
+
+impl std::str::FromStr for LayerName {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once('/') {
+            Some((plan, layer)) if !plan.is_empty() && !layer.is_empty() => {
+                Ok(Self { plan: plan.into(), layer: layer.into() })
+            }
+            _ => Err("write PLAN/LAYER, for example gate/physical; `inspect` lists them".into()),
+        }
+    }
+}
+
+fn goal(text: &str) -> Result<Goal, String> {
+    let example = "write NAME=X,Y, for example gate=12.5,-40";
+    let (name, at) = text.rsplit_once('=').ok_or(example)?;
+    let name = mission::tidy_name(name)?.to_owned();
+    let at = pair(at).map_err(|reason| format!("{reason}; {example}"))?;
+    Ok(Goal { name, at: GoalAt::Position(at), layers: None, place: None })
+}
+
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    let (x, y) = text.split_once(',').ok_or("two numbers parted by a comma are needed")?;
+    Ok([number(x)?, number(y)?])
+}
+
+/// A finite number; also what a line of standard input is made of.
+pub(crate) fn number(text: &str) -> Result<f64, String> {
+    let number: f64 = text.trim().parse().map_err(|_| format!("`{text}` is not a number"))?;
+    if number.is_finite() { Ok(number) } else { Err(format!("`{text}` is not a finite number")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn negative_numbers_are_numbers() {
+        let parse = |line: &str| Cli::try_parse_from(line.split(' '));
+        for line in [
+            "p query a.bin --layer a/b --at -3,4",
+            "p query a.bin --layer a/b --geo -33.8,-151.2",
+            "p query a.bin --layer a/b -",
+            "p query - --layer a/b --at=-3,-4",
+            "p build m.ovl --goal a=-1,2 --goal b=-1e1,-.5",
+            "p build m.ovl --resolution -1",
+        ] {
+            assert!(parse(line).is_ok(), "{line}: {}", parse(line).unwrap_err());
+        }
+        for line in [
+            "p query a.bin --layer a/b",
+            "p query a.bin --layer a/b --at 1,2 -",
+            "p query a.bin --layer ab --at 1,2",
+            "p query a.bin --layer a/b --at 1",
+            "p query a.bin --layer a/b --at nan,1",
+            "p build m.ovl --goal a",
+            "p build m.ovl --goal =1,2",
+            "p build m.ovl --goal a/b=1,2",
+            "p build m.ovl --corners maybe",
+        ] {
+            assert!(parse(line).is_err(), "{line}");
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! `inspect`: what a blob holds, for a person or as JSON.
+
+use super::{Failure, layers, open, parallel_plans, read_blob};
+use crate::cli::Inspect;
+use plan_compiler::compile::{metres, pair};
+use plan_format::parameters::{OnTrouble, Selection, Steering};
+use plan_format::{FORMAT_VERSION, Plan};
+use serde_json::{Value, json};
+use std::io::{self, Write};
+use std::path::Path;
+
+pub(super) fn run(args: &Inspect) -> Result<(), Failure> {
+    let bytes = read_blob(&args.plans)?;
+    let plan = open(&args.plans, &bytes)?;
+    let mut out = io::stdout().lock();
+    if args.json {
+        writeln!(out, "{:#}", as_json(&plan, bytes.len()))?;
+    } else {
+        write_text(&mut out, &args.plans, &plan, bytes.len())?;
+    }
+    out.flush()?;
+    Ok(())
+}
+
+fn as_json(plan: &Plan<'_>, bytes: usize) -> Value {
+    let grid = plan.grid();
+    let origin = plan.origin().map(|origin| {
+        json!({
+            "lat_deg": origin.place.lat_deg(),
+            "lon_deg": origin.place.lon_deg(),
+            "at_m": origin.at_m,
+            "heading_rad": origin.heading_rad,
+        })
+    });
+    let plans: Vec<Value> = parallel_plans(plan)
+        .map(|parallel| {
+            let layers: Vec<Value> = layers(parallel)
+                .map(|layer| {
+                    let counts = layer.counts();
+                    json!({
+                        "name": layer.name(),
+                        "bytes": layer.bytes(),
+                        "free": counts.free,
+                        "blocked": counts.blocked,
+                        "unreachable": counts.unreachable,
+                    })
+                })
+                .collect();
+            json!({ "name": parallel.name(), "goal_m": parallel.goal_m(), "layers": layers })
+        })
+        .collect();
+    json!({
+        "format_version": FORMAT_VERSION,
+        "bytes": bytes,
+        "columns": grid.columns,
+        "rows": grid.rows,
+        "resolution_m": grid.resolution_m,
+        "corner_m": grid.corner_m,
+        "origin": origin,
+        "plans": plans,
+    })
+}
+
+fn write_text(out: &mut dyn Write, path: &Path, plan: &Plan<'_>, bytes: usize) -> io::Result<()> {
+    let grid = plan.grid();
+    writeln!(out, "{}: {bytes} bytes, format {FORMAT_VERSION}", path.display())?;
+    writeln!(
+        out,
+        "  grid    {} x {} cells of {} m",
+        grid.columns,
+        grid.rows,
+        metres(grid.resolution_m)
+    )?;
+    writeln!(out, "  corner  {} in the south-west, metres", pair(grid.corner_m))?;
+    match plan.origin() {
+        Some(origin) => {
+            let (at, heading) = (pair(origin.at_m), origin.heading_rad);
+            let (lat, lon) = (origin.place.lat_deg(), origin.place.lon_deg());
+            writeln!(out, "  origin  {lat:.7}, {lon:.7} is {at}; heading {heading} rad")?;
+        }
+        None => writeln!(out, "  origin  none: a robot with GPS cannot use these plans")?,
+    }
+    write_robot(out, plan)?;
+    for parallel in parallel_plans(plan) {
+        writeln!(out, "  plan    {} to {}", parallel.name(), pair(parallel.goal_m()))?;
+        for layer in layers(parallel) {
+            let counts = layer.counts();
+            writeln!(
+                out,
+                "    layer {}/{}: {} cells with a route, {} without, {} blocked; {} bytes",
+                parallel.name(),
+                layer.name(),
+                counts.free,
+                counts.unreachable,
+                counts.blocked,
+                layer.bytes()
+            )?;
+        }
+    }
+    Ok(())
+}
+
+fn write_robot(out: &mut dyn Write, plan: &Plan<'_>) -> io::Result<()> {
+    let parameters = plan.parameters();
+    let name = plan.parallel_plan(usize::from(parameters.plan)).map(|followed| followed.name());
+    let when = match parameters.selection {
+        Selection::Static => "once at the start",
+        Selection::Dynamic => "every tick",
+    };
+    let gains = parameters.gains;
+    writeln!(out, "  robot   follows {}, layer chosen {when}", name.unwrap_or("no plan"))?;
+    writeln!(
+        out,
+        "  gains   {} reactive, {} plan, {} noise",
+        gains.reactive, gains.plan, gains.noise
+    )?;
+    let vehicle = parameters.vehicle;
+    let steering = match vehicle.steering {
+        Steering::Differential => "differential",
+        Steering::Ackermann => "ackermann",
+        Steering::Boat => "boat",
+    };
+    writeln!(
+        out,
+        "  vehicle {steering}, radius {} m, {} to {} m/s, {} rad/s, stops {} m before obstacles",
+        vehicle.radius_m,
+        vehicle.cautious_speed_mps,
+        vehicle.max_speed_mps,
+        vehicle.max_turn_rate_radps,
+        vehicle.stop_distance_m
+    )?;
+    let word = |action| match action {
+        OnTrouble::Stop => "stops",
+        OnTrouble::Reactive => "drives by its schemas",
+    };
+    let trouble = parameters.trouble;
+    writeln!(
+        out,
+        "  trouble {} off the map, {} without a route",
+        word(trouble.off_map),
+        word(trouble.no_route)
+    )
+}

@@ -1,0 +1,109 @@
+//! The input of a build: a map, and the mission that lies beside it or names it.
+
+use crate::cli::{CornersRule, MapOptions};
+use crate::commands::Failure;
+use plan_compiler::compile::{Input, Options};
+use plan_compiler::formats;
+use plan_compiler::map::Map;
+use plan_compiler::mission::{self, Goal, Mission};
+use plan_compiler::problem::{Problem, Source};
+use plan_compiler::search::Corners;
+use plan_compiler::source;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Everything that was read.
+pub(crate) struct Project {
+    /// The files that were read: what an output must not replace.
+    pub(crate) inputs: Vec<PathBuf>,
+    map: Map,
+    source: Option<Arc<Source>>,
+    mission: Mission,
+    options: Options,
+}
+
+impl Project {
+    /// What the compiler takes.
+    pub(crate) fn input(&self) -> Input<'_> {
+        Input {
+            map: &self.map,
+            source: self.source.as_ref(),
+            mission: &self.mission,
+            options: &self.options,
+        }
+    }
+}
+
+/// Reads a map and its mission; `None` where the map cannot be relied on.
+pub(crate) fn read(
+    path: &Path,
+    goals: &[Goal],
+    args: &MapOptions,
+    problems: &mut Vec<Problem>,
+) -> Result<Option<Project>, Failure> {
+    let is_mission = path.extension().is_some_and(|extension| extension == "toml");
+    if is_mission && args.mission.is_some() {
+        return Err(Failure::Usage("a mission is built without --mission".into()));
+    }
+    let beside = || Some(path.with_extension("mission.toml")).filter(|path| path.exists());
+    let mission_path = match &args.mission {
+        _ if is_mission => Some(path.to_owned()),
+        Some(given) => Some(given.clone()),
+        None => beside(),
+    };
+    let mission = mission_path.as_deref().map(|path| read_mission(path, problems));
+    let mission = match mission {
+        Some(None) if is_mission => return Ok(None),
+        mission => mission.flatten().unwrap_or_default(),
+    };
+    let map_path = match (&mission.map, is_mission) {
+        (Some(map), true) => map.clone(),
+        (None, true) => {
+            problems.push(
+                Problem::error(format!("{} does not name its map", path.display()))
+                    .mend("add a line map = \"NAME.opar\" at the top, or build the map instead"),
+            );
+            return Ok(None);
+        }
+        (_, false) => path.to_owned(),
+    };
+    let (map, found) = formats::read(&map_path, &args.reading.options());
+    let incomplete = plan_compiler::compile::has_errors(&found);
+    problems.extend(found);
+    let Some(map) = map.filter(|_| !incomplete) else { return Ok(None) };
+    Ok(Some(Project {
+        // Excerpts want the text; where the map is none there are no excerpts.
+        source: source::read_text(&map_path).ok().map(|(text, _)| text),
+        inputs: std::iter::once(map_path).chain(mission_path).collect(),
+        map,
+        mission,
+        options: options(goals, args),
+    }))
+}
+
+fn read_mission(path: &Path, problems: &mut Vec<Problem>) -> Option<Mission> {
+    match source::read_text(path) {
+        Ok((text, found)) => {
+            let (mission, mistakes) = mission::parse(&text);
+            problems.extend(found.into_iter().chain(mistakes));
+            Some(mission)
+        }
+        Err(problem) => {
+            problems.push(problem);
+            None
+        }
+    }
+}
+
+fn options(goals: &[Goal], args: &MapOptions) -> Options {
+    Options {
+        goals: goals.to_vec(),
+        resolution_m: args.resolution,
+        robot_radius_m: args.robot_radius,
+        corners: args.corners.map(|rule| match rule {
+            CornersRule::Forbid => Corners::Forbid,
+            CornersRule::Allow => Corners::Allow,
+        }),
+        fill_walls: args.fill_walls,
+    }
+}

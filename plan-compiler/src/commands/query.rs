@@ -1,0 +1,131 @@
+//! `query`: the advice at points, a line of JSON for each.
+
+use super::{Failure, find, open, read_blob};
+use crate::cli::{Query, number};
+use math::GeoPoint;
+use plan_compiler::problem::Problem;
+use plan_format::grid::cost_metres;
+use plan_format::{Answer, Layer, Plan};
+use serde::Serialize;
+use std::io::{self, BufRead, BufReader, BufWriter, Write};
+
+/// One line of the output.
+#[derive(Serialize)]
+struct Line {
+    x: Option<f64>,
+    y: Option<f64>,
+    cost_m: Option<f64>,
+    direction: Option<&'static str>,
+    /// Whether the direction leads out of a blocked cell.
+    escape: bool,
+    cell: &'static str,
+}
+
+pub(super) fn run(args: &Query) -> Result<(), Failure> {
+    let bytes = read_blob(&args.plans)?;
+    let plan = open(&args.plans, &bytes)?;
+    let (_, layer) = find(&plan, &args.layer)?;
+    let mut out = BufWriter::new(io::stdout().lock());
+    if let Some(at) = args.at {
+        write_line(&mut out, &answer(&plan, &layer, Some(at)))?;
+    } else if let Some([lat, lon]) = args.geo {
+        write_line(&mut out, &answer(&plan, &layer, local(&plan, lat, lon)?))?;
+    } else {
+        answer_input(&plan, &layer, &mut out)?;
+    }
+    out.flush()?;
+    Ok(())
+}
+
+/// Map metres of a place; `None` where it is farther away than the frame is good for.
+fn local(plan: &Plan<'_>, lat: f64, lon: f64) -> Result<Option<[f64; 2]>, Failure> {
+    let frame = plan.frame().ok_or_else(|| {
+        Problem::error("the plans have no place on the globe")
+            .mend("ask by --at X,Y, or give the map a reference: GLOBAL_REF_POINT in an overlay")
+    })?;
+    let place = GeoPoint::from_degrees(lat, lon).ok_or_else(|| {
+        Problem::error(format!("{lat},{lon} is not on the globe"))
+            .mend("latitude first, -90 to 90; then longitude, -180 to 180 degrees")
+    })?;
+    Ok(frame.to_local(place).map(|at| [f64::from(at.x), f64::from(at.y)]))
+}
+
+/// Answers every line of standard input. A line that is no point is an error that names it,
+/// said when the others have been answered.
+fn answer_input(plan: &Plan<'_>, layer: &Layer<'_>, out: &mut dyn Write) -> Result<(), Failure> {
+    /// More mistakes than this are only counted.
+    const SAID: usize = 20;
+    let mut input = BufReader::new(io::stdin().lock());
+    let mut problems = Vec::new();
+    let mut wrong = 0_usize;
+    let mut bytes = Vec::new();
+    for line in 1_usize.. {
+        // Whoever types one point at a time sees each answer; a file is answered in blocks.
+        if input.buffer().is_empty() {
+            out.flush()?;
+        }
+        bytes.clear();
+        let read = input
+            .read_until(b'\n', &mut bytes)
+            .map_err(|error| Problem::error(format!("cannot read standard input: {error}")))?;
+        if read == 0 {
+            break;
+        }
+        let text = String::from_utf8_lossy(&bytes);
+        match point(&text) {
+            Ok(None) => {}
+            Ok(Some(at)) => write_line(out, &answer(plan, layer, Some(at)))?,
+            Err(reason) => {
+                wrong += 1;
+                if wrong <= SAID {
+                    let message = format!("standard input, line {line}: {reason}");
+                    problems.push(Problem::error(message).mend("write `X Y`, metres, one a line"));
+                }
+            }
+        }
+    }
+    out.flush()?;
+    if wrong > SAID {
+        problems.push(Problem::error(format!("{} more lines are no points", wrong - SAID)));
+    }
+    if problems.is_empty() { Ok(()) } else { Err(Failure::Wrong(problems)) }
+}
+
+/// The point in a line; `None` where the line is empty.
+fn point(line: &str) -> Result<Option<[f64; 2]>, String> {
+    let mut words = line.split_whitespace();
+    match (words.next(), words.next(), words.next()) {
+        (None, _, _) => Ok(None),
+        (Some(x), Some(y), None) => Ok(Some([number(x)?, number(y)?])),
+        _ => Err("not two numbers".into()),
+    }
+}
+
+fn write_line(out: &mut dyn Write, line: &Line) -> io::Result<()> {
+    serde_json::to_writer(&mut *out, line)?;
+    out.write_all(b"\n")
+}
+
+fn answer(plan: &Plan<'_>, layer: &Layer<'_>, at: Option<[f64; 2]>) -> Line {
+    let grid = plan.grid();
+    // In double precision: a robot's look-up is in single, which differs only where a point
+    // lies on the edge of a cell.
+    let cell = at.and_then(|[x, y]| grid.cell_at(x, y));
+    let answer = cell.map_or(Answer::OffMap, |cell| layer.look_up(cell));
+    let (cost_m, direction) = match answer {
+        Answer::Move { direction, cost } => {
+            (Some(cost_metres(cost, grid.resolution_m)), Some(direction.name()))
+        }
+        Answer::Goal => (Some(0.0), Some("goal")),
+        Answer::Blocked { escape } => (None, escape.map(|direction| direction.name())),
+        Answer::NoRoute | Answer::OffMap => (None, None),
+    };
+    let cell = match answer {
+        Answer::Move { .. } | Answer::Goal | Answer::NoRoute => "free",
+        Answer::Blocked { .. } => "blocked",
+        Answer::OffMap => "off-map",
+    };
+    let escape = matches!(answer, Answer::Blocked { escape: Some(_) });
+    let [x, y] = at.map_or([None, None], |[x, y]| [Some(x), Some(y)]);
+    Line { x, y, cost_m, direction, escape, cell }
+}

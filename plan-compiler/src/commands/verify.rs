@@ -1,0 +1,71 @@
+//! `verify`: every cell proved anew.
+
+use super::{Failure, open, project, read_blob, tell};
+use crate::cli::Verify;
+use plan_compiler::compile::{blocked, has_errors, metres, pair};
+use plan_compiler::problem::Problem;
+use plan_compiler::verify::{self, Report};
+use plan_format::Plan;
+use std::io::{self, Write};
+
+pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
+    let bytes = read_blob(&args.plans)?;
+    let plan = open(&args.plans, &bytes)?;
+    let mut problems = Vec::new();
+    let proof = verify::verify(&plan);
+    add(&proof, &mut problems);
+    let compared = compare(args, &plan, &mut problems)?;
+    if has_errors(&problems) {
+        return Err(Failure::Wrong(problems));
+    }
+    tell(&problems, quiet);
+    if !quiet {
+        let mut out = io::stdout().lock();
+        let rule = if proof.cuts_corners { "corners allowed" } else { "no corner is cut" };
+        let (name, layers, cells) = (args.plans.display(), proof.layers, proof.cells);
+        writeln!(out, "{name}: {cells} cells of {layers} layers proved; {rule}{compared}")?;
+        out.flush()?;
+    }
+    Ok(())
+}
+
+/// Compares with the map, if one is given.
+fn compare(
+    args: &Verify,
+    plan: &Plan<'_>,
+    problems: &mut Vec<Problem>,
+) -> Result<&'static str, Failure> {
+    let Some(input) = &args.input else { return Ok("") };
+    let Some(project) = project::read(input, &[], &args.map, problems)? else { return Ok("") };
+    let Some(grid) = plan_compiler::compile::grid(&project.input(), problems) else {
+        return Ok("");
+    };
+    if grid != *plan.grid() {
+        let (ours, theirs) = (plan.grid(), grid);
+        let text = |grid: &plan_format::Grid| {
+            let (side, corner) = (metres(grid.resolution_m), pair(grid.corner_m));
+            format!("{} x {} cells of {side} m from {corner}", grid.columns, grid.rows)
+        };
+        let message = format!("the plans have {}, the map {}", text(ours), text(&theirs));
+        problems
+            .push(Problem::error(message).mend("give the options that the blob was built with"));
+    } else if let Some(expected) = blocked(&project.input(), &grid, problems) {
+        add(&verify::compare(plan, &expected), problems);
+    }
+    Ok("; obstacles as in the map")
+}
+
+/// Each violation as an error.
+fn add(report: &Report, problems: &mut Vec<Problem>) {
+    for violation in &report.violations {
+        let (at, cell) = (pair(violation.at), violation.cell);
+        problems.push(Problem::error(format!(
+            "{}: column {}, row {} at {at}: {}",
+            violation.layer, cell.column, cell.row, violation.what
+        )));
+    }
+    let more = report.count - report.violations.len();
+    if more > 0 {
+        problems.push(Problem::error(format!("{more} more cells are wrong")));
+    }
+}

@@ -1,0 +1,226 @@
+//! Map and mission in, blob out.
+//!
+//! Decides what the blob holds: the grid, the layers and what blocks them, the goals and
+//! what becomes of those that cannot be reached, the plan that the robot follows. A layer
+//! contains every obstacle of the layers before it by construction (W, section 2.3), so a
+//! robot that follows one is never led into an obstacle of a less constrained one.
+//!
+//! What a person asked for by name is an error where it cannot be had; what only the map
+//! names is left out with a warning. Nothing is allocated before the numbers are known to
+//! be within [`plan_format::limits`].
+//!
+//! Deliberately absent: files and the command line.
+
+mod area;
+mod goals;
+mod layers;
+
+pub use area::{metres, pair};
+
+use crate::bitmap::Bitmap;
+use crate::map::Map;
+use crate::mission::{Goal, Mission};
+use crate::problem::{Problem, Severity, Source};
+use crate::search::{Corners, Solver};
+use goals::Placed;
+use layers::Level;
+use plan_format::parameters::Vehicle;
+use plan_format::{
+    Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, limits, pack, write,
+};
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// What the command line sets; each option outranks the mission.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Goals; where there are any, those of mission and map are not used.
+    pub goals: Vec<Goal>,
+    /// Side of a cell, metres.
+    pub resolution_m: Option<f64>,
+    /// How far obstacles are grown, metres.
+    pub robot_radius_m: Option<f64>,
+    /// Whether a diagonal step may pass a blocked cell beside it.
+    pub corners: Option<Corners>,
+    /// Whether closed walls are solid.
+    pub fill_walls: bool,
+}
+
+/// What is compiled.
+#[derive(Clone, Copy, Debug)]
+pub struct Input<'a> {
+    /// The map.
+    pub map: &'a Map,
+    /// The map's text, for excerpts.
+    pub source: Option<&'a Arc<Source>>,
+    /// The mission; the default one where there is none.
+    pub mission: &'a Mission,
+    /// The command line's.
+    pub options: &'a Options,
+}
+
+/// Called with the layers done and the layers to do, from any thread.
+pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
+
+/// Bytes that the searches in flight may take together.
+const SEARCH_BUDGET_BYTES: usize = 2 << 30;
+/// Bytes per cell of one search: cost, code, the packed layer and the queue.
+const SEARCH_BYTES_PER_CELL: usize = 32;
+/// Packed layers beyond this cannot fit a blob even if equal ones are stored once.
+const PACKED_BUDGET_BYTES: usize = 16 * limits::MAX_BLOB_BYTES;
+
+/// The blob; `None` exactly if there is an error among the problems then. Problems are
+/// added to those that reading the input has found; after an error nothing is searched, but
+/// whatever else is wrong is still said.
+pub fn compile(
+    input: &Input<'_>,
+    progress: Progress<'_>,
+    problems: &mut Vec<Problem>,
+) -> Option<Vec<u8>> {
+    let prepared = prepare(input, problems)?;
+    if has_errors(problems) { None } else { prepared.finish(progress, problems) }
+}
+
+/// Whether any of the problems is an error.
+pub fn has_errors(problems: &[Problem]) -> bool {
+    problems.iter().any(|problem| problem.severity == Severity::Error)
+}
+
+/// The grid of a map under a mission; `None` after an error.
+pub fn grid(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Grid> {
+    area::grid(input, problems)
+}
+
+/// The blocked cells of every layer of a map under a mission, by name, for proofs.
+pub fn blocked(
+    input: &Input<'_>,
+    grid: &Grid,
+    problems: &mut Vec<Problem>,
+) -> Option<Vec<(String, Bitmap)>> {
+    let radius = area::robot_radius(input, problems)?;
+    let levels = layers::levels(input, grid, radius, problems)?;
+    Some(levels.into_iter().map(|level| (level.name, level.blocked)).collect())
+}
+
+/// Everything decided, nothing searched.
+struct Prepared {
+    grid: Grid,
+    origin: Option<Origin>,
+    parameters: Parameters,
+    corners: Corners,
+    levels: Vec<Level>,
+    goals: Vec<Placed>,
+}
+
+fn prepare(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
+    let radius = area::robot_radius(input, problems);
+    let grid = area::grid(input, problems);
+    goals::check_names(input, problems);
+    let (grid, radius) = (grid?, radius?);
+    let origin = area::origin(input, problems);
+    let levels = layers::levels(input, &grid, radius, problems)?;
+    if levels.first()?.blocked.count() == grid.cells() {
+        problems.push(no_free_cell(&grid, radius));
+        return None;
+    }
+    let goals = goals::place(input, &grid, &levels, problems);
+    let plan = goals::followed(input, &goals, problems);
+    let parameters =
+        Parameters { plan, vehicle: vehicle(input, radius), ..input.mission.parameters };
+    let corners = input.options.corners.or(input.mission.corners).unwrap_or(Corners::Forbid);
+    Some(Prepared { grid, origin, parameters, corners, levels, goals })
+}
+
+/// The mission's vehicle, whose body is the one that obstacles are grown by unless the
+/// mission says otherwise.
+fn vehicle(input: &Input<'_>, radius: f64) -> Vehicle {
+    let vehicle = input.mission.parameters.vehicle;
+    let grown = radius > 0.0 && !input.mission.body_radius_given;
+    Vehicle { radius_m: if grown { radius as f32 } else { vehicle.radius_m }, ..vehicle }
+}
+
+fn no_free_cell(grid: &Grid, radius: f64) -> Problem {
+    let (columns, rows, side) = (grid.columns, grid.rows, area::metres(grid.resolution_m));
+    let problem = Problem::error(format!(
+        "the map has no free cell: obstacles touch all {columns} x {rows} cells of {side} m"
+    ));
+    problem.mend(if radius > 0.0 {
+        "make the robot's radius or the resolution smaller"
+    } else {
+        "make the resolution smaller, or check the area and the units of the map"
+    })
+}
+
+impl Prepared {
+    /// Searches, packs and writes.
+    fn finish(&self, progress: Progress<'_>, problems: &mut Vec<Problem>) -> Option<Vec<u8>> {
+        let plans = self.search(progress).or_else(|| {
+            problems.push(too_large(None));
+            None
+        })?;
+        let draft =
+            Draft { grid: self.grid, origin: self.origin, parameters: self.parameters, plans };
+        match write(&draft) {
+            Ok(blob) => Some(blob),
+            Err(WriteError::TooLarge { bytes }) => {
+                problems.push(too_large(Some(bytes)));
+                None
+            }
+            Err(other) => {
+                problems.push(Problem::error(other.to_string()));
+                None
+            }
+        }
+    }
+
+    /// Every plan with its packed layers; `None` where they exceed what any blob holds.
+    fn search(&self, progress: Progress<'_>) -> Option<Vec<PlanDraft>> {
+        let jobs: Vec<(&Placed, &Level)> = self
+            .goals
+            .iter()
+            .flat_map(|goal| goal.levels.iter().map(move |&level| (goal, &self.levels[level])))
+            .collect();
+        let (done, bytes) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let solve = |solver: &mut Solver, &(goal, level): &(&Placed, &Level)| {
+            if bytes.load(Ordering::Relaxed) > PACKED_BUDGET_BYTES {
+                return None;
+            }
+            let packed = pack(&solver.solve(&level.blocked, goal.cell, self.corners));
+            bytes.fetch_add(packed.bytes(), Ordering::Relaxed);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
+            Some(LayerDraft { name: level.name.clone(), packed })
+        };
+        let solve_all =
+            || jobs.par_iter().map_init(Solver::new, solve).collect::<Option<Vec<LayerDraft>>>();
+        // Without threads of its own (a machine that refuses them) rayon's shared ones serve.
+        let solved = match rayon::ThreadPoolBuilder::new().num_threads(self.in_flight()).build() {
+            Ok(pool) => pool.install(solve_all),
+            Err(_) => solve_all(),
+        };
+        let mut solved = solved?.into_iter();
+        let plans = self.goals.iter().map(|goal| PlanDraft {
+            name: goal.name.clone(),
+            goal_m: goal.at,
+            layers: solved.by_ref().take(goal.levels.len()).collect(),
+        });
+        Some(plans.collect())
+    }
+
+    /// How many searches may run at once.
+    fn in_flight(&self) -> usize {
+        let bytes_each = self.grid.cells().saturating_mul(SEARCH_BYTES_PER_CELL).max(1);
+        let jobs: usize = self.goals.iter().map(|goal| goal.levels.len()).sum();
+        (SEARCH_BUDGET_BYTES / bytes_each).clamp(1, rayon::current_num_threads()).min(jobs.max(1))
+    }
+}
+
+fn too_large(bytes: Option<usize>) -> Problem {
+    let limit = limits::MAX_BLOB_BYTES;
+    let message = match bytes {
+        Some(bytes) => format!("the plans take {bytes} bytes, but the format holds {limit}"),
+        None => format!("the plans take far more than the {limit} bytes that the format holds"),
+    };
+    Problem::error(message)
+        .mend("use a coarser --resolution, a smaller area, or fewer goals and layers")
+}

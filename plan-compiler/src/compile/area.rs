@@ -1,0 +1,178 @@
+//! The grid: its resolution, its extent, and where it lies on the globe.
+
+use super::Input;
+use crate::problem::Problem;
+use math::scalar::wide;
+use plan_format::{Grid, Origin, limits};
+
+/// A quotient this near to a whole number of cells is that number: 0.3 / 0.1 is 2.999... in
+/// doubles, and 0.7 / 0.1 is 6.999....
+const WHOLE: f64 = 1e-9;
+/// Largest radius that a robot may have, metres; the parameters' own limit.
+const MAX_RADIUS_M: f64 = 100.0;
+
+/// The grid; `None` after an error.
+pub(super) fn grid(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Grid> {
+    let resolution_m = resolution(input, problems)?;
+    let extent = &input.map.extent;
+    let [width, height] = extent.size;
+    if !(width > 0.0 && height > 0.0 && width.is_finite() && height.is_finite()) {
+        problems.push(
+            Problem::error(format!(
+                "the map has no area: it is {} m x {} m",
+                metres(width),
+                metres(height)
+            ))
+            .mend("give the map an area: MISSION-AREA in an overlay, the first polygon in OPAR"),
+        );
+        return None;
+    }
+    let (columns, rows) = (whole_cells(width / resolution_m), whole_cells(height / resolution_m));
+    let limit = f64::from(limits::MAX_SIDE_CELLS);
+    if columns > limit || rows > limit {
+        problems.push(too_many_cells([width, height], [columns, rows], resolution_m));
+        return None;
+    }
+    let (columns, rows) = (columns as u32, rows as u32);
+    let grid = Grid { columns, rows, resolution_m, corner_m: extent.corner };
+    if !grid.is_valid() {
+        let ([x, y], limit) = (extent.corner, metres(limits::MAX_COORDINATE_M));
+        problems.push(
+            Problem::error(format!(
+                "the map reaches farther than {limit} m from its origin: its south-west corner \
+                 is ({}, {})",
+                metres(x),
+                metres(y)
+            ))
+            .mend("shift the coordinates, so that the origin lies in or near the area"),
+        );
+        return None;
+    }
+    Some(grid)
+}
+
+/// Side of a cell: option, else mission, else the map, else 1 m.
+fn resolution(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<f64> {
+    let (low, high) = limits::RESOLUTION_RANGE_M;
+    let asked = [
+        (input.options.resolution_m, "--resolution"),
+        (input.mission.resolution_m, "the mission's resolution"),
+        (input.map.resolution_m, "the map's own resolution"),
+    ];
+    let given = asked.into_iter().find_map(|(value, whose)| value.map(|value| (value, whose)));
+    let (value, whose) = given.unwrap_or((1.0, "the resolution"));
+    if (low..=high).contains(&value) {
+        return Some(value);
+    }
+    problems.push(
+        Problem::error(format!("{whose} is {} m", metres(value)))
+            .mend(format!("choose the side of a cell from {low} to {high} m, for example 1")),
+    );
+    None
+}
+
+/// How far obstacles are grown, metres; `None` after an error.
+pub(super) fn robot_radius(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<f64> {
+    let radius = input.options.robot_radius_m.or(input.mission.robot_radius_m).unwrap_or(0.0);
+    if (0.0..=MAX_RADIUS_M).contains(&radius) {
+        return Some(radius);
+    }
+    problems.push(
+        Problem::error(format!("the robot's radius is {} m", metres(radius)))
+            .mend(format!("choose a --robot-radius from 0 to {MAX_RADIUS_M} m")),
+    );
+    None
+}
+
+/// Where the map lies on the globe, as the blob carries it.
+pub(super) fn origin(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Origin> {
+    let reference = input.map.reference?;
+    let origin = Origin {
+        place: reference.place,
+        at_m: reference.at,
+        heading_rad: reference.heading_rad % std::f64::consts::TAU,
+    };
+    if origin.is_valid() {
+        return Some(origin);
+    }
+    problems.push(
+        Problem::warning("the map's place on the globe is too far from the map to be of use")
+            .mend("a robot with GPS needs a reference point in or near the area"),
+    );
+    None
+}
+
+/// Extents round up.
+fn whole_cells(cells: f64) -> f64 {
+    let nearest = cells.round();
+    let whole = (cells - nearest).abs() <= WHOLE * nearest.max(1.0);
+    (if whole { nearest } else { cells.ceil() }).max(1.0)
+}
+
+fn too_many_cells(size: [f64; 2], cells: [f64; 2], resolution_m: f64) -> Problem {
+    let limit = limits::MAX_SIDE_CELLS;
+    let message = format!(
+        "the area is too large: {} m x {} m are {} x {} cells of {} m, and a side holds {limit}",
+        metres(size[0]),
+        metres(size[1]),
+        metres(cells[0]),
+        metres(cells[1]),
+        metres(resolution_m),
+    );
+    let fitting = two_digits_up(size[0].max(size[1]) / f64::from(limit));
+    Problem::error(message).mend(if fitting <= limits::RESOLUTION_RANGE_M.1 {
+        format!("--resolution {} would fit, or plan for a smaller area", metres(fitting))
+    } else {
+        "no resolution fits this; check the units, and plan for a smaller area".into()
+    })
+}
+
+/// The next number not below `x` with two significant digits.
+fn two_digits_up(x: f64) -> f64 {
+    let unit = wide::pow(10.0, wide::floor(wide::log10(x)) - 1.0);
+    wide::ceil(x / unit) * unit
+}
+
+/// A length for a person: to the millimetre, and in powers of ten where it is absurd.
+pub fn metres(value: f64) -> String {
+    if value != 0.0 && !(1e-3..1e12).contains(&value.abs()) {
+        return format!("{value:e}");
+    }
+    format!("{}", (value * 1e3).round() / 1e3)
+}
+
+/// A point for a person: `(12.5, -40)`.
+pub fn pair(at: [f64; 2]) -> String {
+    format!("({}, {})", metres(at[0]), metres(at[1]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extents_round_up_but_not_by_rounding_errors() {
+        for (cells, whole) in
+            [(0.3 / 0.1, 3.0), (0.7 / 0.1, 7.0), (2.5, 3.0), (250.0, 250.0), (1e-6, 1.0)]
+        {
+            assert_eq!(whole_cells(cells), whole, "{cells}");
+        }
+    }
+
+    #[test]
+    fn the_resolution_offered_fits() {
+        for size in [16_385.0, 20_000.0, 99_999.0, 163_840.0, 1_234_567.0] {
+            let fitting = two_digits_up(size / f64::from(limits::MAX_SIDE_CELLS));
+            assert!(whole_cells(size / fitting) <= f64::from(limits::MAX_SIDE_CELLS), "{size}");
+        }
+    }
+
+    #[test]
+    fn lengths_are_short() {
+        assert_eq!(metres(1e9), "1000000000");
+        assert_eq!(metres(0.1 + 0.2), "0.3");
+        assert_eq!(metres(1e300), "1e300");
+        assert_eq!(metres(f64::NAN), "NaN");
+        assert_eq!(metres(-0.0), "-0");
+    }
+}

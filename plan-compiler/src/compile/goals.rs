@@ -1,0 +1,326 @@
+//! Which goals there are, where they lie, and the layers that each can have.
+
+use super::area::pair;
+use super::layers::Level;
+use super::{Input, has_errors};
+use crate::bitmap::Bitmap;
+use crate::map::Point;
+use crate::mission::{Goal, GoalAt, Named, nearest, tidy_name};
+use crate::problem::{Place, Problem};
+use plan_format::{Cell, Grid, limits};
+use std::collections::HashSet;
+
+/// A goal on the grid.
+pub(super) struct Placed {
+    pub(super) name: String,
+    /// Metres.
+    pub(super) at: Point,
+    pub(super) cell: Cell,
+    /// Indices of its layers.
+    pub(super) levels: Vec<usize>,
+}
+
+/// A goal that is looked for a place.
+struct Candidate<'a> {
+    name: String,
+    at: Point,
+    layers: Option<&'a [Named]>,
+    place: Option<Place>,
+    /// Whether a person asked for it, rather than the map.
+    asked: bool,
+}
+
+impl Candidate<'_> {
+    /// An error if it was asked for; otherwise a warning that it is left out.
+    fn problem(&self, message: String, label: &str) -> Problem {
+        let problem = if self.asked {
+            Problem::error(message)
+        } else {
+            Problem::warning(format!("{message}; it is left out"))
+        };
+        with_place(problem, self.place.as_ref(), label)
+    }
+}
+
+/// All goals that can be planned for, in order; at least one unless there is an error.
+pub(super) fn place(
+    input: &Input<'_>,
+    grid: &Grid,
+    levels: &[Level],
+    problems: &mut Vec<Problem>,
+) -> Vec<Placed> {
+    let asked = asked(input);
+    let candidates = if asked.is_empty() {
+        points_of_map(input, problems)
+    } else {
+        asked.iter().filter_map(|goal| candidate(input, goal, problems)).collect()
+    };
+    let placed = candidates.iter().filter_map(|goal| place_one(goal, grid, levels, problems));
+    let mut placed: Vec<Placed> = placed.collect();
+    if placed.len() > limits::MAX_PLANS {
+        problems.push(beyond_capacity(placed.len(), !asked.is_empty()));
+        placed.truncate(limits::MAX_PLANS);
+    }
+    if placed.is_empty() && asked.is_empty() && !has_errors(problems) {
+        placed.extend(home(input, grid, levels, problems));
+    }
+    placed
+}
+
+/// Says of every goal that was asked for whether its name is used twice. Needs no grid, so
+/// it is said whatever else is wrong.
+pub(super) fn check_names(input: &Input<'_>, problems: &mut Vec<Problem>) {
+    let mut seen = HashSet::new();
+    for goal in asked(input) {
+        if !seen.insert(&goal.name) {
+            let message = format!("goal `{}` is named twice", goal.name);
+            problems.push(
+                with_place(Problem::error(message), goal.place.as_ref(), "the second time")
+                    .mend("give each goal a name of its own"),
+            );
+        }
+    }
+}
+
+/// Index of the plan that the robot follows.
+pub(super) fn followed(input: &Input<'_>, goals: &[Placed], problems: &mut Vec<Problem>) -> u16 {
+    let Some(wanted) = &input.mission.plan else { return 0 };
+    if let Some(index) = goals.iter().position(|goal| goal.name == wanted.name) {
+        return index as u16;
+    }
+    if goals.is_empty() {
+        // The reason why there is no goal has been said.
+        return 0;
+    }
+    let first = goals.first().map(|goal| goal.name.as_str()).unwrap_or_default();
+    let place = Some(&wanted.place);
+    problems.push(if input.options.goals.is_empty() {
+        let names = || goals.iter().map(|goal| goal.name.as_str());
+        let mend = match nearest(&wanted.name, names()) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => format!("the plans are: {}", names().collect::<Vec<_>>().join(", ")),
+        };
+        let error = Problem::error(format!("there is no plan `{}` to follow", wanted.name));
+        with_place(error, place, "asked for here").mend(mend)
+    } else {
+        let message = format!(
+            "--goal replaces the mission's goals, and with them the plan `{}` to follow; the \
+             robot follows `{first}`",
+            wanted.name
+        );
+        with_place(Problem::warning(message), place, "asked for here")
+    });
+    0
+}
+
+/// The goals of the command line, otherwise the mission's.
+fn asked<'a>(input: &Input<'a>) -> &'a [Goal] {
+    if input.options.goals.is_empty() {
+        input.mission.goals.as_deref().unwrap_or_default()
+    } else {
+        &input.options.goals
+    }
+}
+
+fn candidate<'a>(
+    input: &Input<'a>,
+    goal: &'a Goal,
+    problems: &mut Vec<Problem>,
+) -> Option<Candidate<'a>> {
+    let at = match &goal.at {
+        GoalAt::Position(at) => *at,
+        GoalAt::PointOfMap(name) => {
+            let points = || input.map.points.iter().chain(&input.map.start);
+            match points().find(|point| point.name == *name) {
+                Some(point) => point.at,
+                None => {
+                    let message = format!("the map has no point named `{name}`");
+                    let error =
+                        with_place(Problem::error(message), goal.place.as_ref(), "this goal");
+                    problems.push(match nearest(name, points().map(|p| p.name.as_str())) {
+                        Some(meant) => error.mend(format!("did you mean `{meant}`?")),
+                        None => error.mend(format!("give a position: {} = [x, y]", goal.name)),
+                    });
+                    return None;
+                }
+            }
+        }
+    };
+    let (name, layers) = (goal.name.clone(), goal.layers.as_deref());
+    Some(Candidate { name, at, layers, place: goal.place.clone(), asked: true })
+}
+
+/// The map's named points; those alike and those with impossible names are left out.
+fn points_of_map<'a>(input: &Input<'a>, problems: &mut Vec<Problem>) -> Vec<Candidate<'a>> {
+    let mut seen = HashSet::new();
+    let mut candidates = Vec::new();
+    for point in &input.map.points {
+        let place = input.source.map(|source| Place {
+            source: source.clone(),
+            span: point.span.clone(),
+            label: String::new(),
+        });
+        let mut candidate =
+            Candidate { name: point.name.clone(), at: point.at, layers: None, place, asked: false };
+        match tidy_name(&point.name) {
+            Err(reason) => {
+                let message = format!("point `{}` cannot name a plan", point.name);
+                problems.push(candidate.problem(message, &reason));
+            }
+            Ok(name) if !seen.insert(name) => {
+                let message = format!("point `{name}` is in the map twice");
+                problems.push(candidate.problem(message, "the second time"));
+            }
+            Ok(name) => {
+                candidate.name = name.to_owned();
+                candidates.push(candidate);
+            }
+        }
+    }
+    candidates
+}
+
+fn place_one(
+    goal: &Candidate<'_>,
+    grid: &Grid,
+    levels: &[Level],
+    problems: &mut Vec<Problem>,
+) -> Option<Placed> {
+    let (name, at) = (&goal.name, goal.at);
+    let Some(cell) = grid.cell_at(at[0], at[1]) else {
+        let message = format!("goal `{name}` at {} is outside the map", pair(at));
+        problems.push(goal.problem(message, "this goal").mend(reach(grid)));
+        return None;
+    };
+    let physical = levels.first()?;
+    if physical.blocked.get(cell) {
+        let message = format!("goal `{name}` at {} is inside an obstacle", pair(at));
+        let problem = goal.problem(message, "this goal");
+        problems.push(match nearest_free(grid, &physical.blocked, at) {
+            Some(free) => {
+                problem.mend(format!("the nearest free cell is at {}", pair(grid.centre(free))))
+            }
+            None => problem,
+        });
+        return None;
+    }
+    let levels = own_levels(goal, cell, levels, problems)?;
+    Some(Placed { name: name.clone(), at, cell, levels })
+}
+
+/// The layers of one goal: those it names, otherwise all in which its cell is free.
+fn own_levels(
+    goal: &Candidate<'_>,
+    cell: Cell,
+    levels: &[Level],
+    problems: &mut Vec<Problem>,
+) -> Option<Vec<usize>> {
+    let is_free = |index: &usize| levels.get(*index).is_some_and(|level| !level.blocked.get(cell));
+    let Some(wanted) = goal.layers else {
+        let (free, inside): (Vec<usize>, Vec<usize>) = (0..levels.len()).partition(is_free);
+        if !inside.is_empty() {
+            let names: Vec<&str> = inside.iter().map(|&i| levels[i].name.as_str()).collect();
+            let (name, names) = (&goal.name, names.join("`, `"));
+            let message =
+                format!("goal `{name}` is inside an area of `{names}`; its plan is left without");
+            problems.push(with_place(Problem::warning(message), goal.place.as_ref(), "this goal"));
+        }
+        return Some(free);
+    };
+    let mut own = Vec::new();
+    for layer in wanted {
+        let error = |message: String, mend: String| {
+            with_place(Problem::error(message), Some(&layer.place), "asked for here").mend(mend)
+        };
+        match levels.iter().position(|level| level.name == layer.name) {
+            None => {
+                let names = levels.iter().map(|level| level.name.as_str()).collect::<Vec<_>>();
+                let message = format!("there is no layer `{}`", layer.name);
+                problems.push(error(message, format!("the layers are: {}", names.join(", "))));
+            }
+            Some(index) if !is_free(&index) => {
+                let message =
+                    format!("goal `{}` is inside an area of layer `{}`", goal.name, layer.name);
+                let mend = "move the goal, or leave the layer out of its `layers`";
+                problems.push(error(message, mend.into()));
+            }
+            Some(index) => own.push(index),
+        }
+    }
+    own.sort_unstable();
+    own.dedup();
+    if own.is_empty() && wanted.is_empty() {
+        let message = format!("goal `{}` has an empty list of layers", goal.name);
+        problems.push(
+            goal.problem(message, "this goal").mend("name a layer, or leave `layers` out for all"),
+        );
+    }
+    (own.len() == wanted.len() || !own.is_empty()).then_some(own).filter(|own| !own.is_empty())
+}
+
+/// The plan of a map without a goal: to where the robots start.
+fn home(
+    input: &Input<'_>,
+    grid: &Grid,
+    levels: &[Level],
+    problems: &mut Vec<Problem>,
+) -> Option<Placed> {
+    let Some(start) = &input.map.start else {
+        problems.push(
+            Problem::error("there is no goal, and the map does not say where robots start")
+                .mend("give one: --goal NAME=X,Y in the map's metres, x east, y north"),
+        );
+        return None;
+    };
+    let cell = nearest_free(grid, &levels.first()?.blocked, start.at)?;
+    let stays = grid.cell_at(start.at[0], start.at[1]) == Some(cell);
+    let at = if stays { start.at } else { grid.centre(cell) };
+    let moved = if stays { "" } else { ", the nearest free cell to it" };
+    let message =
+        format!("there is no goal; plan `home` leads to where robots start, {}{moved}", pair(at));
+    problems.push(Problem::note(message).mend("give goals of your own: --goal NAME=X,Y"));
+    let free = (0..levels.len()).filter(|&level| !levels[level].blocked.get(cell)).collect();
+    Some(Placed { name: "home".into(), at, cell, levels: free })
+}
+
+/// The free cell whose centre is nearest to a point; the first from the south-west among equals.
+fn nearest_free(grid: &Grid, blocked: &Bitmap, to: Point) -> Option<Cell> {
+    let squared = |cell: Cell| {
+        let [x, y] = grid.centre(cell);
+        (x - to[0]) * (x - to[0]) + (y - to[1]) * (y - to[1])
+    };
+    // The cell of the point itself comes first: its centre need not be the nearest.
+    let own = grid.cell_at(to[0], to[1]).filter(|&cell| !blocked.get(cell));
+    let cells = (0..grid.rows)
+        .flat_map(|row| (0..grid.columns).map(move |column| Cell::new(column, row)))
+        .filter(|&cell| !blocked.get(cell));
+    own.or_else(|| cells.min_by(|&a, &b| squared(a).total_cmp(&squared(b))))
+}
+
+fn beyond_capacity(goals: usize, asked: bool) -> Problem {
+    let limit = limits::MAX_PLANS;
+    if asked {
+        Problem::error(format!("{goals} goals, but a blob holds {limit} plans"))
+            .mend("build several blobs, or name fewer goals")
+    } else {
+        let message = format!(
+            "the map names {goals} goals, but a blob holds {limit} plans; the last {} are left out",
+            goals - limit
+        );
+        Problem::warning(message).mend("name the goals you need: --goal NAME=X,Y")
+    }
+}
+
+fn with_place(problem: Problem, place: Option<&Place>, label: &str) -> Problem {
+    match place {
+        Some(place) => problem.at(&place.source, place.span.clone(), label),
+        None => problem,
+    }
+}
+
+fn reach(grid: &Grid) -> String {
+    let [x, y] = grid.corner_m;
+    let far = |from: f64, cells: u32| from + f64::from(cells) * grid.resolution_m;
+    let corner = [far(x, grid.columns), far(y, grid.rows)];
+    format!("the map reaches from {} to {}, metres east and north", pair([x, y]), pair(corner))
+}

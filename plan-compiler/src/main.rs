@@ -1,0 +1,56 @@
+//! The `plan-compiler` command: parses its arguments, runs one command, decides the exit status.
+
+mod cli;
+mod commands;
+
+use clap::Parser;
+use commands::Failure;
+use plan_compiler::problem::draw;
+use std::io::{self, IsTerminal};
+use std::process::ExitCode;
+
+/// The input is wrong.
+const WRONG_INPUT: u8 = 1;
+/// The command line is wrong.
+const WRONG_USAGE: u8 = 2;
+
+fn main() -> ExitCode {
+    let cli = match cli::Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Where help cannot be written there is nobody to tell.
+            let _ = error.print();
+            return if error.use_stderr() { WRONG_USAGE.into() } else { ExitCode::SUCCESS };
+        }
+    };
+    match commands::run(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Wrong(problems)) => {
+            eprint(&draw(&problems, colour()));
+            WRONG_INPUT.into()
+        }
+        Err(Failure::Usage(message)) => {
+            eprint(&format!("error: {message}\n\nFor more information, try '--help'.\n"));
+            WRONG_USAGE.into()
+        }
+        // Whoever reads the output has had enough.
+        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
+        Err(Failure::Output(error)) => {
+            eprint(&format!("error: cannot write to standard output: {error}\n"));
+            WRONG_INPUT.into()
+        }
+    }
+}
+
+/// Whether standard error is a person's terminal that wants colours.
+fn colour() -> bool {
+    io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty())
+}
+
+/// Writes to standard error and ignores failure: there is nobody left to tell.
+fn eprint(text: &str) {
+    use std::io::Write;
+    let _ = io::stderr().write_all(text.as_bytes());
+}

@@ -1,0 +1,455 @@
+//! The mission file: what a map cannot say.
+//!
+//! `NAME.mission.toml` lies beside the map `NAME.opar` or `NAME.ovl`. It names goals, adds
+//! areas to layers and sets the robot's parameters; every key is in [`keys::KEYS`] and in
+//! `MISSION.md`. Reading never stops at the first mistake, and a key that is not known is a
+//! mistake too: a misspelt limit must not silently keep its default.
+//!
+//! Deliberately absent: behaviours and serial plans.
+
+pub mod keys;
+
+use crate::map::Point;
+use crate::problem::{Place, Problem, Source};
+use crate::search::Corners;
+use keys::{KEYS, Key, Kind, SECTIONS};
+use plan_format::{Parameters, limits};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use toml_edit::{Document, Item, TableLike, Value};
+
+/// What a mission file sets. The default is the mission of a map that has none.
+#[derive(Clone, Debug, Default)]
+pub struct Mission {
+    /// The map, relative to the current folder.
+    pub map: Option<PathBuf>,
+    /// Side of a cell, metres.
+    pub resolution_m: Option<f64>,
+    /// How far obstacles are grown, metres.
+    pub robot_radius_m: Option<f64>,
+    /// Whether a diagonal step may pass between two blocked cells.
+    pub corners: Option<Corners>,
+    /// Whether closed walls are solid.
+    pub fill_walls: Option<bool>,
+    /// The goals, in the file's order; `None` without a table `[goals]`.
+    pub goals: Option<Vec<Goal>>,
+    /// Areas that become obstacles, layer by layer, in the file's order.
+    pub layers: Vec<LayerRule>,
+    /// The parallel plan that the robot follows; otherwise the first.
+    pub plan: Option<Named>,
+    /// What the robot is told.
+    pub parameters: Parameters,
+    /// Whether the file sets `vehicle.radius` itself.
+    pub body_radius_given: bool,
+}
+
+/// A name and where it was written.
+#[derive(Clone, Debug)]
+pub struct Named {
+    /// The name.
+    pub name: String,
+    /// Where it stands in the mission file.
+    pub place: Place,
+}
+
+/// A goal that somebody asked for.
+#[derive(Clone, Debug)]
+pub struct Goal {
+    /// The name of its parallel plan.
+    pub name: String,
+    /// Where it is.
+    pub at: GoalAt,
+    /// The layers its plan shall have; `None` for all that the mission has.
+    pub layers: Option<Vec<Named>>,
+    /// Where it stands in the mission file; `None` for one of the command line.
+    pub place: Option<Place>,
+}
+
+/// How a goal's position was given.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GoalAt {
+    /// By coordinates of the map, metres.
+    Position(Point),
+    /// By the name of a point of the map.
+    PointOfMap(String),
+}
+
+/// Areas of the map that are obstacles in one layer and in all that follow it.
+#[derive(Clone, Debug)]
+pub struct LayerRule {
+    /// The layer.
+    pub name: Named,
+    /// Names of areas of the map.
+    pub areas: Vec<Named>,
+}
+
+/// Reads a mission file's text. The mission holds whatever was understood.
+pub fn parse(source: &Arc<Source>) -> (Mission, Vec<Problem>) {
+    let mut reader = Reader { source, problems: Vec::new(), mission: Mission::default() };
+    match Document::parse(source.text.as_str()) {
+        Ok(document) => reader.section("", document.as_table()),
+        Err(error) => {
+            let message = error.message().lines().next().unwrap_or_default();
+            reader.error(
+                "this is not TOML",
+                error.span().unwrap_or(0..0),
+                message,
+                "each line is `key = value`, `[section]` or `# comment`; texts stand in \"quotes\"",
+            );
+        }
+    }
+    (reader.mission, reader.problems)
+}
+
+/// The name of a plan or a layer, trimmed and without an overlay's trailing `*`; otherwise
+/// why it cannot be one.
+pub fn tidy_name(raw: &str) -> Result<&str, String> {
+    let name = raw.trim();
+    let name = name.strip_suffix('*').unwrap_or(name).trim_end();
+    if plan_format::is_name(name) {
+        Ok(name)
+    } else if name.is_empty() {
+        Err("a name must not be empty".into())
+    } else if name.len() > limits::MAX_NAME_BYTES {
+        Err(format!("a name has at most {} bytes, this one {}", limits::MAX_NAME_BYTES, name.len()))
+    } else if name.contains('/') {
+        Err("a name must not contain `/`, which parts plan from layer".into())
+    } else {
+        Err("a name must not contain control characters".into())
+    }
+}
+
+/// The candidate that `word` was probably meant to be.
+pub fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
+    let word = word.to_lowercase();
+    candidates
+        .map(|candidate| (strsim::jaro_winkler(&word, &candidate.to_lowercase()), candidate))
+        .filter(|(similarity, _)| *similarity > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}
+
+/// Walks the document and gathers.
+struct Reader<'s> {
+    source: &'s Arc<Source>,
+    problems: Vec<Problem>,
+    mission: Mission,
+}
+
+impl Reader<'_> {
+    fn error(&mut self, message: impl Into<String>, span: Range<usize>, label: &str, mend: &str) {
+        self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
+    }
+
+    fn place(&self, span: Range<usize>) -> Place {
+        Place { source: Arc::clone(self.source), span, label: String::new() }
+    }
+
+    fn section(&mut self, section: &str, table: &dyn TableLike) {
+        // A preset comes first, so that it never undoes what stands beside it.
+        let mut items: Vec<(&str, &Item)> = table.iter().collect();
+        items.sort_by_key(|(name, _)| *name != "preset");
+        for (name, item) in items {
+            let key_span = table.key(name).and_then(toml_edit::Key::span).unwrap_or(0..0);
+            let span = item.span().unwrap_or_else(|| key_span.clone());
+            if section.is_empty() && SECTIONS.contains(&name) {
+                match item.as_table_like() {
+                    Some(inner) => self.named_section(name, inner),
+                    None => self.wrong_type(name, item, span, "a section", &format!("[{name}]")),
+                }
+            } else if let Some(key) = KEYS.iter().find(|key| key.is(section, name)) {
+                self.value(key, item, span);
+            } else {
+                self.unknown_key(section, name, key_span);
+            }
+        }
+    }
+
+    fn named_section(&mut self, name: &str, table: &dyn TableLike) {
+        match name {
+            "goals" => {
+                let goals = table.iter().filter_map(|(name, item)| {
+                    let span = table.key(name).and_then(toml_edit::Key::span).unwrap_or(0..0);
+                    self.goal(name, item, span)
+                });
+                let goals = goals.collect();
+                self.mission.goals = Some(goals);
+            }
+            "layers" => {
+                for (name, item) in table.iter() {
+                    let span = table.key(name).and_then(toml_edit::Key::span).unwrap_or(0..0);
+                    self.layer(name, item, span);
+                }
+            }
+            parameters => self.section(parameters, table),
+        }
+    }
+
+    fn value(&mut self, key: &Key, item: &Item, span: Range<usize>) {
+        let expected = key.expected();
+        match (&key.kind, item.as_value()) {
+            (Kind::Number { set, .. }, Some(value)) => match number(value) {
+                Some(number) if key.accepts(number) => set(&mut self.mission, number),
+                Some(_) => self.out_of_range(key, span),
+                None => self.wrong_type(&key.path(), item, span, &expected, &key.example()),
+            },
+            (Kind::Flag { set, .. }, Some(Value::Boolean(flag))) => {
+                set(&mut self.mission, *flag.value());
+            }
+            (Kind::Word { words, .. }, Some(Value::String(word))) => {
+                match words.iter().find(|(name, _)| name == word.value()) {
+                    Some((_, set)) => set(&mut self.mission),
+                    None => self.unknown_word(key, word.value(), span),
+                }
+            }
+            (Kind::Text, Some(Value::String(text))) => self.text(key, text.value(), span),
+            _ => self.wrong_type(&key.path(), item, span, &expected, &key.example()),
+        }
+    }
+
+    fn text(&mut self, key: &Key, text: &str, span: Range<usize>) {
+        if key.is("", "map") {
+            let folder = Path::new(&self.source.name).parent().unwrap_or(Path::new(""));
+            self.mission.map = Some(folder.join(text));
+        } else {
+            self.mission.plan = Some(Named { name: text.trim().into(), place: self.place(span) });
+        }
+    }
+
+    fn goal(&mut self, raw: &str, item: &Item, span: Range<usize>) -> Option<Goal> {
+        let name = self.name("goal", raw, span.clone());
+        let here = item.span().unwrap_or_else(|| span.clone());
+        let (at, layers) = match item.as_table_like() {
+            None => (self.goal_position(raw, item, here), None),
+            Some(table) => {
+                let mut layers = None;
+                for (key, inner) in table.iter() {
+                    let key_span = table.key(key).and_then(toml_edit::Key::span).unwrap_or(0..0);
+                    match key {
+                        "at" => {}
+                        "layers" => layers = self.names(&format!("goals.{raw}.layers"), inner),
+                        other => self.unknown_goal_key(raw, other, key_span),
+                    }
+                }
+                let at = table.get("at");
+                if at.is_none() {
+                    let mend = format!("write {raw} = {{ at = [12.5, 40.0] }}");
+                    self.error(
+                        format!("goal `{raw}` has no `at`"),
+                        span.clone(),
+                        "this goal",
+                        &mend,
+                    );
+                }
+                let at = at.and_then(|at| {
+                    let here = at.span().unwrap_or_else(|| span.clone());
+                    self.goal_position(raw, at, here)
+                });
+                (at, layers)
+            }
+        };
+        Some(Goal { name: name?, at: at?, layers, place: Some(self.place(span)) })
+    }
+
+    fn goal_position(&mut self, name: &str, item: &Item, span: Range<usize>) -> Option<GoalAt> {
+        match item.as_value() {
+            Some(Value::String(point)) => Some(GoalAt::PointOfMap(point.value().trim().into())),
+            Some(Value::Array(pair)) => {
+                let numbers: Vec<f64> = pair.iter().filter_map(number).collect();
+                match numbers[..] {
+                    [x, y] if pair.len() == 2 && x.is_finite() && y.is_finite() => {
+                        Some(GoalAt::Position([x, y]))
+                    }
+                    _ => {
+                        self.error(
+                            format!("goal `{name}` is not a position"),
+                            span,
+                            "expected two finite numbers",
+                            &format!("write {name} = [x, y] in the map's metres, x east, y north"),
+                        );
+                        None
+                    }
+                }
+            }
+            _ => {
+                let expected = "a position or the name of a point of the map";
+                self.wrong_type(name, item, span, expected, &format!("{name} = [12.5, 40.0]"));
+                None
+            }
+        }
+    }
+
+    fn layer(&mut self, raw: &str, item: &Item, span: Range<usize>) {
+        let name = self.name("layer", raw, span.clone());
+        let areas = self.names(&format!("layers.{raw}"), item);
+        if let (Some(name), Some(areas)) = (name, areas) {
+            let name = Named { name, place: self.place(span) };
+            self.mission.layers.push(LayerRule { name, areas });
+        }
+    }
+
+    fn name(&mut self, what: &str, raw: &str, span: Range<usize>) -> Option<String> {
+        match tidy_name(raw) {
+            Ok(name) => Some(name.to_owned()),
+            Err(reason) => {
+                let message = format!("`{raw}` cannot be the name of a {what}");
+                self.error(message, span, &reason, "choose another name");
+                None
+            }
+        }
+    }
+
+    fn names(&mut self, path: &str, item: &Item) -> Option<Vec<Named>> {
+        let span = item.span().unwrap_or(0..0);
+        let named = |value: &Value| {
+            let place = self.place(value.span().unwrap_or_else(|| span.clone()));
+            value.as_str().map(|name| Named { name: name.trim().into(), place })
+        };
+        let names = match item.as_value() {
+            Some(Value::Array(array)) => array.iter().map(named).collect(),
+            Some(value) => named(value).map(|name| vec![name]),
+            None => None,
+        };
+        if names.is_none() {
+            let example = format!("{} = [\"NoFlyZone1\"]", path.rsplit('.').next().unwrap_or(path));
+            self.wrong_type(path, item, span, "a list of names", &example);
+        }
+        names
+    }
+
+    fn wrong_type(
+        &mut self,
+        path: &str,
+        item: &Item,
+        span: Range<usize>,
+        expected: &str,
+        example: &str,
+    ) {
+        let label = format!("this is {}", with_article(item.type_name()));
+        self.error(
+            format!("`{path}` must be {expected}"),
+            span,
+            &label,
+            &format!("write {example}"),
+        );
+    }
+
+    fn out_of_range(&mut self, key: &Key, span: Range<usize>) {
+        let message = format!("`{}` is out of range", key.path());
+        let mend = format!("write {}", key.expected());
+        self.error(message, span, "this number", &mend);
+    }
+
+    fn unknown_word(&mut self, key: &Key, word: &str, span: Range<usize>) {
+        let mend = format!("write {}", key.expected());
+        let label = match nearest(word, key.words()) {
+            Some(meant) => format!("did you mean \"{meant}\"?"),
+            None => "not one of its words".into(),
+        };
+        self.error(format!("`{}` cannot be \"{word}\"", key.path()), span, &label, &mend);
+    }
+
+    fn unknown_key(&mut self, section: &str, name: &str, span: Range<usize>) {
+        let here = KEYS.iter().filter(|key| key.section == section).map(|key| key.name);
+        let sections = SECTIONS.iter().copied().filter(|_| section.is_empty());
+        let elsewhere = KEYS.iter().find(|key| key.name == name);
+        let known: Vec<&str> = here.chain(sections).collect();
+        let mend = match (elsewhere, nearest(name, known.iter().copied())) {
+            (Some(key), _) if key.section.is_empty() => {
+                format!("`{name}` stands at the top, above every [section]")
+            }
+            (Some(key), _) => format!("`{name}` belongs into [{}]", key.section),
+            (None, Some(meant)) => format!("did you mean `{meant}`?"),
+            (None, None) => format!("known here: {}", known.join(", ")),
+        };
+        let message = match section {
+            "" => format!("`{name}` is not a key of a mission"),
+            section => format!("`{name}` is not a key of [{section}]"),
+        };
+        self.error(message, span, "unknown key", &mend);
+    }
+
+    fn unknown_goal_key(&mut self, goal: &str, name: &str, span: Range<usize>) {
+        let mend = match nearest(name, ["at", "layers"].into_iter()) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => "a goal has `at` and `layers`".into(),
+        };
+        self.error(format!("`{name}` is not a key of goal `{goal}`"), span, "unknown key", &mend);
+    }
+}
+
+/// A TOML integer or float.
+fn number(value: &Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|integer| integer as f64))
+}
+
+fn with_article(noun: &str) -> String {
+    let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+    format!("{article} {noun}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> (Mission, Vec<String>) {
+        let source = Arc::new(Source { name: "m.mission.toml".into(), text: text.into() });
+        let (mission, problems) = parse(&source);
+        (mission, problems.iter().map(ToString::to_string).collect())
+    }
+
+    #[test]
+    fn a_whole_mission_is_understood() {
+        let (mission, problems) = read(
+            "map = 'campus.opar'\nresolution = 1\nrobot_radius = 0.5\nplan = 'Gate'\n\
+             [goals]\nGate = [1, -2.5]\nDepot = 'PP1'\nHill = { at = [3, 4], layers = ['comms'] }\n\
+             [layers]\nnight = ['NoFlyZone1', 'Zone 2']\n\
+             [gains]\npreset = '66:34'\nnoise = 0.2\n[vehicle]\nmax_speed = 2\n",
+        );
+        assert_eq!(problems, [""; 0]);
+        let goals = mission.goals.unwrap();
+        assert_eq!(goals[0].at, GoalAt::Position([1.0, -2.5]));
+        assert_eq!(goals[1].at, GoalAt::PointOfMap("PP1".into()));
+        assert_eq!(goals[2].layers.as_ref().unwrap()[0].name, "comms");
+        assert_eq!(mission.layers[0].areas[1].name, "Zone 2");
+        assert_eq!(mission.parameters.gains.reactive, 0.66);
+        assert_eq!(mission.parameters.gains.noise, 0.2);
+        assert_eq!(mission.parameters.vehicle.max_speed_mps, 2.0);
+    }
+
+    #[test]
+    fn all_mistakes_come_at_once() {
+        let (_, problems) = read(
+            "resolutoin = 1\nrobot_radius = 'wide'\ncorners = 'maybe'\n[goals]\nA = [1]\n\
+             'a/b' = [1, 2]\n[vehicle]\nmax_speed = 1000\nresolution = 2\n",
+        );
+        assert_eq!(problems.len(), 7, "{problems:#?}");
+    }
+
+    #[test]
+    fn the_documentation_lists_every_key_as_it_is() {
+        let documentation = include_str!("../MISSION.md");
+        for row in KEYS.iter().map(Key::row) {
+            assert!(documentation.contains(&row), "MISSION.md lacks the row\n{row}");
+        }
+    }
+
+    #[test]
+    fn every_documented_default_is_the_default() {
+        for key in KEYS.iter().filter(|key| !key.default.is_empty()) {
+            let (mission, problems) = read(&key.example_with(key.default));
+            assert_eq!(problems, [""; 0], "{}", key.path());
+            assert_eq!(mission.parameters, Parameters::default(), "{}", key.path());
+        }
+    }
+
+    #[test]
+    fn what_is_not_toml_or_nested_deeply_is_a_problem() {
+        for text in
+            ["=", "[", "a = ", "\u{0}", &"[".repeat(10_000), &format!("a = {}", "[".repeat(9_999))]
+        {
+            assert_eq!(read(text).1.len(), 1);
+        }
+    }
+}

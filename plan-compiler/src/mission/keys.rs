@@ -1,0 +1,470 @@
+//! Every key of a mission file: where it stands, what it means and what it may be.
+
+use super::Mission;
+use crate::search::Corners;
+use plan_format::limits;
+use plan_format::parameters::{Gains, OnTrouble, Selection, Steering};
+
+/// The tables of a mission file.
+pub const SECTIONS: [&str; 7] =
+    ["goals", "layers", "gains", "vehicle", "schemas", "fixes", "trouble"];
+
+/// A key with one value. `[goals]` and `[layers]` have names of the user's instead.
+#[derive(Debug)]
+pub struct Key {
+    /// Its table; empty at the top of the file.
+    pub section: &'static str,
+    /// Its name.
+    pub name: &'static str,
+    /// What it sets.
+    pub meaning: &'static str,
+    /// Its value if the file does not have it, as it would be written; empty where that
+    /// depends.
+    pub default: &'static str,
+    /// What it may be.
+    pub kind: Kind,
+}
+
+/// Sets one thing of a mission.
+type Set<T> = fn(&mut Mission, T);
+
+/// Words, each with what it does.
+type Words = &'static [(&'static str, fn(&mut Mission))];
+
+/// What a key may be, and what it does.
+#[derive(Debug)]
+pub enum Kind {
+    /// A number in a unit, within the range that the robot's parameters or `own` allow.
+    Number {
+        /// The unit, or empty.
+        unit: &'static str,
+        /// Whether it has no fraction.
+        whole: bool,
+        /// The range where the parameters do not check it.
+        own: Option<(f64, f64)>,
+        /// What it does.
+        set: Set<f64>,
+    },
+    /// One of several words.
+    Word {
+        /// Each with what it does.
+        words: Words,
+    },
+    /// `true` or `false`.
+    Flag {
+        /// What it does.
+        set: Set<bool>,
+    },
+    /// Any text.
+    Text,
+}
+
+impl Key {
+    /// Whether this is the key of that name in that table.
+    pub fn is(&self, section: &str, name: &str) -> bool {
+        self.section == section && self.name == name
+    }
+
+    /// `section.name`.
+    pub fn path(&self) -> String {
+        match self.section {
+            "" => self.name.to_owned(),
+            section => format!("{section}.{}", self.name),
+        }
+    }
+
+    /// Whether a number is in range.
+    pub fn accepts(&self, number: f64) -> bool {
+        let (low, high) = self.range();
+        let whole = matches!(self.kind, Kind::Number { whole: true, .. });
+        (low..=high).contains(&number) && (!whole || number.fract() == 0.0)
+    }
+
+    /// Lowest and highest number.
+    fn range(&self) -> (f64, f64) {
+        let Kind::Number { own, set, .. } = self.kind else { return (0.0, 0.0) };
+        own.unwrap_or_else(|| {
+            // No range holds what is not a number, so the check names the range of the one
+            // parameter that is none.
+            let mut mission = Mission::default();
+            set(&mut mission, f64::NAN);
+            let widest = (f64::NEG_INFINITY, f64::INFINITY);
+            let exact = |bound: f32| bound.to_string().parse().unwrap_or(f64::from(bound));
+            mission.parameters.check().map_or(widest, |(_, low, high)| (exact(low), exact(high)))
+        })
+    }
+
+    /// What it may be, for a sentence: `a number from 0 to 50 m/s`.
+    pub fn expected(&self) -> String {
+        match &self.kind {
+            Kind::Number { unit, whole, .. } => {
+                let (low, high) = self.range();
+                let kind = if *whole { "a whole number" } else { "a number" };
+                format!("{kind} from {low} to {high} {unit}").trim_end().to_owned()
+            }
+            Kind::Word { .. } => {
+                let words: Vec<String> = self.words().map(|word| format!("\"{word}\"")).collect();
+                words.join(" or ")
+            }
+            Kind::Flag { .. } => "true or false".into(),
+            Kind::Text => "a text".into(),
+        }
+    }
+
+    /// Its words, if it has any.
+    pub fn words(&self) -> impl Iterator<Item = &'static str> {
+        let words: Words = if let Kind::Word { words } = self.kind { words } else { &[] };
+        words.iter().map(|(word, _)| *word)
+    }
+
+    /// A right line for it, without its table.
+    pub fn example(&self) -> String {
+        let value = match (&self.kind, self.default) {
+            (Kind::Text, _) => "\"NAME\"",
+            (Kind::Number { .. }, "") => "1.0",
+            (_, default) => default,
+        };
+        format!("{} = {value}", self.name)
+    }
+
+    /// A mission file that holds nothing else.
+    pub fn example_with(&self, value: &str) -> String {
+        match self.section {
+            "" => format!("{} = {value}\n", self.name),
+            section => format!("[{section}]\n{} = {value}\n", self.name),
+        }
+    }
+
+    /// Its row in the documentation's table.
+    pub fn row(&self) -> String {
+        let default = match self.default {
+            "" => String::new(),
+            default => format!("`{default}`"),
+        };
+        let expected = self.expected();
+        format!("| `{}` | {expected} | {default} | {} |", self.path(), self.meaning)
+    }
+}
+
+/// A number that `Parameters::check` holds to its range.
+const fn number(
+    section: &'static str,
+    name: &'static str,
+    unit: &'static str,
+    default: &'static str,
+    meaning: &'static str,
+    set: Set<f64>,
+) -> Key {
+    Key {
+        section,
+        name,
+        meaning,
+        default,
+        kind: Kind::Number { unit, whole: false, own: None, set },
+    }
+}
+
+/// A number with a range of its own.
+const fn ranged(key: Key, low: f64, high: f64) -> Key {
+    let Kind::Number { unit, whole, set, .. } = key.kind else { return key };
+    Key { kind: Kind::Number { unit, whole, own: Some((low, high)), set }, ..key }
+}
+
+/// A number without a fraction, in a range of its own.
+const fn counted(key: Key, low: f64, high: f64) -> Key {
+    let Kind::Number { unit, set, .. } = key.kind else { return key };
+    Key { kind: Kind::Number { unit, whole: true, own: Some((low, high)), set }, ..key }
+}
+
+/// One of several words.
+const fn word(
+    section: &'static str,
+    name: &'static str,
+    default: &'static str,
+    meaning: &'static str,
+    words: Words,
+) -> Key {
+    Key { section, name, meaning, default, kind: Kind::Word { words } }
+}
+
+/// A text.
+const fn text(name: &'static str, meaning: &'static str) -> Key {
+    Key { section: "", name, meaning, default: "", kind: Kind::Text }
+}
+
+const fn flag(
+    section: &'static str,
+    name: &'static str,
+    default: &'static str,
+    meaning: &'static str,
+    set: Set<bool>,
+) -> Key {
+    Key { section, name, meaning, default, kind: Kind::Flag { set } }
+}
+
+/// Replaces the weights of schemas and advice, but not that of the noise.
+fn preset(mission: &mut Mission, gains: Gains) {
+    mission.parameters.gains = Gains { noise: mission.parameters.gains.noise, ..gains };
+}
+
+/// Every key, in the order of the documentation.
+pub const KEYS: &[Key] = &[
+    text(
+        "map",
+        "The map, relative to the mission file. Needed only to build the mission by its own name.",
+    ),
+    text(
+        "plan",
+        "The parallel plan that the robot follows, by the name of its goal; otherwise the first.",
+    ),
+    ranged(
+        number(
+            "",
+            "resolution",
+            "m",
+            "",
+            "Side of a cell; otherwise what the map asks for, otherwise 1 m.",
+            |m, v| m.resolution_m = Some(v),
+        ),
+        limits::RESOLUTION_RANGE_M.0,
+        limits::RESOLUTION_RANGE_M.1,
+    ),
+    ranged(
+        number(
+            "",
+            "robot_radius",
+            "m",
+            "0.0",
+            "How far obstacles are grown, so that a round body of this radius fits wherever its centre is advised to go.",
+            |m, v| m.robot_radius_m = Some(v),
+        ),
+        0.0,
+        100.0,
+    ),
+    word(
+        "",
+        "corners",
+        "\"forbid\"",
+        "Whether a diagonal step may pass a blocked cell beside it.",
+        &[
+            ("forbid", |m| m.corners = Some(Corners::Forbid)),
+            ("allow", |m| m.corners = Some(Corners::Allow)),
+        ],
+    ),
+    flag(
+        "",
+        "fill_walls",
+        "false",
+        "Whether the inside of a closed wall is blocked too.",
+        |m, v| m.fill_walls = Some(v),
+    ),
+    word(
+        "",
+        "selection",
+        "\"static\"",
+        "When the layer is chosen, the most constrained that has a route from here: once at the start, or every tick.",
+        &[
+            ("static", |m| m.parameters.selection = Selection::Static),
+            ("dynamic", |m| m.parameters.selection = Selection::Dynamic),
+        ],
+    ),
+    counted(
+        number("", "seed", "", "1", "Seed of the noise schema.", |m, v| {
+            m.parameters.seed = v as u32
+        }),
+        0.0,
+        4_294_967_295.0,
+    ),
+    word(
+        "gains",
+        "preset",
+        "\"34:66\"",
+        "Weights of reactive schemas and advice, as in the paper's experiments. The keys below refine it.",
+        &[
+            ("100:0", |m| preset(m, Gains::REACTIVE_ONLY)),
+            ("66:34", |m| preset(m, Gains::MOSTLY_REACTIVE)),
+            ("34:66", |m| preset(m, Gains::MOSTLY_PLAN)),
+            ("0:100", |m| preset(m, Gains::PLAN_ONLY)),
+        ],
+    ),
+    number(
+        "gains",
+        "reactive",
+        "",
+        "0.34",
+        "Weight of move-to-goal and avoid-static-obstacle together.",
+        |m, v| m.parameters.gains.reactive = v as f32,
+    ),
+    number("gains", "plan", "", "0.66", "Weight of the advice.", |m, v| {
+        m.parameters.gains.plan = v as f32
+    }),
+    number("gains", "noise", "", "0.11", "Weight of the noise schema.", |m, v| {
+        m.parameters.gains.noise = v as f32
+    }),
+    word(
+        "vehicle",
+        "steering",
+        "\"differential\"",
+        "Turns on the spot; like a car; or like a boat, which must keep way on.",
+        &[
+            ("differential", |m| m.parameters.vehicle.steering = Steering::Differential),
+            ("ackermann", |m| m.parameters.vehicle.steering = Steering::Ackermann),
+            ("boat", |m| m.parameters.vehicle.steering = Steering::Boat),
+        ],
+    ),
+    number(
+        "vehicle",
+        "radius",
+        "m",
+        "0.3",
+        "The body fits in a circle of this radius; otherwise `robot_radius` where that is given.",
+        |m, v| {
+            m.parameters.vehicle.radius_m = v as f32;
+            m.body_radius_given = true;
+        },
+    ),
+    number(
+        "vehicle",
+        "base_speed",
+        "m/s",
+        "1.4",
+        "Speed for a blended vector of length 1.",
+        |m, v| m.parameters.vehicle.base_speed_mps = v as f32,
+    ),
+    number("vehicle", "max_speed", "m/s", "1.6", "Never faster than this.", |m, v| {
+        m.parameters.vehicle.max_speed_mps = v as f32
+    }),
+    number(
+        "vehicle",
+        "cautious_speed",
+        "m/s",
+        "0.3",
+        "Speed where obstacles repel hard.",
+        |m, v| m.parameters.vehicle.cautious_speed_mps = v as f32,
+    ),
+    number("vehicle", "max_turn_rate", "rad/s", "1.0", "Never turns faster than this.", |m, v| {
+        m.parameters.vehicle.max_turn_rate_radps = v as f32
+    }),
+    number(
+        "vehicle",
+        "min_turn_radius",
+        "m",
+        "0.0",
+        "Smallest turning circle, for Ackermann steering.",
+        |m, v| m.parameters.vehicle.min_turn_radius_m = v as f32,
+    ),
+    number(
+        "vehicle",
+        "stop_distance",
+        "m",
+        "0.3",
+        "Motion towards any range reading nearer to the body than this is stopped.",
+        |m, v| m.parameters.vehicle.stop_distance_m = v as f32,
+    ),
+    flag(
+        "vehicle",
+        "may_creep",
+        "true",
+        "Whether it creeps straight ahead while its heading is not yet known.",
+        |m, v| m.parameters.vehicle.may_creep = v,
+    ),
+    number(
+        "schemas",
+        "goal_gain",
+        "",
+        "1.0",
+        "Gain of move-to-goal within the reactive part.",
+        |m, v| m.parameters.schemas.goal_gain = v as f32,
+    ),
+    number(
+        "schemas",
+        "avoid_gain",
+        "",
+        "1.0",
+        "Gain of avoid-static-obstacle within the reactive part.",
+        |m, v| m.parameters.schemas.avoid_gain = v as f32,
+    ),
+    number(
+        "schemas",
+        "avoid_sphere",
+        "m",
+        "5.0",
+        "Beyond the margin, an obstacle repels up to this distance.",
+        |m, v| m.parameters.schemas.avoid_sphere_m = v as f32,
+    ),
+    number(
+        "schemas",
+        "avoid_margin",
+        "m",
+        "0.5",
+        "An obstacle this near to the body repels at full strength.",
+        |m, v| m.parameters.schemas.avoid_margin_m = v as f32,
+    ),
+    number(
+        "schemas",
+        "goal_tolerance",
+        "m",
+        "1.0",
+        "The goal is reached within this distance.",
+        |m, v| m.parameters.schemas.goal_tolerance_m = v as f32,
+    ),
+    counted(
+        number(
+            "schemas",
+            "noise_persistence",
+            "ticks",
+            "10",
+            "For how long the noise schema holds a heading.",
+            |m, v| m.parameters.schemas.noise_persistence_ticks = v as u16,
+        ),
+        1.0,
+        65_535.0,
+    ),
+    ranged(
+        number("fixes", "stale_after", "s", "2.0", "A fix older than this is stale.", |m, v| {
+            m.parameters.fixes.stale_after_us = (v * 1e6).round() as u32
+        }),
+        0.05,
+        3_600.0,
+    ),
+    ranged(
+        number(
+            "fixes",
+            "max_accuracy",
+            "m",
+            "5.0",
+            "A fix that is less accurate than this is refused.",
+            |m, v| m.parameters.fixes.max_accuracy_mm = (v * 1e3).round() as u32,
+        ),
+        0.001,
+        1_000.0,
+    ),
+    number(
+        "fixes",
+        "max_jump",
+        "m/s",
+        "15.0",
+        "A fix that implies a jump faster than this is refused.",
+        |m, v| m.parameters.fixes.max_jump_mps = v as f32,
+    ),
+    word(
+        "trouble",
+        "off_map",
+        "\"stop\"",
+        "Outside the map: stand still, or drive by the reactive schemas alone.",
+        &[
+            ("stop", |m| m.parameters.trouble.off_map = OnTrouble::Stop),
+            ("reactive", |m| m.parameters.trouble.off_map = OnTrouble::Reactive),
+        ],
+    ),
+    word(
+        "trouble",
+        "no_route",
+        "\"stop\"",
+        "Where no layer has a route: stand still, or drive by the reactive schemas alone.",
+        &[
+            ("stop", |m| m.parameters.trouble.no_route = OnTrouble::Stop),
+            ("reactive", |m| m.parameters.trouble.no_route = OnTrouble::Reactive),
+        ],
+    ),
+];

@@ -1,0 +1,199 @@
+//! What leaves the compiler: files that are whole or not there, and arrays.
+//!
+//! A file is written beside its destination and renamed onto it, so that nobody ever sees
+//! half of it and a failure leaves what was there before.
+
+use crate::problem::Problem;
+use plan_format::grid::cost_metres;
+use plan_format::{Answer, Cell, Grid, Layer};
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// Writes a file as a whole, or not at all.
+pub fn write_file(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Problem> {
+    let failed = |error: io::Error| cannot_write(path, &error);
+    match fs::metadata(path) {
+        Ok(existing) if existing.is_dir() => {
+            Err(Problem::error(format!("{} is a directory", path.display()))
+                .mend("name a file inside it"))
+        }
+        // A terminal, a pipe or /dev/null is written to; a rename would replace it.
+        Ok(existing) if !existing.is_file() => {
+            let file = fs::OpenOptions::new().write(true).open(path).map_err(failed)?;
+            let mut file = BufWriter::new(file);
+            fill(&mut file).and_then(|()| file.flush()).map_err(failed)
+        }
+        // Through a symbolic link, so that the link stays one.
+        Ok(_) => replace(&fs::canonicalize(path).map_err(failed)?, fill).map_err(failed),
+        Err(_) => replace(path, fill).map_err(failed),
+    }
+}
+
+/// Writes beside `path` and renames onto it.
+fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".plan-compiler-");
+    // The library's default is for secrets; a plan is an ordinary file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = BufWriter::new(builder.tempfile_in(folder.unwrap_or(Path::new(".")))?);
+    fill(&mut file)?;
+    let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}
+
+fn cannot_write(path: &Path, error: &io::Error) -> Problem {
+    let problem = |what: &str| Problem::error(format!("cannot write {}: {what}", path.display()));
+    match error.kind() {
+        io::ErrorKind::NotFound => {
+            problem("there is no such folder").mend("make the folder first, or choose another -o")
+        }
+        io::ErrorKind::PermissionDenied => {
+            problem("no permission").mend("choose an -o in a folder of yours")
+        }
+        io::ErrorKind::StorageFull => problem("the disc is full"),
+        _ => problem(&error.to_string()),
+    }
+}
+
+/// What of a layer is exported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum What {
+    /// Cost to the goal, metres, float32; infinite where blocked or without a route.
+    Cost,
+    /// int8: 0 to 7 for E NE N NW W SW S SE, -1 the goal, -2 blocked or without a route.
+    Direction,
+    /// uint8: 1 blocked, 0 free.
+    Blocked,
+}
+
+/// How an array is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArrayFormat {
+    /// NumPy's own, version 1.0.
+    Npy,
+    /// A line a row, numbers parted by commas.
+    Csv,
+}
+
+/// Writes an array \[row, column\], row 0 in the south.
+pub fn write_array(
+    out: &mut dyn Write,
+    format: ArrayFormat,
+    what: What,
+    grid: &Grid,
+    layer: &Layer<'_>,
+) -> io::Result<()> {
+    if format == ArrayFormat::Npy {
+        out.write_all(&npy_header(what, grid))?;
+    }
+    for row in 0..grid.rows {
+        for column in 0..grid.columns {
+            let answer = layer.look_up(Cell::new(column, row));
+            match (format, what) {
+                (ArrayFormat::Npy, What::Cost) => {
+                    out.write_all(&(cost(answer, grid) as f32).to_le_bytes())?;
+                }
+                (ArrayFormat::Npy, _) => out.write_all(&code(answer, what).to_le_bytes())?,
+                (ArrayFormat::Csv, _) => {
+                    let comma = if column > 0 { "," } else { "" };
+                    match what {
+                        What::Cost => write!(out, "{comma}{}", cost(answer, grid) as f32)?,
+                        _ => write!(out, "{comma}{}", code(answer, what))?,
+                    }
+                }
+            }
+        }
+        if format == ArrayFormat::Csv {
+            writeln!(out)?;
+        }
+    }
+    Ok(())
+}
+
+/// Cost to the goal, metres; infinite where there is no route.
+fn cost(answer: Answer, grid: &Grid) -> f64 {
+    match answer {
+        Answer::Move { cost, .. } => cost_metres(cost, grid.resolution_m),
+        Answer::Goal => 0.0,
+        Answer::NoRoute | Answer::Blocked { .. } | Answer::OffMap => f64::INFINITY,
+    }
+}
+
+fn code(answer: Answer, what: What) -> i8 {
+    match (what, answer) {
+        (What::Blocked, answer) => i8::from(matches!(answer, Answer::Blocked { .. })),
+        (_, Answer::Move { direction, .. }) => direction.code() as i8,
+        (_, Answer::Goal) => -1,
+        _ => -2,
+    }
+}
+
+/// The header of an array in NumPy's format: magic, version, length, a Python literal.
+fn npy_header(what: What, grid: &Grid) -> Vec<u8> {
+    /// The whole header, so that the numbers after it are aligned for mapping.
+    const BYTES: usize = 128;
+    /// Magic, version and length.
+    const PREFIX_BYTES: usize = 10;
+    let kind = match what {
+        What::Cost => "<f4",
+        What::Direction => "|i1",
+        What::Blocked => "|u1",
+    };
+    let (rows, columns) = (grid.rows, grid.columns);
+    let literal =
+        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
+    let mut header = b"\x93NUMPY\x01\x00".to_vec();
+    header.extend_from_slice(&((BYTES - PREFIX_BYTES) as u16).to_le_bytes());
+    header.extend_from_slice(literal.as_bytes());
+    header.resize(BYTES - 1, b' ');
+    header.push(b'\n');
+    header
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failure_leaves_what_was_there_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("plans.bin");
+        fs::write(&path, "before").unwrap();
+        let failed = write_file(&path, |out| {
+            out.write_all(b"half")?;
+            Err(io::Error::other("pulled the plug"))
+        });
+        assert!(failed.unwrap_err().message.ends_with("pulled the plug"));
+        assert_eq!(fs::read_to_string(&path).unwrap(), "before");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        write_file(&path, |out| out.write_all(b"after")).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "after");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn folders_that_are_not_there_are_said_to_be_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = |path: &Path| write_file(path, |_| Ok(())).unwrap_err().message;
+        assert!(error(&folder.path().join("no/plans.bin")).ends_with("there is no such folder"));
+        assert!(error(folder.path()).ends_with("is a directory"));
+    }
+
+    #[test]
+    fn the_npy_header_is_aligned_and_holds_the_largest_grid() {
+        let side = plan_format::limits::MAX_SIDE_CELLS;
+        let grid = Grid { columns: side, rows: side, resolution_m: 1.0, corner_m: [0.0, 0.0] };
+        let header = npy_header(What::Direction, &grid);
+        assert_eq!(header.len(), 128);
+        assert_eq!(&header[..10], b"\x93NUMPY\x01\x00\x76\x00");
+        assert!(header.ends_with(b" \n"));
+    }
+}

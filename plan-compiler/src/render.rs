@@ -1,0 +1,298 @@
+//! A picture of a layer: obstacles, bands of cost and the advice (W, figure 2).
+//!
+//! One SVG text serves both files: a PNG is that text rasterised. Its size does not grow
+//! with the map: a large map is sampled, equal cells are joined to rectangles, and arrows
+//! keep a distance at which they can be told apart. Letters are drawn as shapes, so that no
+//! font needs to be found.
+//!
+//! Deliberately absent: maps in the background, colours of the user's own.
+
+mod cells;
+mod label;
+
+use crate::map::{Feature, Point, Role, Shape};
+use cells::Sampled;
+use label::label;
+use math::scalar::wide;
+use plan_format::{Answer, Cell, Grid, Layer, ParallelPlan, Plan};
+use std::fmt::Write;
+use svg::Document;
+use svg::node::element::{Circle, Group, Path, Rectangle, Title};
+
+/// What is drawn over the cells. Positions in the map's metres.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Overlay<'a> {
+    /// Exact shapes; blocked cells are then drawn lighter, as what the robot's radius adds.
+    pub features: &'a [Feature],
+    /// Where the robot started.
+    pub start: Option<Point>,
+    /// Where it drove.
+    pub route: &'a [Point],
+}
+
+/// The longer side of the map in the picture, at most, pixels.
+const SIDE_PX: u32 = 1200;
+/// A cell is never drawn larger, pixels.
+const MAX_CELL_PX: u32 = 32;
+/// White space around the map, pixels.
+const MARGIN_PX: f64 = 16.0;
+/// Room for the scale and the caption below the map, pixels.
+const FOOTER_PX: f64 = 64.0;
+/// Arrows stand at least this far apart, pixels.
+const ARROW_PX: u32 = 20;
+
+const OBSTACLE: &str = "#2f333a";
+const BLOCKED: &str = "#4a4f58";
+const GROWN: &str = "#9aa0a9";
+const NO_ROUTE: &str = "#e3e0da";
+const ATTENUATING: &str = "#2e7d4f";
+const ZONE: &str = "#8a5fb0";
+const ADVICE: &str = "#23405f";
+const GOAL: &str = "#c22f2f";
+const ROUTE: &str = "#d9480f";
+const INK: &str = "#1d1f23";
+
+/// The layer as SVG.
+pub fn picture(
+    plan: &Plan<'_>,
+    parallel: &ParallelPlan<'_>,
+    layer: &Layer<'_>,
+    overlay: &Overlay<'_>,
+) -> String {
+    let grid = plan.grid();
+    let view = View::new(grid);
+    let sampled = Sampled::new(grid, layer, view.cells_per_sample);
+    let blocked = if overlay.features.is_empty() { BLOCKED } else { GROWN };
+    let name = format!("{}/{}", parallel.name(), layer.name());
+    let map = Group::new()
+        .set("transform", view.transform())
+        .add(sampled.draw(NO_ROUTE, blocked))
+        .add(shapes(overlay.features, &view))
+        .add(arrows(grid, layer, &view))
+        .add(track(overlay, &view))
+        .add(goal(parallel.goal_m(), &view));
+    let (width, height) = view.size_px();
+    Document::new()
+        .set("viewBox", (0, 0, width, height))
+        .set("width", width)
+        .set("height", height)
+        .add(Title::new(name.clone()))
+        .add(Rectangle::new().set("width", width).set("height", height).set("fill", "#ffffff"))
+        .add(map)
+        .add(footer(&name, sampled.band_m(), &view))
+        .to_string()
+}
+
+/// A picture as PNG; the message of the rasteriser where that fails.
+pub fn png(svg: &str) -> Result<Vec<u8>, String> {
+    use resvg::{tiny_skia, usvg};
+    let tree = usvg::Tree::from_str(svg, &usvg::Options::default());
+    let tree = tree.map_err(|error| error.to_string())?;
+    let size = tree.size().to_int_size();
+    let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height())
+        .ok_or_else(|| "the picture has no area".to_owned())?;
+    resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixels.as_mut());
+    pixels.encode_png().map_err(|error| error.to_string())
+}
+
+/// From cells to pixels.
+struct View {
+    grid: Grid,
+    /// Cells along the side of a sample; more than one only on large maps.
+    cells_per_sample: u32,
+    /// Pixels along the side of a cell.
+    cell_px: f64,
+}
+
+impl View {
+    fn new(grid: &Grid) -> Self {
+        let side = grid.columns.max(grid.rows).max(1);
+        let cells_per_sample = side.div_ceil(SIDE_PX);
+        // Whole pixels, so that cells of one size are drawn alike.
+        let sample_px = (SIDE_PX / side.div_ceil(cells_per_sample)).clamp(1, MAX_CELL_PX);
+        let cell_px = f64::from(sample_px) / f64::from(cells_per_sample);
+        Self { grid: *grid, cells_per_sample, cell_px }
+    }
+
+    /// Draws in cells, y upwards, from the map's south-west corner.
+    fn transform(&self) -> String {
+        let (x, y, s) = (MARGIN_PX, MARGIN_PX + self.map_px(self.grid.rows), self.cell_px);
+        format!("translate({x} {y}) scale({s} -{s})")
+    }
+
+    fn map_px(&self, cells: u32) -> f64 {
+        f64::from(cells) * self.cell_px
+    }
+
+    /// Width and height of the whole picture.
+    fn size_px(&self) -> (f64, f64) {
+        let width = self.map_px(self.grid.columns).max(MIN_WIDTH_PX) + 2.0 * MARGIN_PX;
+        let height = self.map_px(self.grid.rows) + 2.0 * MARGIN_PX + FOOTER_PX;
+        (wide::ceil(width), wide::ceil(height))
+    }
+
+    /// A length in pixels, in cells.
+    fn px(&self, pixels: f64) -> f64 {
+        pixels / self.cell_px
+    }
+
+    /// A point of the map, in cells.
+    fn place(&self, at: Point) -> Point {
+        let along = |axis: usize| (at[axis] - self.grid.corner_m[axis]) / self.grid.resolution_m;
+        [along(0), along(1)]
+    }
+}
+
+/// The caption needs some room, however narrow the map.
+const MIN_WIDTH_PX: f64 = 320.0;
+
+/// The exact shapes.
+fn shapes(features: &[Feature], view: &View) -> Group {
+    let mut group = Group::new().set("stroke-linejoin", "round").set("stroke-linecap", "round");
+    for feature in features {
+        let mut path = String::new();
+        let filled = outline(&feature.shape, view, &mut path);
+        let (colour, opacity, dashes) = match feature.role {
+            Role::Obstacle => (OBSTACLE, 1.0, String::new()),
+            Role::Attenuating => (ATTENUATING, 0.35, String::new()),
+            Role::Zone => (ZONE, 0.0, format!("{0} {0}", view.px(6.0))),
+        };
+        let shape = Path::new()
+            .set("d", path)
+            .set("stroke", colour)
+            .set("stroke-width", view.px(2.0))
+            .set("stroke-dasharray", if dashes.is_empty() { "none".into() } else { dashes })
+            .set("fill", if filled { colour } else { "none" })
+            .set("fill-opacity", opacity)
+            .set("fill-rule", "evenodd");
+        group = group.add(shape);
+    }
+    group
+}
+
+/// The path of a shape; whether it has an inside.
+fn outline(shape: &Shape, view: &View, path: &mut String) -> bool {
+    match shape {
+        Shape::Circle { centre, radius } => {
+            let ([x, y], r) = (view.place(*centre), radius / view.grid.resolution_m);
+            let west = x - r;
+            let _ = write!(path, "M{west:.3} {y:.3}a{r:.3} {r:.3} 0 1 0 {:.3} 0", 2.0 * r);
+            let _ = write!(path, "a{r:.3} {r:.3} 0 1 0 {:.3} 0z", -2.0 * r);
+            true
+        }
+        Shape::Polyline(points) => {
+            line(points, view, path);
+            false
+        }
+        Shape::Polygon(rings) => {
+            for ring in rings {
+                line(ring, view, path);
+                path.push('z');
+            }
+            true
+        }
+    }
+}
+
+fn line(points: &[Point], view: &View, path: &mut String) {
+    for (index, point) in points.iter().enumerate() {
+        let [x, y] = view.place(*point);
+        let letter = if index == 0 { 'M' } else { 'L' };
+        let _ = write!(path, "{letter}{x:.3} {y:.3}");
+    }
+}
+
+/// The advice of every cell that the thinning keeps.
+fn arrows(grid: &Grid, layer: &Layer<'_>, view: &View) -> Path {
+    let every = (f64::from(ARROW_PX) / view.cell_px).ceil().max(1.0) as u32;
+    // Shaft and head relative to the shaft's length.
+    let length = 0.72 * f64::from(every);
+    let (head, side) = (0.42 * length, 0.26 * length);
+    let mut path = String::new();
+    for row in (every / 2..grid.rows).step_by(every as usize) {
+        for column in (every / 2..grid.columns).step_by(every as usize) {
+            let cell = Cell::new(column, row);
+            let Answer::Move { direction, .. } = layer.look_up(cell) else { continue };
+            let unit = direction.unit();
+            let (ux, uy) = (f64::from(unit.x), f64::from(unit.y));
+            let (x, y) = (f64::from(column) + 0.5, f64::from(row) + 0.5);
+            let (tip_x, tip_y) = (x + ux * length / 2.0, y + uy * length / 2.0);
+            let _ = write!(path, "M{:.2} {:.2}", x - ux * length / 2.0, y - uy * length / 2.0);
+            let _ = write!(path, "L{tip_x:.2} {tip_y:.2}");
+            for side in [side, -side] {
+                let back = (tip_x - ux * head - uy * side, tip_y - uy * head + ux * side);
+                let _ = write!(path, "M{tip_x:.2} {tip_y:.2}L{:.2} {:.2}", back.0, back.1);
+            }
+        }
+    }
+    Path::new()
+        .set("d", path)
+        .set("fill", "none")
+        .set("stroke", ADVICE)
+        .set("stroke-width", view.px(1.2))
+        .set("stroke-linecap", "round")
+}
+
+/// Where the robot started and drove.
+fn track(overlay: &Overlay<'_>, view: &View) -> Group {
+    let mut group = Group::new();
+    if !overlay.route.is_empty() {
+        let mut path = String::new();
+        line(overlay.route, view, &mut path);
+        // A light rim keeps the line apart from arrows and dark obstacles.
+        for (colour, width) in [("#ffffff", 6.0), (ROUTE, 3.5)] {
+            let stroke = Path::new()
+                .set("d", path.clone())
+                .set("fill", "none")
+                .set("stroke", colour)
+                .set("stroke-width", view.px(width))
+                .set("stroke-linejoin", "round")
+                .set("stroke-linecap", "round");
+            group = group.add(stroke);
+        }
+    }
+    if let Some(start) = overlay.start {
+        group = group.add(disc(start, 7.0, "#ffffff", view)).add(disc(start, 5.0, ROUTE, view));
+    }
+    group
+}
+
+fn goal(at: Point, view: &View) -> Group {
+    Group::new()
+        .add(disc(at, 10.0, "#ffffff", view))
+        .add(disc(at, 8.0, GOAL, view))
+        .add(disc(at, 5.0, "#ffffff", view))
+        .add(disc(at, 2.5, GOAL, view))
+}
+
+fn disc(at: Point, radius_px: f64, colour: &str, view: &View) -> Circle {
+    let [x, y] = view.place(at);
+    Circle::new().set("cx", x).set("cy", y).set("r", view.px(radius_px)).set("fill", colour)
+}
+
+/// Scale bar and caption.
+fn footer(name: &str, band_m: f64, view: &View) -> Group {
+    let top = MARGIN_PX + view.map_px(view.grid.rows) + 20.0;
+    let room_m = view.px(view.size_px().0 / 4.0) * view.grid.resolution_m;
+    let bar_m = round_number_below(room_m);
+    let bar_px = bar_m / view.grid.resolution_m * view.cell_px;
+    let bar = format!("M{MARGIN_PX} {}v10h{bar_px:.2}v-10", top - 4.0);
+    let metres = crate::compile::metres;
+    Group::new()
+        .add(
+            Path::new().set("d", bar).set("fill", "none").set("stroke", INK).set("stroke-width", 2),
+        )
+        .add(label(MARGIN_PX + bar_px + 10.0, top - 6.0, &format!("{} m", metres(bar_m)), INK))
+        .add(label(
+            MARGIN_PX,
+            top + 22.0,
+            &format!("{name}: cost in bands of {} m", metres(band_m)),
+            INK,
+        ))
+}
+
+/// The largest of 1, 2, 5, 10, 20, ... that is at most `x`.
+fn round_number_below(x: f64) -> f64 {
+    let unit = wide::pow(10.0, wide::floor(wide::log10(x)));
+    [5.0, 2.0, 1.0].into_iter().map(|digit| digit * unit).find(|&r| r <= x).unwrap_or(unit)
+}

@@ -1,0 +1,315 @@
+//! Proves a blob anew, cell by cell, without trusting whatever made it.
+//!
+//! For every layer: the goal, and no other cell, costs nothing. Every other free cell with a
+//! route advises a step to a free cell, by the corner rule, whose cost is lower by exactly
+//! that step; so following the advice reaches the goal at the stated cost. No legal step
+//! leads to a cell from which the goal would be cheaper; so, by induction along a best path,
+//! the stated cost is the least. Among equal steps a diagonal goes before a straight one. A
+//! free cell without a route has no legal step to a cell with one. A blocked cell's escape is
+//! a first step of a shortest way out, found here by a plain Dijkstra search. A layer blocks
+//! every cell that the layers before it block.
+//!
+//! The corner rule needs no record: if any advised step cuts a corner it is `allow`. If none
+//! does, the field is the same under both rules: no cell of it has a best step that cuts a
+//! corner, because such a step is diagonal and would have gone before a straight one, and a
+//! diagonal that is cut has a cost that the proof has compared.
+//!
+//! Deliberately absent: the compiler's search.
+
+use crate::bitmap::Bitmap;
+use crate::search::Corners;
+use plan_format::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
+use plan_format::field::{advised, escape, is_blocked};
+use plan_format::{Answer, Cell, Direction, Grid, Layer, ParallelPlan, Plan};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// What a proof covered, and what it found wrong.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// Layers looked at.
+    pub layers: usize,
+    /// Cells looked at, all layers together.
+    pub cells: usize,
+    /// Whether an advised step cuts a corner; then all layers were proved for that rule.
+    pub cuts_corners: bool,
+    /// The first wrong cells of every layer.
+    pub violations: Vec<Violation>,
+    /// All wrong cells, those that are not listed too.
+    pub count: usize,
+}
+
+/// A cell that is not as it should be.
+#[derive(Clone, Debug)]
+pub struct Violation {
+    /// `PLAN/LAYER`.
+    pub layer: String,
+    /// Which cell.
+    pub cell: Cell,
+    /// Its centre, metres.
+    pub at: [f64; 2],
+    /// What is wrong with it.
+    pub what: String,
+}
+
+/// Violations of one layer that are listed.
+const LISTED: usize = 8;
+
+/// Proves every cell of every layer.
+pub fn verify(plan: &Plan<'_>) -> Report {
+    let grid = plan.grid();
+    let mut report = Report { cuts_corners: cuts_corners(plan), ..Report::default() };
+    let corners = if report.cuts_corners { Corners::Allow } else { Corners::Forbid };
+    for parallel in parallel_plans(plan) {
+        let [x, y] = parallel.goal_m();
+        let goal = grid.cell_at(x, y);
+        let mut lower: Option<Bitmap> = None;
+        for layer in layers(parallel) {
+            let field = decode(grid, &layer);
+            let name = format!("{}/{}", parallel.name(), layer.name());
+            let blocked = blocked_cells(&field);
+            let mut found = Findings { report: &mut report, grid, layer: &name, listed: 0 };
+            check_nesting(lower.as_ref(), &blocked, &mut found);
+            Proof { field: &field, goal, corners }.check(&mut found);
+            report.layers += 1;
+            report.cells += grid.cells();
+            lower = Some(blocked);
+        }
+    }
+    report
+}
+
+/// Compares the blocked cells of every layer with those that a map gives, by layer name.
+pub fn compare(plan: &Plan<'_>, expected: &[(String, Bitmap)]) -> Report {
+    let grid = plan.grid();
+    let mut report = Report::default();
+    for parallel in parallel_plans(plan) {
+        for layer in layers(parallel) {
+            let name = format!("{}/{}", parallel.name(), layer.name());
+            let mut found = Findings { report: &mut report, grid, layer: &name, listed: 0 };
+            let Some((_, expected)) = expected.iter().find(|(name, _)| name == layer.name()) else {
+                found.add(Cell::new(0, 0), "the map and its mission have no such layer");
+                continue;
+            };
+            for cell in cells(grid) {
+                let blocked = matches!(layer.look_up(cell), Answer::Blocked { .. });
+                match (blocked, expected.get(cell)) {
+                    (true, false) => found.add(cell, "blocked, but free by the map"),
+                    (false, true) => found.add(cell, "free, but blocked by the map"),
+                    _ => {}
+                }
+            }
+            report.layers += 1;
+            report.cells += grid.cells();
+        }
+    }
+    report
+}
+
+/// Gathers what is wrong with one layer.
+struct Findings<'r> {
+    report: &'r mut Report,
+    grid: &'r Grid,
+    layer: &'r str,
+    listed: usize,
+}
+
+impl Findings<'_> {
+    fn add(&mut self, cell: Cell, what: impl Into<String>) {
+        self.report.count += 1;
+        if self.listed < LISTED {
+            self.listed += 1;
+            let at = self.grid.centre(cell);
+            let (layer, what) = (self.layer.to_owned(), what.into());
+            self.report.violations.push(Violation { layer, cell, at, what });
+        }
+    }
+}
+
+fn parallel_plans<'b>(plan: &Plan<'b>) -> impl Iterator<Item = ParallelPlan<'b>> {
+    let plan = *plan;
+    (0..plan.plan_count()).filter_map(move |index| plan.parallel_plan(index))
+}
+
+fn layers<'b>(plan: ParallelPlan<'b>) -> impl Iterator<Item = Layer<'b>> {
+    (0..plan.layer_count()).filter_map(move |index| plan.layer(index))
+}
+
+fn cells(grid: &Grid) -> impl Iterator<Item = Cell> + use<> {
+    let columns = grid.columns;
+    (0..grid.rows).flat_map(move |row| (0..columns).map(move |column| Cell::new(column, row)))
+}
+
+/// A layer as the arrays that the proof walks.
+fn decode(grid: &Grid, layer: &Layer<'_>) -> Field {
+    let (mut cost, mut code) = (Vec::with_capacity(grid.cells()), Vec::with_capacity(grid.cells()));
+    for cell in cells(grid) {
+        let (cell_cost, cell_code) = match layer.look_up(cell) {
+            Answer::Move { direction, cost } => (cost, direction.code()),
+            Answer::Goal => (0, GOAL),
+            Answer::NoRoute => (UNREACHED, NO_ROUTE),
+            Answer::Blocked { escape: Some(direction) } => (UNREACHED, ESCAPE + direction.code()),
+            Answer::Blocked { escape: None } | Answer::OffMap => (UNREACHED, NO_ESCAPE),
+        };
+        cost.push(cell_cost);
+        code.push(cell_code);
+    }
+    Field { columns: grid.columns, rows: grid.rows, cost, code }
+}
+
+fn blocked_cells(field: &Field) -> Bitmap {
+    let mut codes = field.code.iter();
+    Bitmap::from_fn(field.columns, field.rows, |_| codes.next().is_some_and(|&c| is_blocked(c)))
+}
+
+/// Whether any advised step passes a blocked cell beside it.
+fn cuts_corners(plan: &Plan<'_>) -> bool {
+    let grid = plan.grid();
+    let is_blocked = |layer: &Layer<'_>, cell: Option<Cell>| {
+        cell.is_some_and(|cell| matches!(layer.look_up(cell), Answer::Blocked { .. }))
+    };
+    parallel_plans(plan).flat_map(layers).any(|layer| {
+        cells(grid).any(|cell| match layer.look_up(cell) {
+            Answer::Move { direction, .. } if direction.is_diagonal() => beside(direction)
+                .into_iter()
+                .any(|side| is_blocked(&layer, cell.neighbour(side, grid.columns, grid.rows))),
+            _ => false,
+        })
+    })
+}
+
+/// The two straight directions beside a diagonal one.
+fn beside(diagonal: Direction) -> [Direction; 2] {
+    [Direction::from_code(diagonal.code() + 7), Direction::from_code(diagonal.code() + 1)]
+}
+
+fn check_nesting(lower: Option<&Bitmap>, blocked: &Bitmap, found: &mut Findings<'_>) {
+    let Some(lower) = lower.filter(|lower| !blocked.contains_all(lower)) else { return };
+    for cell in lower.iter().filter(|&cell| !blocked.get(cell)) {
+        found.add(cell, "free, but blocked in the layer before");
+    }
+}
+
+/// The proof of one layer.
+struct Proof<'f> {
+    field: &'f Field,
+    goal: Option<Cell>,
+    corners: Corners,
+}
+
+impl Proof<'_> {
+    fn check(&self, found: &mut Findings<'_>) {
+        let ways_out = self.ways_out();
+        for cell in cells(found.grid) {
+            if let Err(what) = self.check_cell(cell, &ways_out) {
+                found.add(cell, what);
+            }
+        }
+    }
+
+    fn check_cell(&self, cell: Cell, ways_out: &[u32]) -> Result<(), String> {
+        let code = self.code(cell);
+        if is_blocked(code) {
+            return self.check_escape(cell, ways_out);
+        }
+        if (code == GOAL) != (self.goal == Some(cell)) {
+            return Err("the goal is not where the plan says".into());
+        }
+        let cost = self.cost(cell);
+        for direction in Direction::ALL {
+            let Some(next) = self.step(cell, direction) else { continue };
+            let through = self.cost(next).checked_add(direction.step_cost());
+            let Some(through) = through.filter(|_| self.cost(next) != UNREACHED) else { continue };
+            let is_advised_diagonal = advised(code).is_none_or(Direction::is_diagonal);
+            if through < cost {
+                let name = direction.name();
+                return Err(format!("costs {cost}, but {through} by a step {name}"));
+            } else if through == cost && direction.is_diagonal() && !is_advised_diagonal {
+                return Err(format!("a diagonal step {} is as good", direction.name()));
+            }
+        }
+        let Some(direction) = advised(code) else { return Ok(()) };
+        let name = direction.name();
+        let next = self.step(cell, direction).ok_or_else(|| format!("no step {name} is legal"))?;
+        match self.cost(next).checked_add(direction.step_cost()) {
+            Some(through) if through == cost => Ok(()),
+            _ => Err(format!("a step {name} does not lower the cost {cost} by its own")),
+        }
+    }
+
+    fn check_escape(&self, cell: Cell, ways_out: &[u32]) -> Result<(), String> {
+        let way_out = self.at(ways_out, cell);
+        let Some(direction) = escape(self.code(cell)) else {
+            let closed = way_out == UNREACHED;
+            return if closed { Ok(()) } else { Err("blocked without an escape".into()) };
+        };
+        let next = cell.neighbour(direction, self.field.columns, self.field.rows);
+        let through = next
+            .map(|next| self.at(ways_out, next))
+            .and_then(|rest| rest.checked_add(direction.step_cost()));
+        if way_out != UNREACHED && through == Some(way_out) {
+            Ok(())
+        } else {
+            Err(format!("the escape {} is not on a shortest way out", direction.name()))
+        }
+    }
+
+    /// The cost of the shortest way out of every blocked cell, through blocked cells and
+    /// without a corner rule, to a free cell with a route; 0 in those.
+    fn ways_out(&self) -> Vec<u32> {
+        let (columns, rows) = (self.field.columns, self.field.rows);
+        let has_route = |&cost: &u32| if cost == UNREACHED { UNREACHED } else { 0 };
+        let mut least: Vec<u32> = self.field.cost.iter().map(has_route).collect();
+        let mut queue = BinaryHeap::new();
+        let all = (0..rows).flat_map(|row| (0..columns).map(move |c| Cell::new(c, row)));
+        // Only cells beside a blocked one can start a way.
+        let starts = all.filter(|&cell| self.at(&least, cell) == 0).filter(|cell| {
+            let mut around = Direction::ALL.iter();
+            around.any(|&d| cell.neighbour(d, columns, rows).is_some_and(|n| self.blocks(n)))
+        });
+        queue.extend(starts.map(|cell| Reverse((0_u32, cell))));
+        while let Some(Reverse((cost, cell))) = queue.pop() {
+            if cost > self.at(&least, cell) {
+                continue;
+            }
+            for direction in Direction::ALL {
+                let Some(next) = cell.neighbour(direction, columns, rows) else { continue };
+                let through = cost.saturating_add(direction.step_cost());
+                if self.blocks(next) && through < self.at(&least, next) {
+                    least[self.index(next)] = through;
+                    queue.push(Reverse((through, next)));
+                }
+            }
+        }
+        least
+    }
+
+    /// The cell that a legal step leads to.
+    fn step(&self, cell: Cell, direction: Direction) -> Option<Cell> {
+        let neighbour = |direction| cell.neighbour(direction, self.field.columns, self.field.rows);
+        let next = neighbour(direction).filter(|&next| !self.blocks(next))?;
+        let cuts = direction.is_diagonal()
+            && beside(direction).into_iter().any(|d| neighbour(d).is_none_or(|c| self.blocks(c)));
+        (self.corners == Corners::Allow || !cuts).then_some(next)
+    }
+
+    fn index(&self, cell: Cell) -> usize {
+        cell.row as usize * self.field.columns as usize + cell.column as usize
+    }
+
+    fn at(&self, costs: &[u32], cell: Cell) -> u32 {
+        costs.get(self.index(cell)).copied().unwrap_or(UNREACHED)
+    }
+
+    fn cost(&self, cell: Cell) -> u32 {
+        self.at(&self.field.cost, cell)
+    }
+
+    fn code(&self, cell: Cell) -> u8 {
+        self.field.code.get(self.index(cell)).copied().unwrap_or(NO_ESCAPE)
+    }
+
+    fn blocks(&self, cell: Cell) -> bool {
+        is_blocked(self.code(cell))
+    }
+}
