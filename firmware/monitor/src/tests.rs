@@ -1,1 +1,432 @@
+extern crate std;
 
+use super::*;
+use crate::grid::bit;
+use plan_format::mission::{
+    Action, ActionKind, Behaviour, Condition, Description, Edge, Facts, Frame, Inference, Input,
+    Interval, Label, Life, Mission, MissionDraft, Production, Rule, RuleBase, Source, SwitchPoint,
+    Symbol,
+};
+use proptest::prelude::*;
+use std::{format, string::String, vec, vec::Vec};
+
+const SILENT: Description = Description {
+    initial: Condition { must: 0, must_not: 0 },
+    transient: Condition { must: 0, must_not: 0 },
+    goal: Condition { must: 0, must_not: 0 },
+    add: 0,
+    delete: 0,
+    max_speed_mps: f32::INFINITY,
+    min_distance_m: 0.0,
+};
+
+const fn must(must: Facts) -> Condition {
+    Condition { must, must_not: 0 }
+}
+
+/// A mission of frames, each a list of productions, each a list of edges.
+fn mission(
+    actions: &[Description],
+    frames: &[(Description, &[&[(u8, u8, Symbol)]])],
+    intervals: &[Interval],
+) -> Vec<u8> {
+    let mut draft = MissionDraft::default();
+    let name = draft.name("");
+    for (number, description) in actions.iter().enumerate() {
+        draft.descriptions.push(*description);
+        draft.actions.push(Action {
+            name,
+            kind: ActionKind::Hold { for_ms: 0 },
+            description: number as u16,
+            until: Condition::default(),
+            timeout_ms: 1,
+            resources: 1,
+        });
+    }
+    let (may_add, may_delete) =
+        actions.iter().fold((0, 0), |(add, delete), d| (add | d.add, delete | d.delete));
+    for (description, productions) in frames {
+        draft.frames.push(Frame {
+            name,
+            first: draft.productions.len() as u16,
+            count: productions.len() as u8,
+            description: draft.descriptions.len() as u16,
+            threshold: 0.0,
+            may_add,
+            may_delete,
+            resources: 1,
+        });
+        draft.descriptions.push(*description);
+        for edges in *productions {
+            let is_first = draft.productions.is_empty();
+            draft.productions.push(Production {
+                name,
+                rules: None,
+                first_edge: draft.edges.len() as u16,
+                edges: edges.len() as u8,
+                vertices: edges.iter().map(|edge| edge.1).max().unwrap_or(0) + 1,
+                first_interval: 0,
+                // The tests' intervals belong to the very first production.
+                intervals: if is_first { intervals.len() as u8 } else { 0 },
+            });
+            for &(from, to, symbol) in *edges {
+                draft.edges.push(Edge { from, to, symbol, work: u16::from(to) * 10 });
+            }
+        }
+    }
+    draft.intervals = intervals.to_vec();
+    draft.facts = (0..4)
+        .map(|_| plan_format::mission::Fact {
+            name,
+            kind: plan_format::mission::FactKind::Symbol { is_set: false },
+        })
+        .collect();
+    draft.inputs.push(Input {
+        name,
+        source: Source::Time,
+        low: 0.0,
+        high: 1.0,
+        hold_ms: 0,
+        missing: 0.0,
+    });
+    draft.rules.push(Rule { input: 0, labels: [Label::PS; 7] });
+    draft.rule_bases.push(RuleBase { first: 0, count: 1, inference: Inference::Min });
+    draft.behaviours.push(Behaviour {
+        name,
+        root: 0,
+        start_up: None,
+        shut_down: None,
+        rules: 0,
+        dormant: 0.0,
+        unconditional: 1.0,
+        hysteresis: 0.0,
+        dwell_ms: 0,
+        switch_point: SwitchPoint::Earliest,
+        resources: 1,
+    });
+    draft.write().expect("the mission is sound")
+}
+
+fn entry(symbol: Symbol, owner: Owner, parent: Option<(Id, &Edge, u8)>, life: Life) -> Entry {
+    let (parent, from, to, edge) = match parent {
+        Some((parent, edge, number)) => (Some(parent), edge.from, edge.to, number),
+        None => (None, 0, 0, 0),
+    };
+    Entry { symbol, owner, parent, edge, from, to, life, production: None, finished: 0 }
+}
+
+/// Tells the grid that a frame chose a production, whose parts take the places from `first` on.
+fn decompose(grid: &mut Grid, mission: &Mission<'_>, frame: Id, production: u16, first: Id) {
+    let owner = grid.get(frame).expect("the frame is in the grid").owner;
+    grid.became(frame, Life::Started);
+    grid.decomposed(frame, production);
+    let record = mission.productions().get(usize::from(production)).expect("it exists");
+    for (number, edge) in (0..).zip(mission.edges_of(&record)) {
+        grid.planned(
+            first + number,
+            entry(edge.symbol, owner, Some((frame, &edge, number)), Life::Planned),
+        );
+    }
+}
+
+const A: Symbol = Symbol::Action(0);
+
+/// H17: the relations of a plan of two levels as a matrix, rows to columns.
+#[test]
+fn h17_the_matrix_of_relations() {
+    // R = a (B | c) d, B = x y or z.
+    let bytes = mission(
+        &[SILENT],
+        &[
+            (SILENT, &[&[(0, 1, A), (1, 2, Symbol::Frame(1)), (1, 2, A), (2, 3, A)]]),
+            (SILENT, &[&[(0, 1, A), (1, 2, A)], &[(0, 1, A)]]),
+        ],
+        &[],
+    );
+    let mission = Mission::parse(&bytes).expect("it is sound");
+    let mut grid = Grid::default();
+    grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+    decompose(&mut grid, &mission, 0, 0, 1);
+    decompose(&mut grid, &mission, 2, 1, 5);
+    // Another behaviour's plan.
+    grid.planned(9, entry(Symbol::Frame(0), 1, None, Life::Scheduled));
+    let names = ["R", "a", "B", "c", "d", "x", "y", "z?", "S"];
+    let nodes: Vec<Node> = [0, 1, 2, 3, 4, 5, 6]
+        .into_iter()
+        .map(Node::from)
+        .chain([Node { id: 2, option: Some((2, 0)) }, Node::from(9)])
+        .collect();
+    let mut matrix = format!("   {}\n", names.join("  "));
+    for (x, name) in nodes.iter().zip(names) {
+        matrix.push_str(&format!("{name:3}"));
+        for y in &nodes {
+            let relation = grid.relation(&mission, *x, *y);
+            matrix.push_str(
+                &relation.map_or(String::from("-- "), |relation| format!("{relation:?} ")),
+            );
+        }
+        matrix.push('\n');
+    }
+    assert_eq!(
+        matrix.replace(" \n", "\n"),
+        "   R  a  B  c  d  x  y  z?  S
+R  -- AO AO AO AO AO AO AO NE
+a  DO -- CB CB CB CB CB CB NE
+B  DO CA -- NE CB AO AO AO NE
+c  DO CA NE -- CB NE NE NE NE
+d  DO CA CA CA -- CA CA CA NE
+x  DO CA DO NE CB -- CB OC NE
+y  DO CA DO NE CB CA -- OC NE
+z? DO CA DO NE CB OC OC -- NE
+S  NE NE NE NE NE NE NE NE --
+"
+    );
+}
+
+/// H14, H15: descriptions are checked at their time; constraints are inherited downwards.
+#[test]
+fn h14_initial_transient_goal_and_inherited_constraints() {
+    let action = Description {
+        initial: must(1),
+        transient: Condition { must: 0, must_not: 2 },
+        goal: must(4),
+        max_speed_mps: 1.0,
+        ..SILENT
+    };
+    let frame = Description { max_speed_mps: 0.5, min_distance_m: 2.0, ..SILENT };
+    let bytes = mission(&[action], &[(frame, &[&[(0, 1, A)]])], &[]);
+    let mission = Mission::parse(&bytes).expect("it is sound");
+    let mut grid = Grid::default();
+    grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+    decompose(&mut grid, &mission, 0, 0, 1);
+    assert_eq!(grid.constraints(&mission, 1), (0.5, 2.0));
+    let evident = |id, what, facts| Some(Signal::Evident { id, what, facts });
+    assert_eq!(grid.initial(&mission, 1, 0), evident(1, Violation::Initial, 1));
+    assert_eq!(grid.initial(&mission, 1, 1), None);
+    assert_eq!(grid.goal(&mission, 1, 1), evident(1, Violation::Goal, 4));
+    assert_eq!(grid.goal(&mission, 1, 4), None);
+    let transients = |grid: &Grid| {
+        let mut all = vec![];
+        grid.evident(&mission, 0, 0, 2, &mut |signal| all.push(signal));
+        all
+    };
+    assert_eq!(transients(&grid), [], "what does not run is not checked");
+    grid.became(1, Life::Started);
+    assert_eq!(
+        transients(&grid),
+        evident(1, Violation::Transient, 2).into_iter().collect::<Vec<_>>()
+    );
+}
+
+/// H13, H22, H26: an interval is in force from its first vertex to its last, in the views of its
+/// own behaviour and of those it is held against; the points of figure 4 tell where it ends.
+#[test]
+fn h26_intervals_and_the_points_of_figure_4() {
+    // forward, back, plough again; "on field" from the entry until back is done.
+    let on_field = Interval { from: 0, to: 2, condition: must(1), is_derived: false };
+    let bytes = mission(
+        &[SILENT],
+        &[(SILENT, &[&[(0, 1, A), (1, 2, A), (2, 3, Symbol::Frame(0))]])],
+        &[on_field],
+    );
+    let mission = Mission::parse(&bytes).expect("it is sound");
+    let mut grid = Grid::default();
+    grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+    decompose(&mut grid, &mission, 0, 0, 1);
+    let points = |grid: &Grid| {
+        let mut all = vec![];
+        grid.points(&mission, 0, &mut |p| all.push((p.vertex, p.held.must, p.lost_work)));
+        all
+    };
+    let violations = |grid: &Grid, owner, holding| {
+        let mut all = vec![];
+        grid.evident(&mission, owner, holding, 0, &mut |signal| all.push(signal));
+        all
+    };
+    assert_eq!(points(&grid), [(1, 1, 10), (2, 0, 20)], "point 1 is protected, point 2 is not");
+    let own = Signal::Evident { id: 0, what: Violation::Interval, facts: 1 };
+    assert_eq!(violations(&grid, 0, 0), [own]);
+    assert_eq!(violations(&grid, 1, 0), [], "not held against anybody");
+    let foreign = Signal::Evident { id: 0, what: Violation::Foreign, facts: 1 };
+    assert_eq!(violations(&grid, 1, 0b1), [foreign]);
+    for part in [1, 2] {
+        grid.became(part, Life::Scheduled);
+        grid.became(part, Life::Started);
+        grid.became(part, Life::Finished);
+        grid.deleted(part);
+    }
+    assert_eq!(points(&grid), []);
+    assert_eq!(violations(&grid, 0, 0), [], "the interval has ended");
+}
+
+/// H19: a choice that may violate what is protected is named before it is made.
+#[test]
+fn h19_a_doubtful_choice_is_named() {
+    let leaving = Description { delete: 1, ..SILENT };
+    let on_field = Interval { from: 0, to: 2, condition: must(1), is_derived: false };
+    let bytes = mission(
+        &[SILENT, leaving],
+        &[
+            (SILENT, &[&[(0, 1, A), (1, 2, Symbol::Frame(1))]]),
+            (SILENT, &[&[(0, 1, A)], &[(0, 1, Symbol::Action(1))]]),
+        ],
+        &[on_field],
+    );
+    let mission = Mission::parse(&bytes).expect("it is sound");
+    let mut grid = Grid::default();
+    grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+    decompose(&mut grid, &mission, 0, 0, 1);
+    let mut all = vec![];
+    grid.choices(&mission, 2, 0, &mut |signal| all.push(signal));
+    assert_eq!(all, [Signal::Possible { id: 2, why: Doubt::Choice(2), facts: 1 }]);
+}
+
+/// H20, H21: the producer of a later need is deleted, and the need is in doubt before it starts.
+#[test]
+fn h21_a_lost_producer_is_flagged_before_the_consumer_starts() {
+    let producer = Description { add: 1, ..SILENT };
+    let consumer = Description { initial: must(1), ..SILENT };
+    let bytes = mission(
+        &[producer, consumer],
+        &[(SILENT, &[&[(0, 1, A), (1, 2, Symbol::Action(1))]])],
+        &[],
+    );
+    let mission = Mission::parse(&bytes).expect("it is sound");
+    let mut grid = Grid::default();
+    grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+    decompose(&mut grid, &mission, 0, 0, 1);
+    let doubts = |grid: &Grid, facts| {
+        let mut all = vec![];
+        grid.possible(&mission, 2, facts, &mut |signal| all.push(signal));
+        all
+    };
+    assert_eq!(doubts(&grid, 0), []);
+    grid.deleted(1);
+    let doubt = Signal::Possible { id: 2, why: Doubt::NoProducer, facts: 1 };
+    assert_eq!(doubts(&grid, 0), [doubt]);
+    assert_eq!(doubts(&grid, 1), [], "it holds already");
+}
+
+/// A random production of up to six actions over three facts.
+fn random_plan() -> impl Strategy<Value = (Vec<Description>, Vec<(u8, u8)>)> {
+    let facts = || 0_u64..8;
+    let description = (facts(), facts(), facts()).prop_map(|(initial, add, delete)| Description {
+        initial: must(initial),
+        add,
+        delete,
+        ..SILENT
+    });
+    // Edges between ascending vertices; the chain keeps every edge on a path.
+    let edges = (2_u8..5).prop_flat_map(|vertices| {
+        let chain: Vec<(u8, u8)> = (0..vertices - 1).map(|v| (v, v + 1)).collect();
+        let extra = (0..vertices - 1, 1..vertices)
+            .prop_map(|(a, b)| if a < b { (a, b) } else { (b - 1, a + 1) });
+        prop::collection::vec(extra, 0..3).prop_map(move |more| [chain.clone(), more].concat())
+    });
+    edges.prop_flat_map(move |edges| {
+        (prop::collection::vec(description.clone(), edges.len()), Just(edges))
+    })
+}
+
+/// Whether a need of `consumer` fails in some order of the components that respects the graph.
+fn may_fail(
+    grid: &Grid,
+    mission: &Mission<'_>,
+    descriptions: &[Description],
+    consumer: usize,
+    done: u32,
+    facts: Facts,
+) -> Facts {
+    let all = descriptions.len();
+    let comes_before = |x: usize, y: usize| {
+        grid.relation(mission, Node::from(x as Id + 1), Node::from(y as Id + 1))
+            == Some(Relation::CB)
+    };
+    let mut failing = 0;
+    for next in (0..all).filter(|next| done & 1 << next == 0) {
+        if (0..all)
+            .any(|other| done & 1 << other == 0 && other != next && comes_before(other, next))
+        {
+            continue;
+        }
+        if next == consumer {
+            failing |= descriptions[next].initial.must & !facts;
+            continue;
+        }
+        let after = facts & !descriptions[next].delete | descriptions[next].add;
+        failing |= may_fail(grid, mission, descriptions, consumer, done | 1 << next, after);
+    }
+    failing
+}
+
+proptest! {
+    /// H21: the doubts are exactly the needs that fail in some order of what is to come.
+    #[test]
+    fn h21_doubts_equal_brute_force((descriptions, edges) in random_plan(), facts in 0_u64..8) {
+        let symbols: Vec<(u8, u8, Symbol)> =
+            (0..).zip(&edges).map(|(number, &(from, to))| (from, to, Symbol::Action(number))).collect();
+        let bytes = mission(&descriptions, &[(SILENT, &[&symbols])], &[]);
+        let mission = Mission::parse(&bytes).expect("it is sound");
+        let mut grid = Grid::default();
+        grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+        decompose(&mut grid, &mission, 0, 0, 1);
+        let producible = descriptions.iter().fold(0, |all, description| all | description.add);
+        for consumer in 0..descriptions.len() {
+            let mut doubted = 0;
+            grid.possible(&mission, consumer as Id + 1, facts, &mut |signal| {
+                if let Signal::Possible { facts, .. } = signal { doubted |= facts; }
+            });
+            let failing = may_fail(&grid, &mission, &descriptions, consumer, 0, facts);
+            // What nothing in the plan brings about, and nothing destroys, is the world's business.
+            let destructible = descriptions.iter().fold(0, |all, d| all | d.delete & !d.add);
+            let ours = producible | destructible & facts;
+            prop_assert_eq!(doubted & ours, failing & ours, "consumer {}", consumer);
+        }
+    }
+
+    /// H17: exactly one relation for each pair, inverses agree, CB is transitive, and decomposing a
+    /// frame changes no relation between old components.
+    #[test]
+    fn h17_properties_of_the_relations((descriptions, edges) in random_plan()) {
+        let mut symbols: Vec<(u8, u8, Symbol)> =
+            edges.iter().map(|&(from, to)| (from, to, Symbol::Action(0))).collect();
+        symbols[0].2 = Symbol::Frame(1);
+        let inner: &[&[(u8, u8, Symbol)]] = &[&[(0, 1, A), (0, 1, A), (1, 2, A)], &[(0, 1, A)]];
+        let bytes = mission(&descriptions, &[(SILENT, &[&symbols]), (SILENT, inner)], &[]);
+        let mission = Mission::parse(&bytes).expect("it is sound");
+        let mut grid = Grid::default();
+        grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+        decompose(&mut grid, &mission, 0, 0, 1);
+        let relations = |grid: &Grid| {
+            let ids: Vec<Id> = grid.iter().map(|(id, _)| id).collect();
+            let mut all = vec![];
+            for &x in &ids {
+                for &y in &ids {
+                    all.push(((x, y), grid.relation(&mission, Node::from(x), Node::from(y))));
+                }
+            }
+            all
+        };
+        let before = relations(&grid);
+        decompose(&mut grid, &mission, 1, 1, 20);
+        let after = relations(&grid);
+        for pair in &before {
+            prop_assert!(after.contains(pair), "{:?} changed", pair);
+        }
+        let of = |x: Id, y: Id| grid.relation(&mission, Node::from(x), Node::from(y));
+        for &((x, y), relation) in &after {
+            prop_assert_eq!(relation.is_none(), x == y);
+            prop_assert_eq!(relation.map(Relation::inverse), of(y, x));
+            for (z, _) in grid.iter() {
+                if relation == Some(Relation::CB) && of(y, z) == Some(Relation::CB) {
+                    prop_assert_eq!(of(x, z), Some(Relation::CB));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn bits_beyond_the_word_are_no_bits() {
+    assert_eq!((bit(0), bit(15), bit(16)), (1, 1 << 15, 0));
+}
