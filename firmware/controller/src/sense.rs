@@ -105,17 +105,15 @@ impl Track {
             accuracy_m: fix.accuracy_mm as f32 * 1e-3,
         };
         match &self.anchor {
-            // What lasts for longer than the stale time is believed: a robot whose first fix
-            // was wrong must be able to recover.
-            Some(last) if !self.is_stale(last.time_us, policy) && next.jumps(last, policy) => {
-                Err(Reason::JumpedFix)
-            }
+            Some(last) if next.jumps(last, policy) => Err(Reason::JumpedFix),
             _ => Ok(next),
         }
     }
 }
 
 impl Anchor {
+    /// Whether this is farther from the last good fix than any motion explains. With time
+    /// more and more can be explained, so a robot whose first fix was wrong recovers.
     fn jumps(&self, last: &Self, policy: &FixPolicy) -> bool {
         let elapsed_us = self.time_us.saturating_sub(last.time_us).min(u64::from(u32::MAX));
         let elapsed_s = elapsed_us as u32 as f32 * 1e-6;

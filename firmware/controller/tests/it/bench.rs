@@ -1,0 +1,131 @@
+//! A bench: maps drawn as text, and a robot that perceives them without errors.
+
+use controller::{State, tick};
+use math::{GeoPoint, Vec2, vector};
+use plan_compiler::bitmap::Bitmap;
+use plan_compiler::search::{Corners, solve};
+use plan_format::{
+    Cell, Draft, Grid, LayerDraft, Origin, Parameters, Plan, PlanDraft, pack, write,
+};
+use robot_io::{Commands, Fix, Operator, Percepts, RangeReading};
+
+pub(crate) const TICK_US: u64 = 50_000;
+
+/// Where the map's corner lies on the globe.
+pub(crate) const ORIGIN: Origin = Origin {
+    place: GeoPoint { lat_e7: 337_756_000, lon_e7: -843_990_000 },
+    at_m: [0.0, 0.0],
+    heading_rad: 0.0,
+};
+
+pub(crate) fn armed() -> Operator {
+    Operator { is_armed: true, ..Operator::default() }
+}
+
+pub(crate) fn ahead(distance_m: f32) -> RangeReading {
+    RangeReading { bearing_rad: 0.0, distance_m }
+}
+
+/// The blob of one parallel plan whose layers are drawn: the northern row first, `#` is
+/// blocked, `G` the goal's cell. Cells of 1 m, the south-west corner at (0, 0).
+pub(crate) fn blob(layers: &[&str], parameters: Parameters) -> Vec<u8> {
+    blob_at(layers, parameters, Some(ORIGIN))
+}
+
+pub(crate) fn blob_at(layers: &[&str], parameters: Parameters, origin: Option<Origin>) -> Vec<u8> {
+    let drawings: Vec<Vec<&[u8]>> = layers
+        .iter()
+        .map(|layer| layer.split_whitespace().rev().map(str::as_bytes).collect())
+        .collect();
+    let (columns, rows) = (drawings[0][0].len() as u32, drawings[0].len() as u32);
+    let grid = Grid { columns, rows, resolution_m: 1.0, corner_m: [0.0, 0.0] };
+    let character =
+        |drawing: &Vec<&[u8]>, cell: Cell| drawing[cell.row as usize][cell.column as usize];
+    let goal = (0..rows)
+        .flat_map(|row| (0..columns).map(move |column| Cell::new(column, row)))
+        .find(|&cell| character(&drawings[0], cell) == b'G')
+        .expect("a goal is drawn");
+    let layer = |(index, drawing): (usize, &Vec<&[u8]>)| {
+        let blocked = Bitmap::from_fn(columns, rows, |cell| character(drawing, cell) == b'#');
+        let packed = pack(&solve(&blocked, goal, Corners::Forbid));
+        LayerDraft { name: format!("layer {index}"), packed }
+    };
+    let plan = PlanDraft {
+        name: "goal".into(),
+        goal_m: grid.centre(goal),
+        layers: drawings.iter().enumerate().map(layer).collect(),
+    };
+    let draft = Draft { grid, origin, parameters, plans: vec![plan] };
+    write(&draft).expect("the draft is sound")
+}
+
+/// An open field of `columns` by `rows` with the goal in one cell.
+pub(crate) fn open_field(columns: usize, rows: usize, goal: (usize, usize)) -> String {
+    let row = |row: usize| -> String {
+        (0..columns).map(|column| if (column, row) == goal { 'G' } else { '.' }).collect()
+    };
+    (0..rows).rev().map(row).collect::<Vec<_>>().join("\n")
+}
+
+/// A controller and the pose of its body.
+#[derive(Clone)]
+pub(crate) struct Robot<'a> {
+    pub(crate) plan: Plan<'a>,
+    pub(crate) state: State,
+    pub(crate) time_us: u64,
+    pub(crate) position: Vec2,
+    pub(crate) heading_rad: f32,
+}
+
+impl<'a> Robot<'a> {
+    pub(crate) fn new(plan: Plan<'a>, x: f32, y: f32) -> Self {
+        let state = State::new(&plan);
+        Self { plan, state, time_us: 1_000_000, position: Vec2::new(x, y), heading_rad: 0.0 }
+    }
+
+    /// What a robot without sensor errors perceives in this pose, armed and with nothing around.
+    pub(crate) fn percepts(&self) -> Percepts {
+        let fix = self.plan.frame().map(|frame| Fix {
+            time_us: self.time_us,
+            is_valid: true,
+            place: frame.to_geodetic(self.position),
+            accuracy_mm: 10,
+            velocity_mmps: None,
+        });
+        Percepts {
+            time_us: self.time_us,
+            fix,
+            heading_rad: Some(self.heading_rad),
+            speed_mps: None,
+            turn_rate_radps: None,
+            operator: armed(),
+            ..Percepts::default()
+        }
+    }
+
+    /// One tick with percepts that `change` may spoil.
+    pub(crate) fn tick_with(&mut self, change: impl FnOnce(&mut Percepts)) -> Commands {
+        let mut percepts = self.percepts();
+        change(&mut percepts);
+        let commands = tick(&self.plan, &mut self.state, &percepts);
+        self.time_us += TICK_US;
+        commands
+    }
+
+    /// Puts the robot elsewhere along x, slowly enough for the fixes to be believed.
+    pub(crate) fn carry_to(&mut self, x: f32) {
+        self.position.x = x;
+        self.time_us += 1_000_000;
+    }
+
+    /// One tick, and the motion of its commands until the next.
+    pub(crate) fn drive_with(&mut self, change: impl FnOnce(&mut Percepts)) -> Commands {
+        let commands = self.tick_with(change);
+        let seconds = TICK_US as f32 * 1e-6;
+        let turned = commands.turn_rate_radps * seconds;
+        let step = vector::from_angle(self.heading_rad + 0.5 * turned);
+        self.position += step * (commands.speed_mps * seconds);
+        self.heading_rad = math::scalar::wrap_angle(self.heading_rad + turned);
+        commands
+    }
+}

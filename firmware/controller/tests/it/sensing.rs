@@ -1,0 +1,194 @@
+//! Position and heading from what the sensors say, and for how long that is believed.
+
+use crate::bench::{ORIGIN, TICK_US, blob_at, open_field};
+use controller::sense::{Sensed, Track, sense};
+use math::{Vec2, scalar};
+use plan_format::{Origin, Parameters, Plan};
+use robot_io::{Commands, Fix, Percepts, Reason};
+
+const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
+
+/// A track, and a clock that goes on by a tick at each look.
+struct Watch<'a> {
+    plan: Plan<'a>,
+    track: Track,
+    time_us: u64,
+}
+
+impl<'a> Watch<'a> {
+    fn new(origin: Origin) -> Self {
+        let goal = Some(Vec2::new(50.0, 50.0));
+        let plan = Plan::without_map(Parameters::default(), Some(origin), goal);
+        Self { plan, track: Track::default(), time_us: 10_000_000 }
+    }
+
+    fn fix(&self, x: f32, y: f32) -> Fix {
+        let frame = self.plan.frame().expect("there is an origin");
+        Fix {
+            time_us: self.time_us,
+            is_valid: true,
+            place: frame.to_geodetic(Vec2::new(x, y)),
+            accuracy_mm: 100,
+            velocity_mmps: None,
+        }
+    }
+
+    fn look(&mut self, percepts: Percepts) -> Sensed {
+        let percepts = Percepts { time_us: self.time_us, ..percepts };
+        self.time_us += TICK_US;
+        sense(&self.plan, &mut self.track, &percepts)
+    }
+}
+
+fn near(position: Result<Vec2, Reason>, x: f32, y: f32) -> bool {
+    position.is_ok_and(|position| (position - Vec2::new(x, y)).amax() < 0.03)
+}
+
+#[test]
+fn between_fixes_the_position_is_carried_on() {
+    let mut watch = Watch::new(ORIGIN);
+    let fix = Some(watch.fix(5.0, 5.0));
+    let moving =
+        Percepts { fix, heading_rad: Some(0.0), speed_mps: Some(2.0), ..Percepts::default() };
+    assert!(near(watch.look(moving.clone()).position, 5.0, 5.0));
+    for tick in 1..=20 {
+        let sensed = watch.look(moving.clone());
+        assert!(near(sensed.position, 5.0 + 0.1 * tick as f32, 5.0), "{tick}: {sensed:?}");
+    }
+}
+
+#[test]
+fn a_turn_is_carried_on_along_its_arc() {
+    let mut watch = Watch::new(ORIGIN);
+    let fix = Some(watch.fix(0.0, 0.0));
+    watch.look(Percepts { fix, heading_rad: Some(0.0), ..Percepts::default() });
+    // A quarter of a circle of 1 m radius takes 31.4 ticks at these speeds.
+    let turning =
+        Percepts { fix, speed_mps: Some(1.0), turn_rate_radps: Some(1.0), ..Percepts::default() };
+    let last = (0..31).map(|_| watch.look(turning.clone())).last().unwrap();
+    assert!(near(last.position, scalar::sin(1.55), 1.0 - scalar::cos(1.55)), "{last:?}");
+    assert!((last.heading_rad.unwrap() - 1.55).abs() < 1e-3);
+}
+
+#[test]
+fn without_odometry_the_robot_is_taken_to_do_what_it_was_told() {
+    let mut watch = Watch::new(ORIGIN);
+    let fix = Some(watch.fix(5.0, 5.0));
+    watch.look(Percepts { fix, heading_rad: Some(QUARTER), ..Percepts::default() });
+    let told = Commands { speed_mps: 1.0, ..Commands::stop(Reason::Driving) };
+    watch.track.commanded(&told);
+    let sensed = watch.look(Percepts { fix, ..Percepts::default() });
+    assert!(near(sensed.position, 5.0, 5.05), "{sensed:?}");
+}
+
+/// Heading sources in their order: what the compass says, what the fix's velocity (mm/s east,
+/// north) says, what was known before; the map is turned by a quarter.
+#[test]
+fn headings_come_from_compass_then_course_then_turn_rate() {
+    let turned = Origin { heading_rad: f64::from(QUARTER), ..ORIGIN };
+    // compass, velocity, odometry, known before (map axes), expected (map axes)
+    let table = [
+        (Some(0.3), None, None, None, Some(0.3 + QUARTER)),
+        (Some(0.3), Some([0, 2000]), None, None, Some(0.3 + QUARTER)),
+        (None, Some([600, 0]), None, None, Some(QUARTER)),
+        (None, Some([0, 600]), None, Some(0.1), Some(-2.0 * QUARTER)),
+        (None, Some([600, 0]), Some(-0.6), None, Some(-QUARTER)),
+        (None, Some([400, 0]), None, None, None),
+        (None, Some([400, 0]), None, Some(0.1), Some(0.15)),
+        (None, None, None, Some(0.1), Some(0.15)),
+        (None, None, None, None, None),
+    ];
+    for (compass, velocity, odometry, before, expected) in table {
+        let mut watch = Watch::new(turned);
+        let known = before.map(|heading: f32| scalar::wrap_angle(heading - QUARTER));
+        watch.look(Percepts { heading_rad: known, ..Percepts::default() });
+        let fix = Fix { velocity_mmps: velocity, ..watch.fix(1.0, 1.0) };
+        let sensed = watch.look(Percepts {
+            fix: Some(fix),
+            heading_rad: compass,
+            speed_mps: odometry,
+            turn_rate_radps: Some(1.0),
+            ..Percepts::default()
+        });
+        let case = (compass, velocity, odometry, before);
+        match (sensed.heading_rad, expected) {
+            (None, None) => {}
+            (Some(is), Some(should)) => {
+                assert!(
+                    scalar::wrap_angle(is - should).abs() < 5e-3,
+                    "{case:?}: {is} not {should}"
+                );
+            }
+            other => panic!("{case:?}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn w14_a_jump_is_believed_once_time_explains_it() {
+    let mut watch = Watch::new(ORIGIN);
+    let mut position_after = |x: f32, seconds: f32| {
+        watch.time_us += (seconds * 1e6) as u64;
+        let fix = Some(watch.fix(x, 0.0));
+        let Sensed { position, .. } = watch.look(Percepts { fix, ..Percepts::default() });
+        (position.map(|position| position.x.round()), watch.track.clone()).0
+    };
+    assert_eq!(position_after(0.0, 0.0), Ok(0.0));
+    assert_eq!(position_after(10.0, 0.5), Ok(0.0), "10 m in half a second: refused");
+    assert_eq!(position_after(10.0, 0.5), Ok(10.0), "in a second: believed");
+    assert_eq!(position_after(110.0, 1.0), Ok(10.0));
+    assert_eq!(position_after(110.0, 1.5), Err(Reason::JumpedFix));
+    assert_eq!(position_after(110.0, 3.0), Err(Reason::JumpedFix));
+    assert_eq!(position_after(110.0, 2.0), Ok(110.0), "100 m in 7 s");
+}
+
+#[test]
+fn a_refused_fix_does_not_renew_the_last_good_one() {
+    let mut watch = Watch::new(ORIGIN);
+    let fix = Some(watch.fix(0.0, 0.0));
+    watch.look(Percepts { fix, ..Percepts::default() });
+    for _ in 0..40 {
+        let poor = Some(Fix { is_valid: false, ..watch.fix(0.0, 0.0) });
+        assert!(watch.look(Percepts { fix: poor, ..Percepts::default() }).position.is_ok());
+    }
+    let poor = Some(Fix { is_valid: false, ..watch.fix(0.0, 0.0) });
+    let sensed = watch.look(Percepts { fix: poor, ..Percepts::default() });
+    assert_eq!(sensed.position, Err(Reason::PoorFix));
+}
+
+/// A frozen receiver or a wrong time stamp must not look like news.
+#[test]
+fn fixes_age_whatever_their_time_stamps_say() {
+    for stamp_us in [0, 9_000_000, 10_000_000, 11_000_000, u64::MAX] {
+        let mut watch = Watch::new(ORIGIN);
+        let fix = Some(Fix { time_us: stamp_us, ..watch.fix(0.0, 0.0) });
+        let usable = (0..50)
+            .filter(|_| watch.look(Percepts { fix, ..Percepts::default() }).position.is_ok());
+        let expected = match stamp_us {
+            0 => 0,
+            9_000_000 => 21,
+            _ => 41,
+        };
+        assert_eq!(usable.count(), expected, "stamped {stamp_us}");
+    }
+}
+
+#[test]
+fn a_clock_that_runs_backwards_starts_a_new_history() {
+    let mut watch = Watch::new(ORIGIN);
+    let fix = Some(watch.fix(0.0, 0.0));
+    assert!(watch.look(Percepts { fix, ..Percepts::default() }).position.is_ok());
+    watch.time_us = 5_000_000;
+    let sensed = watch.look(Percepts { fix, ..Percepts::default() });
+    assert_eq!(sensed.position, Err(Reason::NoFix));
+    let fix = Some(watch.fix(0.0, 0.0));
+    assert!(watch.look(Percepts { fix, ..Percepts::default() }).position.is_ok());
+}
+
+#[test]
+fn a_map_without_a_place_on_the_globe_has_no_positions() {
+    let blob = blob_at(&[&open_field(3, 3, (1, 1))], Parameters::default(), None);
+    let plan = Plan::parse(&blob).unwrap();
+    let sensed = sense(&plan, &mut Track::default(), &Percepts::default());
+    assert_eq!(sensed, Sensed { position: Err(Reason::NoOrigin), heading_rad: None });
+}
