@@ -11,7 +11,7 @@ pub mod utm;
 pub use opar::OparOptions;
 
 use crate::map::Map;
-use crate::problem::{Problem, Source};
+use crate::problem::{Problem, Severity, Source};
 use crate::source;
 use std::path::Path;
 use std::sync::Arc;
@@ -19,6 +19,9 @@ use std::sync::Arc;
 /// No shape lies or reaches farther from a map's origin, metres: UTM northings fit, and
 /// geometry stays far from overflow.
 pub const FARTHEST_M: f64 = 1e9;
+
+/// Mistakes in one file that are shown: a file with more is not what its name says.
+pub const MAX_PROBLEMS: usize = 1000;
 
 /// A format that maps are read from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -96,7 +99,17 @@ pub fn read(path: &Path, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
     };
     let (map, more) = format.read(&text, options);
     problems.extend(more);
+    limit(&mut problems);
     (map, problems)
+}
+
+/// Keeps what a person can read, and an error among it if there was one.
+fn limit(problems: &mut Vec<Problem>) {
+    let Some(more @ 1..) = problems.len().checked_sub(MAX_PROBLEMS) else { return };
+    let worst = problems.drain(MAX_PROBLEMS..).map(|problem| problem.severity).max();
+    let last = Problem::error(format!("{more} more mistakes are not shown"))
+        .mend("check that this is the file you mean, and mend the first ones");
+    problems.push(Problem { severity: worst.unwrap_or(Severity::Error), ..last });
 }
 
 fn unknown_format(path: &Path) -> Problem {
@@ -133,6 +146,19 @@ mod tests {
         check("a.opar", "nothing yet", Some(Format::Opar));
         check("a.txt", "Dear reader,\n", None);
         check("a", "", None);
+    }
+
+    #[test]
+    fn a_flood_of_mistakes_is_cut_with_its_severity_kept() {
+        let mut problems = vec![Problem::note("a"); MAX_PROBLEMS];
+        limit(&mut problems);
+        assert_eq!(problems.len(), MAX_PROBLEMS);
+        problems.push(Problem::error("b"));
+        problems.push(Problem::warning("c"));
+        limit(&mut problems);
+        let last = problems.last().unwrap();
+        assert_eq!(last.message, "2 more mistakes are not shown");
+        assert_eq!(last.severity, Severity::Error);
     }
 
     #[test]
