@@ -28,8 +28,8 @@ pub struct Repulsion {
 /// each straight away from it. Its bearing gives that direction even at distance 0.
 ///
 /// Only the nearest reading of each surface repels. The source sums over obstacles, and a
-/// range finder does not report obstacles: the rays that hit one wall would repel
-/// several times as hard as the one wall, and hold the robot back from every gap. So a reading counts
+/// range finder does not report obstacles: the rays that hit one wall would repel several
+/// times as hard as the one wall, and hold the robot back from every gap. So a reading counts
 /// only if it is the nearest within [`SURFACE_ANGLE_RAD`] to either side. Along one straight
 /// wall distances grow to both sides of its nearest point, so exactly one reading is left;
 /// the two walls of a street leave two. Of equally near readings the earlier one counts.
