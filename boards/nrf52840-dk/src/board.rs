@@ -7,6 +7,7 @@ use embassy_nrf::uarte::{self, Baudrate};
 use embassy_nrf::{bind_interrupts, peripherals};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use panic_probe as _;
+use plan_format::Plan;
 use runtime::{Fallback, FixSlot, OperatorSlot, Silence, Telemetry, time};
 use static_cell::ConstStaticCell;
 
@@ -43,6 +44,9 @@ bind_interrupts!(struct Interrupts {
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let p = embassy_nrf::init(embassy_nrf::config::Config::default());
+    // Without a sound blob this rover stands still and takes manual commands only. Looking
+    // through a whole region takes a while, so it comes before the watchdog is woken.
+    let loaded = runtime::load(plan_region(), &Fallback::default());
 
     // The drivers use these buffers by DMA for as long as the program runs.
     static GPS_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
@@ -86,7 +90,7 @@ async fn main(spawner: Spawner) {
     spawner.spawn(gps_task(gps).unwrap());
     spawner.spawn(operator_task(operator).unwrap());
     spawner.spawn(telemetry_task(telemetry).unwrap());
-    spawner.spawn(control_task(rover).unwrap());
+    spawner.spawn(control_task(loaded.plan, rover).unwrap());
 }
 
 #[embassy_executor::task]
@@ -105,10 +109,8 @@ async fn telemetry_task(writer: BufferedUarteTx<'static>) {
 }
 
 #[embassy_executor::task]
-async fn control_task(mut rover: Rover) {
-    // Without a sound blob this rover stands still and takes manual commands only.
-    let loaded = runtime::load(plan_region(), &Fallback::default());
-    runtime::control_task(loaded.plan, &mut rover, &FIXES).await;
+async fn control_task(plan: Plan<'static>, mut rover: Rover) {
+    runtime::control_task(plan, &mut rover, &FIXES).await;
 }
 
 /// The flash that `memory.x` keeps for the plans.

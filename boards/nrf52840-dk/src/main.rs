@@ -1,7 +1,7 @@
 //! Wayfield on the nRF52840-DK: a rover with two motors, a GPS receiver and a radio.
 //!
 //! This file is the architecture of the firmware: which task runs on which pins. Everything
-//! that decides lies in other crates; [`robot`] is what this board does to a motor and a
+//! that decides lies in other crates; `robot.rs` is what this board does to a motor and a
 //! button. To make another board, copy the folder (see `boards/README.md`).
 //!
 //! ```text

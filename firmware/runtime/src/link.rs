@@ -112,8 +112,10 @@ pub async fn telemetry_task<M: RawMutex>(mut writer: impl Write, telemetry: &Tel
 mod tests {
     use super::*;
     use embassy_futures::block_on;
+    use embassy_futures::select::select;
     use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-    use robot_io::Manual;
+    use embassy_sync::pipe::Pipe;
+    use robot_io::{Commands, Manual, Reason};
 
     const ARMED: Operator = Operator { is_armed: true, is_emergency_stop: false, manual: None };
     const BY_HAND: Operator =
@@ -140,6 +142,32 @@ mod tests {
             let stopped = Operator { is_emergency_stop: true, ..BY_HAND };
             check(silence, stopped, Operator { is_emergency_stop: true, ..NOT_ARMED });
         }
+    }
+
+    #[test]
+    fn the_newest_record_is_sent_and_older_ones_are_not() {
+        let record = |time_us| CommandRecord {
+            time_us,
+            commands: Commands::stop(Reason::NoFix),
+            trace_hash: 1,
+            instructions: 2,
+        };
+        let telemetry = Telemetry::<NoopRawMutex>::new();
+        let wire = Pipe::<NoopRawMutex, 512>::new();
+        let robot = async {
+            for times in [[1, 2], [3, 4]] {
+                times.into_iter().for_each(|time_us| telemetry.signal(record(time_us)));
+                yield_now().await;
+            }
+        };
+        block_on(select(telemetry_task(&wire, &telemetry), robot));
+        let mut bytes = [0; 512];
+        let count = wire.try_read(&mut bytes).unwrap();
+        let mut decoder = Decoder::default();
+        let mut sent = bytes[..count].iter().filter_map(|&byte| decoder.push(byte));
+        assert_eq!(sent.next(), Some(Downlink::Telemetry(record(2))));
+        assert_eq!(sent.next(), Some(Downlink::Telemetry(record(4))));
+        assert_eq!(sent.next(), None);
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! One logging macro a level, over defmt on a robot and nothing on a host, where defmt does
-//! not link. Arguments are evaluated in neither case where nobody listens.
+//! One logging macro a level: defmt on a robot that wants it, nothing elsewhere. defmt does
+//! not link on a host.
 
 #[cfg(all(feature = "defmt", target_os = "none"))]
 macro_rules! warn {

@@ -47,13 +47,13 @@ fn record(gps: &[u8]) -> SensorRecord {
 
 /// A world that plays back records and writes down the answers.
 struct Tape<'a> {
-    records: std::vec::IntoIter<SensorRecord>,
+    records: std::slice::Iter<'a, SensorRecord>,
     answers: &'a RefCell<Vec<CommandRecord>>,
 }
 
 impl Link for Tape<'_> {
     fn receive(&mut self) -> Option<SensorRecord> {
-        self.records.next()
+        self.records.next().cloned()
     }
 
     fn send(&mut self, record: &CommandRecord) {
@@ -67,7 +67,7 @@ impl Link for Tape<'_> {
 
 fn play(plan: Plan<'_>, records: &[SensorRecord]) -> Vec<CommandRecord> {
     let answers = RefCell::new(Vec::new());
-    run(plan, Tape { records: records.to_vec().into_iter(), answers: &answers });
+    run(plan, Tape { records: records.iter(), answers: &answers });
     answers.into_inner()
 }
 

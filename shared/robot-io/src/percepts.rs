@@ -30,7 +30,8 @@ pub struct Fix {
     /// When its last byte arrived, on the clock of [`Percepts::time_us`].
     pub time_us: u64,
     /// Whether the receiver vouches for it (NAV-PVT: gnssFixOK, fix type 2 to 4, position
-    /// not invalid; NMEA: quality above 0 and status A).
+    /// not invalid; NMEA: quality 1 to 5 and mode A or D, that is, measured and not estimated,
+    /// set by hand or simulated).
     pub is_valid: bool,
     /// Where.
     pub place: GeoPoint,
