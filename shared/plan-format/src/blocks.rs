@@ -7,7 +7,7 @@
 //! Invariant: after [`Plane::validate`] every look-up finds an entry, because an index beyond a
 //! palette means its last entry. Nothing has to be proved cell by cell.
 
-use crate::bytes::{u16_at, u32_at};
+use crate::bytes::{array_at, u16_at, u32_at};
 use crate::grid::{Cell, DIAGONAL_STEP, STRAIGHT_STEP};
 
 /// Side of a superblock, cells, as a power of two.
@@ -16,21 +16,26 @@ pub(crate) const SUPERBLOCK_SHIFT: u32 = 5;
 pub(crate) const BLOCKS: usize = 16;
 /// Cells in a block.
 pub(crate) const BLOCK_CELLS: usize = 64;
-/// Most bits of an index in a block.
-pub(crate) const MAX_INDEX_BITS: usize = 4;
-/// Block classes above [`MAX_INDEX_BITS`]: every cell with its own code and cost, the cost in 4 + 4
-/// bits, 8 + 8 bits (straight and diagonal steps above a base) or 32 bits.
-pub(crate) const OWN_4_4: usize = 5;
-/// See [`OWN_4_4`].
-pub(crate) const OWN_8_8: usize = 6;
-/// See [`OWN_4_4`].
-pub(crate) const OWN_32: usize = 7;
-/// Where the palette of a superblock begins: after its length and the descriptors.
-pub(crate) const PALETTE_AT: usize = 1 + 2 * BLOCKS;
-/// Bytes of the codes in a block whose cells have their own: 4 bits each.
-pub(crate) const CODES_BYTES: usize = BLOCK_CELLS / 2;
 /// Zero bytes at the end of the section, so that four bytes can be read wherever a block ends.
 pub(crate) const SLACK_BYTES: usize = 4;
+
+/// Block classes up to this are the bits of an index.
+pub(crate) const MAX_INDEX_BITS: usize = 4;
+/// The class of blocks whose cells have their own code and cost, the cost as straight and diagonal
+/// steps above a base in 4 + 4 bits.
+pub(crate) const OWN_4_4: usize = 5;
+/// As [`OWN_4_4`], in 8 + 8 bits.
+pub(crate) const OWN_8_8: usize = 6;
+/// As [`OWN_4_4`], but the cost itself in 32 bits.
+pub(crate) const OWN_32: usize = 7;
+
+/// In the first byte of a superblock, beside the palette's length: descriptors are wide.
+pub(crate) const WIDE: u8 = 0x80;
+/// Bits of a narrow descriptor below its class: where the block's window begins in the palette.
+pub(crate) const NARROW_BITS: usize = 5;
+/// Bits of a wide descriptor below its class: where the block begins in the superblock, or, of
+/// class 0, its index into the palette.
+pub(crate) const WIDE_BITS: usize = 13;
 
 /// What a plane says of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +63,7 @@ impl Place {
             .wrapping_add(cell.column >> SUPERBLOCK_SHIFT);
         Self {
             superblock: superblock as usize,
-            block: (cell.row >> 1 & 0b1100 | cell.column >> 3 & 0b11) as usize,
+            block: (((cell.row >> 3) & 3) * 4 + ((cell.column >> 3) & 3)) as usize,
             row: (cell.row & 7) as usize,
             column: (cell.column & 7) as usize,
         }
@@ -77,37 +82,45 @@ pub(crate) struct Plane<'a> {
     pub(crate) section: &'a [u8],
     /// Where the table of superblocks begins.
     pub(crate) table: u32,
+    /// Bytes of an entry, 1 or 2.
+    pub(crate) entry_bytes: usize,
 }
-
-/// The most bytes that a superblock's blocks may lie from its beginning.
-const OFFSET_MASK: usize = (1 << 13) - 1;
 
 impl<'a> Plane<'a> {
     /// What the plane says of a cell; never `None` in a plane that was validated.
     pub(crate) fn get(&self, place: Place) -> Option<Stored> {
         let superblock = self.superblock(place.superblock)?;
-        let length = usize::from(*superblock.first()?);
-        if length == 1 {
-            return u16_at(superblock, 1).map(Stored::Entry);
-        }
-        let descriptor = usize::from(u16_at(superblock, 1 + 2 * place.block)?);
-        let (class, rest) = (descriptor >> 13, descriptor & OFFSET_MASK);
-        let index = match class {
-            0 => rest,
-            1..=MAX_INDEX_BITS => {
-                let base = usize::from(*superblock.get(rest)?);
-                let row = u32_at(superblock, rest + 1 + place.row * class)?;
-                base + (row >> (place.column * class)) as usize % (1 << class)
-            }
-            _ => return own(superblock.get(rest..)?, class, place),
+        let Some((wide, length)) = superblock.several() else {
+            return superblock.entry(1, 0).map(Stored::Entry);
         };
-        let last = length.checked_sub(1)?;
-        u16_at(superblock, PALETTE_AT + 2 * index.min(last)).map(Stored::Entry)
+        let palette = palette_at(wide);
+        let (class, base, data) = if wide {
+            let descriptor = usize::from(u16_at(superblock.bytes, 1 + 2 * place.block)?);
+            let (class, rest) = (descriptor >> WIDE_BITS, descriptor % (1 << WIDE_BITS));
+            match class {
+                0 => (0, rest, 0),
+                1..=MAX_INDEX_BITS => (class, usize::from(*superblock.bytes.get(rest)?), rest + 1),
+                _ => return own(superblock.bytes.get(rest..)?, class, place),
+            }
+        } else {
+            let descriptor = usize::from(*superblock.bytes.get(1 + place.block)?);
+            let before = classes_before(superblock.bytes, place.block)?;
+            let data = palette + length * self.entry_bytes + index_bytes(1) * before;
+            (descriptor >> NARROW_BITS, descriptor % (1 << NARROW_BITS), data)
+        };
+        let index = if class == 0 {
+            base
+        } else {
+            let row = u32_at(superblock.bytes, data + place.row * class)?;
+            base + (row >> (place.column * class)) as usize % (1 << class)
+        };
+        superblock.entry(palette, index.min(length - 1)).map(Stored::Entry)
     }
 
-    fn superblock(&self, index: usize) -> Option<&'a [u8]> {
+    fn superblock(&self, index: usize) -> Option<Superblock<'a>> {
         let offset = u32_at(self.section, (self.table as usize).checked_add(4 * index)?)?;
-        self.section.get(offset as usize..)
+        let bytes = self.section.get(offset as usize..)?;
+        Some(Superblock { bytes, entry_bytes: self.entry_bytes })
     }
 
     /// Proves once that every cell of so many superblocks has an entry that `is_entry` accepts or,
@@ -120,65 +133,139 @@ impl<'a> Plane<'a> {
     ) -> bool {
         (0..superblocks).all(|index| {
             self.superblock(index)
-                .is_some_and(|bytes| is_superblock(bytes, own_allowed, &is_entry).is_some())
+                .is_some_and(|superblock| superblock.validate(own_allowed, &is_entry).is_some())
         })
     }
 }
 
-/// `Some` if every block of the superblock at the start of `bytes` can be read.
-fn is_superblock(bytes: &[u8], own_allowed: bool, is_entry: impl Fn(u16) -> bool) -> Option<()> {
-    let length = usize::from(*bytes.first()?);
-    if length == 1 {
-        return is_entry(u16_at(bytes, 1)?).then_some(());
-    }
-    let palette = bytes.get(PALETTE_AT..)?.get(..2 * length)?;
-    for entry in palette.as_chunks::<2>().0 {
-        is_entry(u16::from_le_bytes(*entry)).then_some(())?;
-    }
-    let descriptors = bytes.get(1..PALETTE_AT)?;
-    for descriptor in descriptors.as_chunks::<2>().0 {
-        let descriptor = usize::from(u16::from_le_bytes(*descriptor));
-        let (class, rest) = (descriptor >> 13, descriptor & OFFSET_MASK);
-        if class <= MAX_INDEX_BITS {
-            (length > 0).then_some(())?;
-        } else {
-            own_allowed.then_some(())?;
-        }
-        if class > 0 {
-            bytes.get(rest..)?.get(..block_bytes(class) + SLACK_BYTES)?;
-        }
-    }
-    Some(())
+/// The section from where a superblock begins.
+#[derive(Clone, Copy)]
+struct Superblock<'a> {
+    bytes: &'a [u8],
+    entry_bytes: usize,
 }
 
-/// Bytes of a block by its class, without its descriptor.
-pub(crate) const fn block_bytes(class: usize) -> usize {
-    match class {
-        0 => 0,
-        1..=MAX_INDEX_BITS => 1 + class * BLOCK_CELLS / 8,
-        OWN_4_4 => 4 + BLOCK_CELLS + CODES_BYTES,
-        OWN_8_8 => 4 + 2 * BLOCK_CELLS + CODES_BYTES,
-        _ => 4 * BLOCK_CELLS + CODES_BYTES,
+impl Superblock<'_> {
+    /// Whether the descriptors are wide, and the palette's length; `None` where one entry serves
+    /// all cells and follows at once.
+    fn several(&self) -> Option<(bool, usize)> {
+        let first = *self.bytes.first()?;
+        let length = usize::from(first & !WIDE);
+        (first > 1 && length > 0).then_some((first & WIDE != 0, length))
     }
-}
 
-/// A cell's own code and cost in a block of such a class.
-fn own(block: &[u8], class: usize, place: Place) -> Option<Stored> {
-    let cell = place.row * 8 + place.column;
-    let codes = *block.get(cell / 2)?;
-    let code = if cell.is_multiple_of(2) { codes & 15 } else { codes >> 4 };
-    let cost = if class == OWN_32 {
-        u32_at(block, CODES_BYTES + 4 * cell)?
-    } else {
-        let base = u32_at(block, CODES_BYTES)?;
-        let (straight, diagonal) = if class == OWN_4_4 {
-            let both = *block.get(CODES_BYTES + 4 + cell)?;
-            (both & 15, both >> 4)
+    /// An entry of the palette that begins at an offset.
+    fn entry(&self, palette: usize, index: usize) -> Option<u16> {
+        let at = palette + index * self.entry_bytes;
+        if self.entry_bytes == 1 {
+            self.bytes.get(at).map(|&entry| entry.into())
         } else {
-            let both = u16_at(block, CODES_BYTES + 4 + 2 * cell)?;
-            (both as u8, (both >> 8) as u8)
+            u16_at(self.bytes, at)
+        }
+    }
+
+    fn validate(&self, own_allowed: bool, is_entry: impl Fn(u16) -> bool) -> Option<()> {
+        let Some((wide, length)) = self.several() else {
+            let is_single = self.bytes.first() == Some(&1);
+            return (is_single && is_entry(self.entry(1, 0)?)).then_some(());
         };
-        base.wrapping_add(u32::from(straight) * STRAIGHT_STEP + u32::from(diagonal) * DIAGONAL_STEP)
+        for index in 0..length {
+            is_entry(self.entry(palette_at(wide), index)?).then_some(())?;
+        }
+        if wide { self.validate_wide(own_allowed) } else { self.validate_narrow(length) }
+    }
+
+    fn validate_narrow(&self, length: usize) -> Option<()> {
+        let descriptors = self.bytes.get(1..=BLOCKS)?;
+        let classes = descriptors.iter().map(|descriptor| usize::from(descriptor >> NARROW_BITS));
+        let most = classes.clone().max()?;
+        let data = palette_at(false) + length * self.entry_bytes;
+        let end = data + classes.map(index_bytes).sum::<usize>();
+        (most <= MAX_INDEX_BITS && end + SLACK_BYTES <= self.bytes.len()).then_some(())
+    }
+
+    fn validate_wide(&self, own_allowed: bool) -> Option<()> {
+        for block in 0..BLOCKS {
+            let descriptor = usize::from(u16_at(self.bytes, 1 + 2 * block)?);
+            let class = descriptor >> WIDE_BITS;
+            let rest = self.bytes.get(descriptor % (1 << WIDE_BITS)..)?;
+            let bytes = match class {
+                0 => 0,
+                1..=MAX_INDEX_BITS => 1 + index_bytes(class),
+                _ if own_allowed => own_bytes(class, mask_of(rest)?.count_ones() as usize),
+                _ => return None,
+            };
+            rest.get(..bytes + SLACK_BYTES)?;
+        }
+        Some(())
+    }
+}
+
+/// Where the palette begins: after its length and the descriptors.
+pub(crate) const fn palette_at(wide: bool) -> usize {
+    if wide { 1 + 2 * BLOCKS } else { 1 + BLOCKS }
+}
+
+/// Bytes of the indices of a block.
+pub(crate) const fn index_bytes(class: usize) -> usize {
+    class * BLOCK_CELLS / 8
+}
+
+/// The classes of all blocks before one, added up. Four narrow descriptors at a time: their
+/// classes are small enough to be added in the top byte of a product.
+fn classes_before(superblock: &[u8], block: usize) -> Option<usize> {
+    let sum = |descriptors: u32| {
+        (((descriptors >> NARROW_BITS) & 0x0707_0707).wrapping_mul(0x0101_0101) >> 24) as usize
     };
-    Some(Stored::Own { code, cost })
+    let mut total = 0;
+    for word in 0..block / 4 {
+        total += sum(u32_at(superblock, 1 + 4 * word)?);
+    }
+    let rest = u32_at(superblock, 1 + block / 4 * 4)?;
+    Some(total + sum(rest & ((1 << (8 * (block % 4))) - 1)))
+}
+
+/// Where costs of their own are stored: after the mask, and the codes of 4 bits each.
+fn own_costs_at(cells: usize) -> usize {
+    8 + cells.div_ceil(2)
+}
+
+/// Bytes of a block in which so many cells have their own code and cost.
+pub(crate) fn own_bytes(class: usize, cells: usize) -> usize {
+    own_costs_at(cells)
+        + match class {
+            OWN_4_4 => 4 + cells,
+            OWN_8_8 => 4 + 2 * cells,
+            _ => 4 * cells,
+        }
+}
+
+/// Which cells of such a block have a code and a cost.
+fn mask_of(block: &[u8]) -> Option<u64> {
+    array_at(block, 0).map(u64::from_le_bytes)
+}
+
+/// A cell's own code and cost in a block of such a class. A cell that has none is answered like
+/// the next one that has; the terrain never asks for it.
+fn own(block: &[u8], class: usize, place: Place) -> Option<Stored> {
+    let mask = mask_of(block)?;
+    let cells = mask.count_ones() as usize;
+    let before = (1u64 << (place.row * 8 + place.column)) - 1;
+    let rank = ((mask & before).count_ones() as usize).min(cells.saturating_sub(1));
+    let codes = *block.get(8 + rank / 2)?;
+    let code = if rank.is_multiple_of(2) { codes & 15 } else { codes >> 4 };
+    let at = own_costs_at(cells);
+    if class == OWN_32 {
+        return Some(Stored::Own { code, cost: u32_at(block, at + 4 * rank)? });
+    }
+    let base = u32_at(block, at)?;
+    let (straight, diagonal) = if class == OWN_4_4 {
+        let steps = *block.get(at + 4 + rank)?;
+        (steps & 15, steps >> 4)
+    } else {
+        let [straight, diagonal] = array_at(block, at + 4 + 2 * rank)?;
+        (straight, diagonal)
+    };
+    let above = u32::from(straight) * STRAIGHT_STEP + u32::from(diagonal) * DIAGONAL_STEP;
+    Some(Stored::Own { code, cost: base.wrapping_add(above) })
 }

@@ -52,6 +52,10 @@ pub(crate) const OWN_GOAL: u8 = 8;
 #[cfg(feature = "std")]
 pub(crate) const OWN_NO_ROUTE: u8 = 9;
 
+/// Bytes of an entry of plane `terrain`.
+pub(crate) const TERRAIN_BYTES: usize = 1;
+/// Bytes of an entry of plane `routes`.
+pub(crate) const ROUTE_BYTES: usize = 2;
 /// Bytes of a root: column, row, cost.
 pub(crate) const ROOT_BYTES: usize = 8;
 

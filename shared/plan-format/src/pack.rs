@@ -13,7 +13,7 @@ mod roots;
 use crate::blocks::{BLOCKS, superblocks};
 use crate::directory::Counts;
 use crate::field::{Field, NO_ROUTE, escape, is_blocked};
-use crate::layer::{ESCAPE, FREE, NO_ESCAPE, Root};
+use crate::layer::{ESCAPE, FREE, NO_ESCAPE, ROUTE_BYTES, Root, TERRAIN_BYTES};
 use blocks::Block;
 use cover::Covering;
 
@@ -67,8 +67,13 @@ pub fn pack(field: &Field) -> PackedLayer {
     PackedLayer {
         columns: field.columns,
         rows: field.rows,
-        terrain: plane(&terrain(field, block_columns, block_rows), block_columns, |_| [None; 64]),
-        routes: plane(&routes.blocks, block_columns, |block| covering.own(block)),
+        terrain: plane(
+            &terrain(field, block_columns, block_rows),
+            block_columns,
+            TERRAIN_BYTES,
+            |_| [None; 64],
+        ),
+        routes: plane(&routes.blocks, block_columns, ROUTE_BYTES, |block| covering.own(block)),
         roots: routes.roots.iter().flat_map(root_bytes).collect(),
         counts: counts(field),
     }
@@ -123,6 +128,7 @@ fn terrain(field: &Field, block_columns: usize, block_rows: usize) -> Vec<Block>
 fn plane(
     blocks: &[Block],
     block_columns: usize,
+    entry_bytes: usize,
     own: impl Fn(usize) -> [Option<(u8, u32)>; 64],
 ) -> PackedPlane {
     let mut packed = PackedPlane { bytes: Vec::new(), ends: Vec::new() };
@@ -131,8 +137,9 @@ fn plane(
         for column in (0..block_columns).step_by(4) {
             let index = |block: usize| (row + block / 4) * block_columns + column + block % 4;
             let sixteen: [Block; BLOCKS] = std::array::from_fn(|at| blocks[index(at)].clone());
-            let bytes = blocks::superblock(&sixteen).or_else(|| {
-                blocks::superblock(&std::array::from_fn(|at| Block::Own(Box::new(own(index(at))))))
+            let bytes = blocks::superblock(&sixteen, entry_bytes).or_else(|| {
+                let own = |at| Block::Own(Box::new(own(index(at))));
+                blocks::superblock(&std::array::from_fn(own), entry_bytes)
             });
             packed.bytes.extend_from_slice(&bytes.unwrap_or_default());
             packed.ends.push(packed.bytes.len());

@@ -1,9 +1,10 @@
 //! Blocks and superblocks: from what each cell needs to bytes.
 
 use crate::blocks::{
-    BLOCK_CELLS, BLOCKS, CODES_BYTES, MAX_INDEX_BITS, OWN_4_4, OWN_8_8, OWN_32, PALETTE_AT,
-    block_bytes,
+    BLOCK_CELLS, BLOCKS, MAX_INDEX_BITS, NARROW_BITS, OWN_4_4, OWN_8_8, OWN_32, WIDE, WIDE_BITS,
+    index_bytes, palette_at,
 };
+use crate::field::MOVES;
 use crate::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 
 /// What a block will hold.
@@ -18,70 +19,99 @@ pub(crate) enum Block {
 
 /// Most entries that one block may choose from.
 pub(crate) const MAX_BLOCK_ENTRIES: usize = 1 << MAX_INDEX_BITS;
-/// Most entries of a superblock's palette; its length is one byte.
-const MAX_PALETTE: usize = 255;
+/// Most entries of a superblock's palette.
+const MAX_PALETTE: usize = (!WIDE) as usize;
 
-/// The bytes of a superblock; `None` if its palette would be too long.
-pub(crate) fn superblock(blocks: &[Block; BLOCKS]) -> Option<Vec<u8>> {
+/// The bytes of a superblock whose entries take 1 or 2 bytes; `None` if its palette would be too
+/// long.
+pub(crate) fn superblock(blocks: &[Block; BLOCKS], entry_bytes: usize) -> Option<Vec<u8>> {
     let palette = Palette::of(blocks)?;
-    if let [entry] = palette.entries[..] {
-        let [low, high] = entry.to_le_bytes();
-        return Some(vec![1, low, high]);
+    let entries: Vec<u8> = palette
+        .entries
+        .iter()
+        .flat_map(|entry| entry.to_le_bytes().into_iter().take(entry_bytes))
+        .collect();
+    if palette.entries.len() == 1 {
+        return Some([&[1], &entries[..]].concat());
     }
+    let wide = wide(blocks, &palette, &entries);
+    Some(match narrow(blocks, &palette, &entries) {
+        Some(narrow) if narrow.len() <= wide.len() => narrow,
+        _ => wide,
+    })
+}
+
+/// One byte for each block's class and window, then the indices in the order of the blocks.
+fn narrow(blocks: &[Block; BLOCKS], palette: &Palette, entries: &[u8]) -> Option<Vec<u8>> {
     let mut bytes = vec![palette.entries.len() as u8];
-    bytes.resize(PALETTE_AT, 0);
-    for entry in &palette.entries {
-        bytes.extend_from_slice(&entry.to_le_bytes());
+    let mut data = Vec::new();
+    for block in blocks {
+        let Block::Palette(wanted) = block else { return None };
+        let base = palette.window(wanted).unwrap_or(0);
+        let indices = indices(wanted, &palette.entries[base..]);
+        let class = indices.len() / index_bytes(1);
+        if base >> NARROW_BITS > 0 {
+            return None;
+        }
+        bytes.push((class << NARROW_BITS | base) as u8);
+        data.extend(indices);
     }
-    // Equal blocks of a superblock are stored once.
-    let mut written: Vec<(usize, Vec<u8>)> = Vec::new();
-    for (block, descriptor_at) in blocks.iter().zip((1..).step_by(2)) {
-        let (class, body) = body(block, &palette);
-        let rest = match (class, &body[..]) {
-            (0, &[index]) => usize::from(index),
-            _ => match written.iter().find(|(_, known)| *known == body) {
-                Some(&(offset, _)) => offset,
-                None => {
-                    let offset = bytes.len();
-                    bytes.extend_from_slice(&body);
-                    written.push((offset, body));
-                    offset
-                }
-            },
-        };
-        let descriptor = (class << 13 | rest) as u16;
-        bytes[descriptor_at..descriptor_at + 2].copy_from_slice(&descriptor.to_le_bytes());
-    }
+    bytes.extend_from_slice(entries);
+    bytes.extend(data);
     Some(bytes)
 }
 
-/// The class of a block and its bytes; for class 0, the index that goes into the descriptor.
-fn body(block: &Block, palette: &Palette) -> (usize, Vec<u8>) {
-    let (entries, cells) = match block {
-        Block::Own(cells) => return own_body(cells),
-        Block::Palette(entries) => (entries, entries.len()),
-    };
-    let bits = index_bits(cells);
-    let base = palette.window(entries).unwrap_or(0);
-    if bits == 0 {
-        return (0, vec![base as u8]);
+/// Two bytes for each block's class and place; equal blocks are stored once.
+fn wide(blocks: &[Block; BLOCKS], palette: &Palette, entries: &[u8]) -> Vec<u8> {
+    let mut bytes = vec![palette.entries.len() as u8 | WIDE];
+    bytes.resize(palette_at(true), 0);
+    bytes.extend_from_slice(entries);
+    let mut written: Vec<(usize, Vec<u8>)> = Vec::new();
+    for (block, descriptor_at) in blocks.iter().zip((1..).step_by(2)) {
+        let (class, body) = match block {
+            Block::Own(cells) => own_body(cells),
+            Block::Palette(wanted) => {
+                let base = palette.window(wanted).unwrap_or(0);
+                let indices = indices(wanted, &palette.entries[base..]);
+                (indices.len() / index_bytes(1), [&[base as u8], &indices[..]].concat())
+            }
+        };
+        let rest = if class == 0 {
+            usize::from(body[0])
+        } else if let Some(&(offset, _)) = written.iter().find(|(_, known)| *known == body) {
+            offset
+        } else {
+            let offset = bytes.len();
+            bytes.extend_from_slice(&body);
+            written.push((offset, body));
+            offset
+        };
+        let descriptor = (class << WIDE_BITS | rest) as u16;
+        bytes[descriptor_at..descriptor_at + 2].copy_from_slice(&descriptor.to_le_bytes());
     }
-    let mut body = vec![0; block_bytes(bits)];
-    body[0] = base as u8;
-    for &(entry, cells) in entries {
-        let index = palette.entries[base..].iter().position(|&known| known == entry).unwrap_or(0);
+    bytes
+}
+
+/// Each cell's index into a window of the palette, 0 where it does not matter.
+fn indices(wanted: &[(u16, u64)], window: &[u16]) -> Vec<u8> {
+    let bits = index_bits(wanted.len());
+    let mut rows = vec![0; index_bytes(bits)];
+    for &(entry, cells) in wanted {
+        let index = window.iter().position(|&known| known == entry).unwrap_or(0);
         for cell in ones(cells) {
             let bit = cell % 8 * bits;
-            let at = 1 + cell / 8 * bits + bit / 8;
+            let at = cell / 8 * bits + bit / 8;
             let shifted = index << (bit % 8);
-            body[at] |= shifted as u8;
+            if shifted > 0 {
+                rows[at] |= shifted as u8;
+            }
             // An index of three bits may straddle two bytes of its row.
             if shifted > 0xff {
-                body[at + 1] |= (shifted >> 8) as u8;
+                rows[at + 1] |= (shifted >> 8) as u8;
             }
         }
     }
-    (bits, body)
+    rows
 }
 
 /// Bits of an index into so many entries.
@@ -155,31 +185,32 @@ impl Palette {
 
 /// The class and bytes of cells that have their own code and cost: the smallest that holds them.
 fn own_body(cells: &[Option<(u8, u32)>; BLOCK_CELLS]) -> (usize, Vec<u8>) {
-    let mut body = vec![0; CODES_BYTES];
-    for (cell, &content) in cells.iter().enumerate() {
-        let code = content.map_or(0, |(code, _)| code);
-        body[cell / 2] |= code << (cell % 2 * 4);
-    }
-    let costs = cells.map(|content| content.filter(|&(code, _)| code < 8).map(|(_, cost)| cost));
-    let steps = costs.map(|cost| cost.map(|cost| steps(cost).unwrap_or((0, u32::MAX))));
-    let known = || steps.iter().flatten().copied();
-    let least = known().fold((u32::MAX, u32::MAX), |l, s| (l.0.min(s.0), l.1.min(s.1)));
-    let base =
-        least.0.wrapping_mul(STRAIGHT_STEP).wrapping_add(least.1.wrapping_mul(DIAGONAL_STEP));
-    let widest = known().map(|s| (s.0 - least.0).max(s.1 - least.1)).max().unwrap_or(0);
-    let class = match widest {
-        _ if least.1 == u32::MAX && known().next().is_some() => OWN_32,
-        0..=15 => OWN_4_4,
-        16..=255 => OWN_8_8,
-        _ => OWN_32,
+    let mask = cells.iter().rev().fold(0u64, |mask, cell| mask << 1 | u64::from(cell.is_some()));
+    let mut body = mask.to_le_bytes().to_vec();
+    let cells: Vec<(u8, u32)> = cells.iter().flatten().copied().collect();
+    body.extend(cells.chunks(2).map(|pair| pair[0].0 | pair.get(1).map_or(0, |cell| cell.0 << 4)));
+    // Only moves have a cost; the others are given one that costs nothing to store.
+    let moves = cells.iter().filter(|&&(code, _)| code < MOVES);
+    let steps: Option<Vec<(u32, u32)>> = moves.map(|&(_, cost)| steps(cost)).collect();
+    let least = |steps: &[(u32, u32)]| {
+        let straight = steps.iter().map(|step| step.0).min().unwrap_or(0);
+        (straight, steps.iter().map(|step| step.1).min().unwrap_or(0))
     };
-    if class == OWN_32 {
-        body.extend(costs.iter().flat_map(|cost| cost.unwrap_or(0).to_le_bytes()));
-        return (class, body);
-    }
-    body.extend_from_slice(&base.to_le_bytes());
-    for step in steps {
-        let (straight, diagonal) = step.map_or((0, 0), |s| (s.0 - least.0, s.1 - least.1));
+    let widest = |steps: &[(u32, u32)]| {
+        let (straight, diagonal) = least(steps);
+        steps.iter().map(|step| (step.0 - straight).max(step.1 - diagonal)).max().unwrap_or(0)
+    };
+    let Some(steps) = steps.filter(|steps| widest(steps) <= 0xff) else {
+        body.extend(cells.iter().flat_map(|(_, cost)| cost.to_le_bytes()));
+        return (OWN_32, body);
+    };
+    let class = if widest(&steps) <= 0xf { OWN_4_4 } else { OWN_8_8 };
+    let (straight, diagonal) = least(&steps);
+    body.extend_from_slice(&(straight * STRAIGHT_STEP + diagonal * DIAGONAL_STEP).to_le_bytes());
+    let mut steps = steps.into_iter();
+    for (code, _) in cells {
+        let step = if code < MOVES { steps.next() } else { None };
+        let (straight, diagonal) = step.map_or((0, 0), |s| (s.0 - straight, s.1 - diagonal));
         if class == OWN_4_4 {
             body.push((straight | diagonal << 4) as u8);
         } else {
@@ -190,7 +221,7 @@ fn own_body(cells: &[Option<(u8, u32)>; BLOCK_CELLS]) -> (usize, Vec<u8>) {
 }
 
 /// Bytes that a block of own cells takes.
-pub(crate) fn own_bytes(cells: &[Option<(u8, u32)>; BLOCK_CELLS]) -> usize {
+pub(crate) fn own_length(cells: &[Option<(u8, u32)>; BLOCK_CELLS]) -> usize {
     own_body(cells).1.len()
 }
 

@@ -1,9 +1,9 @@
 //! Which roots the cells of each block refer to: as few as possible, the same as next door.
 
-use super::blocks::{Block, MAX_BLOCK_ENTRIES, ones, own_bytes};
+use super::blocks::{Block, MAX_BLOCK_ENTRIES, ones, own_length};
 use super::moves::Bordered;
 use super::roots::{NO_ROOT, Roots, ways};
-use crate::blocks::{BLOCK_CELLS, MAX_INDEX_BITS, block_bytes};
+use crate::blocks::{BLOCK_CELLS, index_bytes};
 use crate::field::{Field, GOAL, MOVES, NO_ROUTE};
 use crate::grid::Cell;
 use crate::layer::{NO_ROUTE_ENTRY, OWN_GOAL, OWN_NO_ROUTE, ROOT_BYTES, Root};
@@ -153,9 +153,8 @@ impl Covering<'_> {
             let bits = entries.len().next_power_of_two().trailing_zeros() as usize;
             let shares =
                 roots_of(choice).map(|root| ROOT_BYTES as f32 / uses[root as usize] as f32);
-            let bytes = (block_bytes(bits.min(MAX_INDEX_BITS)) + 2 * entries.len()) as f32
-                + shares.sum::<f32>();
-            if bytes > own_bytes(&self.own(block)) as f32 {
+            let bytes = (1 + index_bytes(bits) + 2 * entries.len()) as f32 + shares.sum::<f32>();
+            if bytes > own_length(&self.own(block)) as f32 {
                 *choice = Choice::Own;
             }
         }
