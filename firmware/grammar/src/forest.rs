@@ -97,6 +97,8 @@ pub enum Choice {
 pub enum Ended {
     /// The plan goes on.
     GoesOn,
+    /// This frame waits for nothing any more.
+    Completes(Id),
     /// This frame will choose anew.
     FallsBack(Id),
     /// The root is finished; the plan is gone.
@@ -244,26 +246,21 @@ impl Forest {
         (id, Choice::Production(chosen))
     }
 
-    /// A component has done what it is for. It leaves the plan, and so does every frame above it
-    /// that waited for nothing else.
+    /// A component has done what it is for, and leaves the plan. What it was in the way of is
+    /// scheduled; a frame that waits for nothing else is for the caller to finish next.
     pub fn finish(&mut self, mission: &Mission<'_>, id: Id, tell: &mut dyn FnMut(Event)) -> Ended {
-        let mut id = id;
-        // Each round goes one level up.
-        for _ in 0..MAX_DEPTH {
-            let Some(component) = self.get(id).copied() else { return Ended::GoesOn };
-            self.set_life(id, Life::Finished, tell);
-            self.delete(id, tell);
-            let Some(parent) = component.parent else { return Ended::RootFinished };
-            let Some(production) = self.finish_edge(mission, parent, component.edge) else {
-                return Ended::GoesOn;
-            };
-            if !self.is_reached(mission, parent, &production, production.vertices.saturating_sub(1))
-            {
-                self.schedule_reached(mission, parent, &production, tell);
-                return Ended::GoesOn;
-            }
-            id = parent;
+        let Some(component) = self.get(id).copied() else { return Ended::GoesOn };
+        self.abandon_below(id, tell);
+        self.set_life(id, Life::Finished, tell);
+        self.delete(id, tell);
+        let Some(parent) = component.parent else { return Ended::RootFinished };
+        let Some(production) = self.finish_edge(mission, parent, component.edge) else {
+            return Ended::GoesOn;
+        };
+        if self.get(parent).is_some_and(|frame| frame.finished == all_edges(&production)) {
+            return Ended::Completes(parent);
         }
+        self.schedule_reached(mission, parent, &production, tell);
         Ended::GoesOn
     }
 
@@ -298,6 +295,15 @@ impl Forest {
             slot.finished = 0;
         }
         self.set_life(frame, Life::Scheduled, tell);
+    }
+
+    /// As [`Forest::fall_back`], when the world has changed behind the frame's back, by which it is
+    /// not to blame: what it has tried may be tried again.
+    pub fn begin_anew(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
+        self.fall_back(frame, tell);
+        if let Some(slot) = self.get_mut(frame) {
+            slot.tried = 0;
+        }
     }
 
     /// Puts a behaviour's plan to sleep as it is.

@@ -163,7 +163,7 @@ impl<'g> Run<'g> {
                     self.forest.start(id, &mut |_| {});
                     if action(name) {
                         write!(self.log, " {name}").expect("strings take everything");
-                        self.forest.finish(&self.mission, id, &mut |_| {})
+                        finish(&mut self.forest, &self.mission, id, &mut |_| {})
                     } else {
                         write!(self.log, " {name}!").expect("strings take everything");
                         self.forest.fail(id, &mut |_| {})
@@ -174,7 +174,7 @@ impl<'g> Run<'g> {
                     match self.forest.decompose(&self.mission, id, &mut ask, &mut |_| {}) {
                         (_, Choice::Production(_)) => Ended::GoesOn,
                         (id, Choice::LoopEnded) => {
-                            self.forest.finish(&self.mission, id, &mut |_| {})
+                            finish(&mut self.forest, &self.mission, id, &mut |_| {})
                         }
                         (id, _) => self.forest.fail(id, &mut |_| {}),
                     }
@@ -183,11 +183,25 @@ impl<'g> Run<'g> {
             match ended {
                 Ended::RootFinished => self.log.push_str(" done"),
                 Ended::RootFailed => self.log.push_str(" failed"),
-                Ended::GoesOn | Ended::FallsBack(_) => {}
+                Ended::GoesOn | Ended::Completes(_) | Ended::FallsBack(_) => {}
             }
         }
         self.log.trim()
     }
+}
+
+/// Finishes a component and every frame that it completes.
+fn finish(
+    forest: &mut Forest,
+    mission: &Mission<'_>,
+    id: Id,
+    tell: &mut dyn FnMut(Event),
+) -> Ended {
+    let mut ended = forest.finish(mission, id, tell);
+    while let Ended::Completes(frame) = ended {
+        ended = forest.finish(mission, frame, tell);
+    }
+    ended
 }
 
 /// What a grammar does when everything succeeds and everything is applicable.
@@ -282,7 +296,7 @@ fn h07_a_million_rounds_in_constant_memory() {
         match run.forest.get(id).expect("it lives").symbol {
             Symbol::Action(_) => {
                 run.forest.start(id, &mut |_| {});
-                run.forest.finish(&run.mission, id, &mut |_| {});
+                finish(&mut run.forest, &run.mission, id, &mut |_| {});
                 rounds += 1;
             }
             Symbol::Frame(_) => match run.forest.decompose(&run.mission, id, &mut ask, &mut |_| {})
@@ -291,7 +305,7 @@ fn h07_a_million_rounds_in_constant_memory() {
                 (id, choice) => {
                     assert_eq!(choice, Choice::LoopEnded);
                     assert_eq!(
-                        run.forest.finish(&run.mission, id, &mut |_| {}),
+                        finish(&mut run.forest, &run.mission, id, &mut |_| {}),
                         Ended::RootFinished
                     );
                 }
@@ -447,13 +461,13 @@ proptest! {
                 Some(Symbol::Action(_)) if luck < 64 => { forest.fail(id, &mut tell); }
                 Some(Symbol::Action(_)) => {
                     forest.start(id, &mut tell);
-                    forest.finish(&mission, id, &mut tell);
+                    finish(&mut forest, &mission, id, &mut tell);
                 }
                 _ => {
                     let mut ask = |index, _: &Production| f32::from(u8::from((luck >> (index % 8)) & 1 == 1));
                     match forest.decompose(&mission, id, &mut ask, &mut tell) {
                         (_, Choice::Production(_)) => {}
-                        (id, Choice::LoopEnded) => { forest.finish(&mission, id, &mut tell); }
+                        (id, Choice::LoopEnded) => { finish(&mut forest, &mission, id, &mut tell); }
                         (id, _) => { forest.fail(id, &mut tell); }
                     }
                 }
