@@ -4,8 +4,8 @@ use super::{Failure, layers, open, parallel_plans, read_blob};
 use crate::cli::Inspect;
 use plan_compiler::compile::{metres, pair};
 use plan_format::parameters::{OnTrouble, Selection, Steering};
-use plan_format::{FORMAT_VERSION, Plan};
-use serde_json::{Value, json};
+use plan_format::{Counts, FORMAT_VERSION, Layer, Plan};
+use serde::Serialize;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -14,7 +14,9 @@ pub(super) fn run(args: &Inspect) -> Result<(), Failure> {
     let plan = open(&args.plans, &bytes)?;
     let mut out = io::stdout().lock();
     if args.json {
-        writeln!(out, "{:#}", as_json(&plan, bytes.len()))?;
+        serde_json::to_writer_pretty(&mut out, &describe(&plan, bytes.len()))
+            .map_err(io::Error::from)?;
+        writeln!(out)?;
     } else {
         write_text(&mut out, &args.plans, &plan, bytes.len())?;
     }
@@ -22,43 +24,70 @@ pub(super) fn run(args: &Inspect) -> Result<(), Failure> {
     Ok(())
 }
 
-fn as_json(plan: &Plan<'_>, bytes: usize) -> Value {
+/// The whole of the JSON. Programs rely on these names.
+#[derive(Serialize)]
+struct Blob<'b> {
+    format_version: u16,
+    bytes: usize,
+    columns: u32,
+    rows: u32,
+    resolution_m: f64,
+    corner_m: [f64; 2],
+    origin: Option<Place>,
+    plans: Vec<Parallel<'b>>,
+}
+
+#[derive(Serialize)]
+struct Place {
+    lat_deg: f64,
+    lon_deg: f64,
+    at_m: [f64; 2],
+    heading_rad: f64,
+}
+
+#[derive(Serialize)]
+struct Parallel<'b> {
+    name: &'b str,
+    goal_m: [f64; 2],
+    layers: Vec<OneLayer<'b>>,
+}
+
+#[derive(Serialize)]
+struct OneLayer<'b> {
+    name: &'b str,
+    bytes: usize,
+    free: u32,
+    blocked: u32,
+    unreachable: u32,
+}
+
+fn describe<'b>(plan: &Plan<'b>, bytes: usize) -> Blob<'b> {
     let grid = plan.grid();
-    let origin = plan.origin().map(|origin| {
-        json!({
-            "lat_deg": origin.place.lat_deg(),
-            "lon_deg": origin.place.lon_deg(),
-            "at_m": origin.at_m,
-            "heading_rad": origin.heading_rad,
-        })
+    let origin = plan.origin().map(|origin| Place {
+        lat_deg: origin.place.lat_deg(),
+        lon_deg: origin.place.lon_deg(),
+        at_m: origin.at_m,
+        heading_rad: origin.heading_rad,
     });
-    let plans: Vec<Value> = parallel_plans(plan)
-        .map(|parallel| {
-            let layers: Vec<Value> = layers(parallel)
-                .map(|layer| {
-                    let counts = layer.counts();
-                    json!({
-                        "name": layer.name(),
-                        "bytes": layer.bytes(),
-                        "free": counts.free,
-                        "blocked": counts.blocked,
-                        "unreachable": counts.unreachable,
-                    })
-                })
-                .collect();
-            json!({ "name": parallel.name(), "goal_m": parallel.goal_m(), "layers": layers })
-        })
-        .collect();
-    json!({
-        "format_version": FORMAT_VERSION,
-        "bytes": bytes,
-        "columns": grid.columns,
-        "rows": grid.rows,
-        "resolution_m": grid.resolution_m,
-        "corner_m": grid.corner_m,
-        "origin": origin,
-        "plans": plans,
-    })
+    let one_layer = |layer: Layer<'b>| {
+        let Counts { free, blocked, unreachable } = layer.counts();
+        OneLayer { name: layer.name(), bytes: layer.bytes(), free, blocked, unreachable }
+    };
+    let plans = parallel_plans(plan).map(|parallel| Parallel {
+        name: parallel.name(),
+        goal_m: parallel.goal_m(),
+        layers: layers(parallel).map(one_layer).collect(),
+    });
+    Blob {
+        format_version: FORMAT_VERSION,
+        bytes,
+        columns: grid.columns,
+        rows: grid.rows,
+        resolution_m: grid.resolution_m,
+        corner_m: grid.corner_m,
+        origin,
+        plans: plans.collect(),
+    }
 }
 
 fn write_text(out: &mut dyn Write, path: &Path, plan: &Plan<'_>, bytes: usize) -> io::Result<()> {

@@ -70,7 +70,7 @@ impl Sampled {
             let colour = match class as Class {
                 NO_ROUTE => no_route.to_owned(),
                 BLOCKED => blocked.to_owned(),
-                _ => mixed(class as f64 / self.bands.max(2) as f64),
+                _ => mixed(class as f64 / self.bands.max(2) as f64, class % 2 == 1),
             };
             group = group.add(Path::new().set("d", path).set("fill", colour));
         }
@@ -145,13 +145,15 @@ fn sample(layer: &Layer<'_>, corner: Cell, step: u32) -> Result<u32, Class> {
     found
 }
 
-/// The ramp's colour at 0 to 1.
-fn mixed(at: f64) -> String {
+/// The ramp's colour at 0 to 1. Every other band is a little darker, so that its edges show.
+fn mixed(at: f64, darker: bool) -> String {
+    let shade = if darker { 0.96 } else { 1.0 };
     let scaled = at.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
     let below = (scaled as usize).min(RAMP.len() - 2);
     let part = scaled - below as f64;
-    let channel =
-        |c: usize| (RAMP[below][c] + (RAMP[below + 1][c] - RAMP[below][c]) * part).round() as u8;
+    let channel = |c: usize| {
+        ((RAMP[below][c] + (RAMP[below + 1][c] - RAMP[below][c]) * part) * shade).round() as u8
+    };
     format!("#{:02x}{:02x}{:02x}", channel(0), channel(1), channel(2))
 }
 
@@ -201,8 +203,8 @@ mod tests {
 
     #[test]
     fn the_ramp_begins_and_ends_with_its_colours() {
-        assert_eq!(mixed(0.0), "#fffadc");
-        assert_eq!(mixed(1.0), "#5682b8");
-        assert_eq!(mixed(7.0), "#5682b8");
+        assert_eq!(mixed(0.0, false), "#fffadc");
+        assert_eq!(mixed(1.0, false), "#5682b8");
+        assert_eq!(mixed(7.0, true), "#537db1");
     }
 }
