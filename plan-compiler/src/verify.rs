@@ -216,6 +216,10 @@ impl Proof<'_> {
             return Err("the goal is not where the plan says".into());
         }
         let cost = self.cost(cell);
+        let has_cost = if code == GOAL { cost == 0 } else { cost != UNREACHED };
+        if has_cost != (code != NO_ROUTE) {
+            return Err("its cost and its advice disagree".into());
+        }
         for direction in Direction::ALL {
             let Some(next) = self.step(cell, direction) else { continue };
             let through = self.cost(next).checked_add(direction.step_cost());
@@ -311,5 +315,91 @@ impl Proof<'_> {
 
     fn blocks(&self, cell: Cell) -> bool {
         is_blocked(self.code(cell))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::solve;
+
+    /// What the proof says of a field.
+    fn check(field: &Field, goal: Cell, corners: Corners) -> Vec<String> {
+        let (columns, rows) = (field.columns, field.rows);
+        let grid = Grid { columns, rows, resolution_m: 1.0, corner_m: [0.0, 0.0] };
+        let mut report = Report::default();
+        let mut found = Findings { report: &mut report, grid: &grid, layer: "a/b", listed: 0 };
+        Proof { field, goal: Some(goal), corners }.check(&mut found);
+        assert!(report.count >= report.violations.len());
+        report.violations.into_iter().map(|violation| violation.what).collect()
+    }
+
+    /// A free, a blocked and a walled-in part; `#` is blocked, row 0 at the bottom.
+    fn room() -> Bitmap {
+        let rows = [
+            "..........",
+            ".###..###.",
+            ".#.#..#...",
+            ".###.##...",
+            "....#.....",
+            "..........",
+            "######....",
+            ".....#....",
+        ];
+        let at =
+            |cell: Cell| rows[rows.len() - 1 - cell.row as usize].as_bytes()[cell.column as usize];
+        Bitmap::from_fn(10, 8, |cell| at(cell) == b'#')
+    }
+
+    #[test]
+    fn right_fields_are_proved() {
+        for corners in [Corners::Forbid, Corners::Allow] {
+            for goal in [Cell::new(0, 7), Cell::new(9, 0), Cell::new(5, 3), Cell::new(0, 0)] {
+                let field = solve(&room(), goal, corners);
+                assert_eq!(check(&field, goal, corners), [""; 0]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_field_is_wrong_by_the_other_rule() {
+        let goal = Cell::new(0, 7);
+        let field = solve(&room(), goal, Corners::Allow);
+        assert_ne!(check(&field, goal, Corners::Forbid), [""; 0]);
+    }
+
+    #[test]
+    fn every_change_of_any_cell_is_found() {
+        let goal = Cell::new(9, 7);
+        let right = solve(&room(), goal, Corners::Forbid);
+        for index in 0..right.code.len() {
+            for code in (0..=NO_ESCAPE).chain(ESCAPE..ESCAPE + 8) {
+                let mut wrong = right.clone();
+                wrong.code[index] = code;
+                let found = check(&wrong, goal, Corners::Forbid);
+                // Another obstacle is another map; whether it is the right one, only a
+                // comparison with that map tells. Another move may be as good.
+                if is_blocked(code) != is_blocked(right.code[index]) {
+                    continue;
+                }
+                let cell = Cell::new(index as u32 % 10, index as u32 / 10);
+                let as_good = advised(code).is_some_and(|direction| {
+                    let next = cell.neighbour(direction, 10, 8).map(|c| c.row * 10 + c.column);
+                    let rest = next.and_then(|next| right.cost.get(next as usize)).copied();
+                    rest.and_then(|rest| rest.checked_add(direction.step_cost()))
+                        == Some(right.cost[index])
+                });
+                let tie = as_good || escape(code).is_some();
+                assert!(code == right.code[index] || tie || !found.is_empty(), "{index} {code}");
+            }
+            for change in [-1_i64, 1, 5741] {
+                let cost = i64::from(right.cost[index]) + change;
+                let Ok(cost) = u32::try_from(cost) else { continue };
+                let mut wrong = right.clone();
+                wrong.cost[index] = cost;
+                let found = check(&wrong, goal, Corners::Forbid);
+                assert!(is_blocked(right.code[index]) || !found.is_empty(), "{index} {change}");
+            }
+        }
     }
 }
