@@ -13,9 +13,12 @@ mod roots;
 use crate::blocks::{BLOCKS, superblocks};
 use crate::directory::Counts;
 use crate::field::{Field, NO_ROUTE, escape, is_blocked};
-use crate::layer::{ESCAPE, FREE, NO_ESCAPE, ROUTE_BYTES, Root, TERRAIN_BYTES};
-use blocks::Block;
+use crate::layer::{ESCAPE, FREE, NO_ESCAPE, NO_ROUTE_ENTRY, ROUTE_BYTES, Root, TERRAIN_BYTES};
+use blocks::{Block, Entries};
 use cover::Covering;
+
+const TERRAIN: Entries = Entries { bytes: TERRAIN_BYTES, filler: FREE };
+const ROUTES: Entries = Entries { bytes: ROUTE_BYTES, filler: NO_ROUTE_ENTRY };
 
 /// A field as the blob stores it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -67,13 +70,10 @@ pub fn pack(field: &Field) -> PackedLayer {
     PackedLayer {
         columns: field.columns,
         rows: field.rows,
-        terrain: plane(
-            &terrain(field, block_columns, block_rows),
-            block_columns,
-            TERRAIN_BYTES,
-            |_| [None; 64],
-        ),
-        routes: plane(&routes.blocks, block_columns, ROUTE_BYTES, |block| covering.own(block)),
+        terrain: plane(&terrain(field, block_columns, block_rows), block_columns, TERRAIN, |_| {
+            [None; 64]
+        }),
+        routes: plane(&routes.blocks, block_columns, ROUTES, |block| covering.own(block)),
         roots: routes.roots.iter().flat_map(root_bytes).collect(),
         counts: counts(field),
     }
@@ -128,7 +128,7 @@ fn terrain(field: &Field, block_columns: usize, block_rows: usize) -> Vec<Block>
 fn plane(
     blocks: &[Block],
     block_columns: usize,
-    entry_bytes: usize,
+    entries: Entries,
     own: impl Fn(usize) -> [Option<(u8, u32)>; 64],
 ) -> PackedPlane {
     let mut packed = PackedPlane { bytes: Vec::new(), ends: Vec::new() };
@@ -137,9 +137,9 @@ fn plane(
         for column in (0..block_columns).step_by(4) {
             let index = |block: usize| (row + block / 4) * block_columns + column + block % 4;
             let sixteen: [Block; BLOCKS] = std::array::from_fn(|at| blocks[index(at)].clone());
-            let bytes = blocks::superblock(&sixteen, entry_bytes).or_else(|| {
+            let bytes = blocks::superblock(&sixteen, entries).or_else(|| {
                 let own = |at| Block::Own(Box::new(own(index(at))));
-                blocks::superblock(&std::array::from_fn(own), entry_bytes)
+                blocks::superblock(&std::array::from_fn(own), entries)
             });
             packed.bytes.extend_from_slice(&bytes.unwrap_or_default());
             packed.ends.push(packed.bytes.len());

@@ -22,14 +22,22 @@ pub(crate) const MAX_BLOCK_ENTRIES: usize = 1 << MAX_INDEX_BITS;
 /// Most entries of a superblock's palette.
 const MAX_PALETTE: usize = (!WIDE) as usize;
 
-/// The bytes of a superblock whose entries take 1 or 2 bytes; `None` if its palette would be too
-/// long.
-pub(crate) fn superblock(blocks: &[Block; BLOCKS], entry_bytes: usize) -> Option<Vec<u8>> {
-    let palette = Palette::of(blocks)?;
+/// How a plane stores its entries.
+#[derive(Clone, Copy)]
+pub(crate) struct Entries {
+    /// Bytes of an entry, 1 or 2.
+    pub(crate) bytes: usize,
+    /// The entry where none matters.
+    pub(crate) filler: u16,
+}
+
+/// The bytes of a superblock; `None` if its palette would be too long.
+pub(crate) fn superblock(blocks: &[Block; BLOCKS], plane: Entries) -> Option<Vec<u8>> {
+    let palette = Palette::of(blocks, plane.filler)?;
     let entries: Vec<u8> = palette
         .entries
         .iter()
-        .flat_map(|entry| entry.to_le_bytes().into_iter().take(entry_bytes))
+        .flat_map(|entry| entry.to_le_bytes().into_iter().take(plane.bytes))
         .collect();
     if palette.entries.len() == 1 {
         return Some([&[1], &entries[..]].concat());
@@ -136,7 +144,7 @@ struct Palette {
 }
 
 impl Palette {
-    fn of(blocks: &[Block; BLOCKS]) -> Option<Self> {
+    fn of(blocks: &[Block; BLOCKS], filler: u16) -> Option<Self> {
         let mut wanted: Vec<&Vec<(u16, u64)>> = blocks
             .iter()
             .filter_map(|block| match block {
@@ -154,8 +162,8 @@ impl Palette {
         }
         let own = blocks.iter().any(|block| matches!(block, Block::Own(_)));
         match palette.entries[..] {
-            // Nothing matters, or every block has its own cells: any entry will do.
-            [] => palette.entries.resize(if own { 2 } else { 1 }, 0),
+            // Nothing matters, or every block has its own cells.
+            [] => palette.entries.resize(if own { 2 } else { 1 }, filler),
             // A palette of one entry stands for a whole superblock.
             [only] if own => palette.entries.push(only),
             _ => {}
