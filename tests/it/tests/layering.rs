@@ -16,6 +16,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("schemas", &["math", "plan-format", "robot-io"]),
     ("grammar", &["plan-format"]),
     ("monitor", &["plan-format"]),
+    ("behaviour", &["fuzzy", "grammar", "math", "monitor", "plan-format"]),
     ("fuzzy", &["math", "plan-format"]),
     ("controller", &["advice", "math", "plan-format", "robot-io", "schemas"]),
     ("runtime", &["controller", "math", "plan-format", "robot-io"]),

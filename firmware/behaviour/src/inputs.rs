@@ -1,0 +1,188 @@
+//! From observations to aspects of interest, facts and criticalities.
+
+use crate::report::Report;
+use crate::{Behaviours, fact_bit};
+use math::{Vec2, vector};
+use plan_format::limits::{MAX_CHANNELS, MAX_INPUTS, MAX_RULE_BASES};
+use plan_format::mission::{FactKind, Facts, Input, Mission, Source};
+
+/// What the plans say about where the robot is: asked for inputs and to see whether a goal is
+/// reached.
+pub trait World {
+    /// Cost to the goal of a parallel plan, metres, by the most constrained layer with a route.
+    fn cost_to_goal(&self, plan: u16) -> Option<f32>;
+    /// How much more a layer of a parallel plan costs from here than its layer 0, metres.
+    fn price(&self, plan: u16, layer: u8) -> Option<f32>;
+    /// Whether the robot is at the goal of a parallel plan.
+    fn is_at_goal(&self, plan: u16) -> bool;
+    /// Whether the robot is at a place, map metres.
+    fn is_at(&self, place: Vec2) -> bool;
+}
+
+/// What the behaviour control system sees in one tick.
+#[derive(Clone, Copy)]
+pub struct Observations<'a> {
+    /// Microseconds since start.
+    pub time_us: u64,
+    /// Where the robot is, map metres, if it is known.
+    pub position: Option<Vec2>,
+    /// Input channels (battery, fuel, link, custom).
+    pub channels: &'a [Option<f32>; MAX_CHANNELS],
+    /// What the plans say about that.
+    pub world: &'a dyn World,
+}
+
+/// What is remembered of inputs and progress.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Senses {
+    /// The last value of each input, and when it was had, microseconds.
+    last: [Option<(f32, u64)>; MAX_INPUTS],
+    /// The results of the rule bases in this tick.
+    results: [f32; MAX_RULE_BASES],
+    /// Where the robot was when it last came far enough, and when, for each progress fact by its
+    /// number among them.
+    anchors: [Option<(Vec2, u64)>; MAX_PROGRESS_FACTS],
+}
+
+/// Facts of the kind "no progress" in one mission; further ones never hold.
+pub(crate) const MAX_PROGRESS_FACTS: usize = 4;
+
+impl Default for Senses {
+    fn default() -> Self {
+        Self {
+            last: [None; MAX_INPUTS],
+            results: [0.5; MAX_RULE_BASES],
+            anchors: [None; MAX_PROGRESS_FACTS],
+        }
+    }
+}
+
+impl Senses {
+    /// The result of a rule base in this tick, 0 ..= 1.
+    pub(crate) fn result(&self, rules: u16) -> f32 {
+        self.results.get(usize::from(rules)).copied().unwrap_or(0.0)
+    }
+}
+
+impl Behaviours {
+    /// Takes in what is seen, evaluates every rule base in order and returns the facts.
+    pub(crate) fn sense(&mut self, mission: &Mission<'_>, seen: &Observations<'_>) -> Facts {
+        for (index, input) in mission.inputs().iter().enumerate() {
+            if !matches!(input.source, Source::Rules(_)) {
+                self.take_in(index, &input, seen);
+            }
+        }
+        for (index, base) in mission.rule_bases().iter().enumerate() {
+            let rules = mission.rules_of(&base).map(|rule| {
+                let position = self.position_of(mission, usize::from(rule.input), seen.time_us);
+                (rule.labels, position)
+            });
+            let result = fuzzy::infer(rules, base.inference);
+            if let Some(slot) = self.senses.results.get_mut(index) {
+                *slot = result;
+            }
+        }
+        self.track_progress(mission, seen);
+        self.facts(mission, seen)
+    }
+
+    /// The criticality of every behaviour is the result of its rule base.
+    pub(crate) fn infer_criticalities(&mut self, mission: &Mission<'_>, report: &mut Report) {
+        let behaviours = mission.behaviours().iter().zip(&mut self.statuses);
+        for ((behaviour, status), noted) in behaviours.zip(&mut report.criticalities) {
+            let result = self.senses.results.get(usize::from(behaviour.rules));
+            status.criticality = result.copied().unwrap_or(0.0);
+            *noted = status.criticality;
+        }
+    }
+
+    /// The facts that hold now.
+    pub(crate) fn facts(&self, mission: &Mission<'_>, seen: &Observations<'_>) -> Facts {
+        let mut progress = 0;
+        (0..).zip(mission.facts().iter()).fold(0, |facts, (index, fact)| {
+            let bit = fact_bit(index);
+            let holds = match fact.kind {
+                FactKind::Symbol { .. } => self.symbols & bit != 0,
+                FactKind::Level { input, low, high } => {
+                    let value = self.value_of(mission, usize::from(input), seen.time_us);
+                    (low..=high).contains(&value)
+                }
+                FactKind::Near { x_m, y_m, radius_m } => seen
+                    .position
+                    .is_some_and(|at| vector::length(at - Vec2::new(x_m, y_m)) <= radius_m),
+                FactKind::Inside { west_m, south_m, east_m, north_m } => {
+                    seen.position.is_some_and(|at| {
+                        (west_m..=east_m).contains(&at.x) && (south_m..=north_m).contains(&at.y)
+                    })
+                }
+                FactKind::NoProgress { within_ms, .. } => {
+                    let anchor = self.senses.anchors.get(progress).copied().flatten();
+                    progress += 1;
+                    anchor.is_some_and(|(_, since)| is_over(since, within_ms, seen.time_us))
+                }
+            };
+            if holds { facts | bit } else { facts }
+        })
+    }
+
+    fn take_in(&mut self, index: usize, input: &Input, seen: &Observations<'_>) {
+        let value = match input.source {
+            Source::Channel(channel) => seen.channels.get(usize::from(channel)).copied().flatten(),
+            Source::DistanceTo { x_m, y_m } => {
+                seen.position.map(|at| vector::length(at - Vec2::new(x_m, y_m)))
+            }
+            Source::Time => Some((seen.time_us / 1_000) as f32 / 1_000.0),
+            Source::CostToGoal { plan } => seen.world.cost_to_goal(plan),
+            Source::PriceOfConstraint { plan, layer } => seen.world.price(plan, layer),
+            Source::Output(output) => {
+                let bit = 1_u16.checked_shl(u32::from(output)).unwrap_or(0);
+                Some(if self.outputs & bit == 0 { 0.0 } else { 1.0 })
+            }
+            Source::Rules(_) => None,
+        };
+        let slot = self.senses.last.get_mut(index);
+        if let (Some(slot), Some(value)) = (slot, value.filter(|value| value.is_finite())) {
+            *slot = Some((value, seen.time_us));
+        }
+    }
+
+    /// The value of an input, or what stands in for it, in its own unit.
+    fn value_of(&self, mission: &Mission<'_>, index: usize, time_us: u64) -> f32 {
+        let Some(input) = mission.inputs().get(index) else { return 0.0 };
+        if let Source::Rules(rules) = input.source {
+            return self.senses.result(rules);
+        }
+        match self.senses.last.get(index).copied().flatten() {
+            Some((value, at)) if at == time_us || !is_over(at, input.hold_ms, time_us) => value,
+            _ => input.missing,
+        }
+    }
+
+    fn position_of(&self, mission: &Mission<'_>, index: usize, time_us: u64) -> f32 {
+        let value = self.value_of(mission, index, time_us);
+        mission
+            .inputs()
+            .get(index)
+            .map_or(0.0, |input| fuzzy::position(value, input.low, input.high))
+    }
+
+    fn track_progress(&mut self, mission: &Mission<'_>, seen: &Observations<'_>) {
+        let Some(position) = seen.position else { return };
+        let distances = mission.facts().iter().filter_map(|fact| match fact.kind {
+            FactKind::NoProgress { distance_m, .. } => Some(distance_m),
+            _ => None,
+        });
+        for (distance_m, anchor) in distances.zip(&mut self.senses.anchors) {
+            let is_far =
+                anchor.is_none_or(|(from, _)| vector::length(position - from) >= distance_m);
+            if is_far {
+                *anchor = Some((position, seen.time_us));
+            }
+        }
+    }
+}
+
+/// Whether more than a time has passed since a moment.
+pub(crate) fn is_over(since_us: u64, time_ms: u32, now_us: u64) -> bool {
+    now_us.saturating_sub(since_us) > u64::from(time_ms) * 1_000
+}
