@@ -1,1 +1,130 @@
-//! To be filled by its owner.
+//! Whole missions on the campus, on the host: who arrives, who is trapped, who touches what.
+//!
+//! The runs use everything but a board: the map as a user reads it, the blob as the compiler
+//! writes it, the receiver's bytes, the runtime's tasks and the controller.
+
+use math::Vec2;
+use plan_compiler::compile::{Input, Options, compile};
+use plan_compiler::map::{Map, Reference};
+use plan_compiler::mission::parse;
+use plan_compiler::problem::Source;
+use plan_compiler::{formats, source};
+use plan_format::{Answer, Cell, Plan};
+use sim::{
+    Body, Chassis, HostPilot, Limits, Outcome, Point, Random, ReceiverSettings, Run,
+    SensorSettings, SensorSuite, Stream, World,
+};
+use std::sync::{Arc, OnceLock};
+
+mod faults;
+mod starts;
+
+/// Everything that the missions on the campus share.
+struct Campus {
+    map: Map,
+    world: World,
+    reference: Reference,
+}
+
+fn campus() -> &'static Campus {
+    static CAMPUS: OnceLock<Campus> = OnceLock::new();
+    CAMPUS.get_or_init(|| Campus::read("campus.opar"))
+}
+
+impl Campus {
+    fn read(name: &str) -> Self {
+        let (map, problems) = formats::read(&it::own_map(name), &Default::default());
+        let map = map.unwrap_or_else(|| panic!("{name} is readable: {problems:?}"));
+        let reference = map.reference.expect("the campus lies on the globe");
+        Self { world: World::of_map(&map), map, reference }
+    }
+
+    /// The blob of the shipped mission, of which some text is replaced.
+    fn blob(&self, replacements: &[(&str, &str)]) -> Vec<u8> {
+        let path = it::own_map("campus.mission.toml");
+        let (shipped, _) = source::read_text(&path).expect("the mission is readable");
+        let mut text = shipped.text.clone();
+        for (from, to) in replacements {
+            assert!(text.contains(from), "the shipped mission has no `{from}`");
+            text = text.replace(from, to);
+        }
+        let (mission, mut problems) = parse(&Arc::new(Source { name: shipped.name.clone(), text }));
+        let options = Options::default();
+        let input = Input { map: &self.map, source: None, mission: &mission, options: &options };
+        let blob = compile(&input, &|_, _| {}, &mut problems);
+        assert!(problems.is_empty(), "{problems:?}");
+        blob.expect("without problems there is a blob")
+    }
+}
+
+/// The campus compiled with the shipped mission, of which some text is replaced.
+fn blob(replacements: &[(&str, &str)]) -> Vec<u8> {
+    campus().blob(replacements)
+}
+
+/// The body that the shipped mission describes.
+fn chassis(plan: &Plan<'_>) -> Chassis {
+    Chassis { radius_m: f64::from(plan.parameters().vehicle.radius_m), ..Chassis::default() }
+}
+
+/// A robot of the shipped mission, about to start.
+fn mission<'p>(
+    plan: Plan<'p>,
+    start: Point,
+    heading_rad: f64,
+    sensors: SensorSettings,
+    seed: u64,
+) -> Run<'static, SensorSuite, HostPilot<'p>> {
+    let Campus { world, reference, .. } = campus();
+    let sigma_m = sensors.gps.map_or(0.0, |gps| gps.sigma_m);
+    let body = Body::new(chassis(&plan), start, heading_rad);
+    let sensors = SensorSuite::new(sensors, reference, seed);
+    Run::new(world, body, sensors, HostPilot::new(plan), limits(&plan, sigma_m))
+}
+
+#[test]
+fn the_overlay_is_the_same_campus() {
+    let blobs = [blob(&[]), Campus::read("campus.ovl").blob(&[])];
+    let [opar, overlay] = blobs.each_ref().map(|blob| Plan::parse(blob).expect("a good blob"));
+    let grid = opar.grid();
+    assert_eq!(grid, overlay.grid());
+    let places = [opar, overlay].map(|plan| {
+        let frame = plan.frame().expect("the campus lies on the globe");
+        frame.to_geodetic(Vec2::new(200.0, 30.0))
+    });
+    assert!(places[0].lat_e7.abs_diff(places[1].lat_e7) <= 2, "{places:?}");
+    assert!(places[0].lon_e7.abs_diff(places[1].lon_e7) <= 2, "{places:?}");
+
+    let mut routes = 0;
+    for name in ["north-gate", "south-gate", "depot", "laboratory-court"] {
+        let plans = [opar, overlay].map(|plan| plan.find(name).expect("the mission names it"));
+        for layer in ["physical", "comms"] {
+            let [a, b] = plans.map(|plan| {
+                let mut layers = (0..plan.layer_count()).filter_map(|i| plan.layer(i));
+                layers.find(|found| found.name() == layer).expect("both maps have attenuation")
+            });
+            let cells = (0..grid.rows)
+                .flat_map(|row| (0..grid.columns).map(move |column| Cell::new(column, row)));
+            for cell in cells {
+                // Inside a building the overlay has unreachable floor, OPAR a solid block.
+                if let Answer::Move { cost, .. } = a.look_up(cell) {
+                    let same = matches!(b.look_up(cell), Answer::Move { cost: c, .. } if c == cost);
+                    assert!(same, "{name}/{layer} at {cell:?}");
+                    routes += 1;
+                }
+            }
+        }
+    }
+    assert!(routes > 200_000, "{routes} cells were compared");
+}
+
+/// Arrival where the robot believes the goal to be, which its receiver puts up to three sigma
+/// off in almost all cases.
+fn limits(plan: &Plan<'_>, sigma_m: f64) -> Limits {
+    let goal = plan.goal().expect("the mission has a goal");
+    let tolerance_m = f64::from(plan.parameters().schemas.goal_tolerance_m);
+    Limits {
+        goal_tolerance_m: tolerance_m + 0.2 + 3.0 * sigma_m,
+        ..Limits::to_goal([f64::from(goal.x), f64::from(goal.y)])
+    }
+}

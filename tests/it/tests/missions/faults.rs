@@ -1,0 +1,247 @@
+//! Missions in trouble: what the robot does, says and never touches.
+
+use super::*;
+use robot_io::Reason;
+use runtime::{Fallback, load};
+use sim::{Channel, Dialect, Fault, Faulty, Pilot, Sensors};
+use std::ops::Range;
+
+/// South of the street, with nothing nearby.
+const START: Point = [70.5, 15.5];
+/// When sensors fail, seconds: on the way, past the first kiosk.
+const FAILURE_S: Range<f64> = 20.0..30.0;
+
+/// What the robot did in one tick.
+#[derive(Clone, Copy, Debug)]
+struct Moment {
+    time_s: f64,
+    reason: Reason,
+    speed_mps: f32,
+    at: Point,
+}
+
+/// Drives to the end, or to `until_s`.
+fn watch<S: Sensors, P: Pilot>(mut run: Run<'_, S, P>, until_s: f64) -> (Vec<Moment>, Outcome) {
+    let mut moments = Vec::new();
+    while run.outcome().ending.is_none() && run.outcome().time_s < until_s {
+        let time_s = run.outcome().time_s;
+        let commands = run.step().expect("the robot answers");
+        let (reason, speed_mps) = (commands.reason, commands.speed_mps);
+        moments.push(Moment { time_s, reason, speed_mps, at: run.body().position });
+    }
+    (moments, run.outcome().clone())
+}
+
+/// The moments within a window of time.
+fn within(moments: &[Moment], window_s: Range<f64>) -> impl Iterator<Item = &Moment> + Clone {
+    moments.iter().filter(move |moment| window_s.contains(&moment.time_s))
+}
+
+/// Drives with a failing channel; whatever happens, nothing is touched and the robot arrives.
+fn fail(fault: Fault, channel: Channel) -> Vec<Moment> {
+    let blob = blob(&[]);
+    let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+    let Campus { world, reference, .. } = campus();
+    let suite = SensorSuite::new(SensorSettings::USUAL, reference, 1);
+    let sensors = Faulty::new(suite, fault, channel, FAILURE_S, 1);
+    let body = Body::new(chassis(&plan), START, 0.0);
+    let run = Run::new(world, body, sensors, HostPilot::new(plan), limits(&plan, 1.0));
+    let (moments, outcome) = watch(run, f64::INFINITY);
+    let picture = || sim::picture::text(world, &outcome.route, [125.5, 240.5], 2.0);
+    assert!(outcome.reached(), "{fault:?} of {channel:?}: {:?}\n{}", outcome.reasons, picture());
+    assert_eq!(outcome.touches, 0, "{fault:?} of {channel:?}\n{}", picture());
+    moments
+}
+
+/// The robot drives on by dead reckoning until its last fix is stale, then stands still for
+/// `reason`, and drives on when fixes return.
+fn check_stop(moments: &[Moment], reason: Reason, back_after_s: f64) {
+    let Range { start, end } = FAILURE_S;
+    let reckoning = within(moments, start..start + 1.7);
+    assert!(reckoning.clone().all(|moment| moment.reason == Reason::Driving));
+    assert!(reckoning.clone().any(|moment| moment.speed_mps > 0.5));
+    for moment in within(moments, start + 2.3..end) {
+        assert_eq!((moment.reason, moment.speed_mps), (reason, 0.0), "{moment:?}");
+    }
+    let back = within(moments, end + back_after_s..end + back_after_s + 5.0);
+    assert!(
+        back.clone().all(|moment| moment.reason == Reason::Driving),
+        "{:?}",
+        back.collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn a_lost_receiver_stops_the_robot_until_it_is_back() {
+    check_stop(&fail(Fault::Drop { chance: 1.0 }, Channel::Gps), Reason::StaleFix, 0.5);
+}
+
+#[test]
+fn a_garbled_receiver_is_a_lost_one() {
+    check_stop(&fail(Fault::Garble { chance: 1.0 }, Channel::Gps), Reason::StaleFix, 0.5);
+}
+
+#[test]
+fn a_receiver_with_some_bad_bytes_goes_on() {
+    let moments = fail(Fault::Garble { chance: 0.005 }, Channel::Gps);
+    assert!(within(&moments, FAILURE_S).all(|moment| moment.reason == Reason::Driving));
+}
+
+#[test]
+fn fixes_that_no_motion_explains_stop_the_robot_until_they_are_back() {
+    let jump = Fault::Jump { offset: [900.0, 0.0] };
+    check_stop(&fail(jump, Channel::Gps), Reason::JumpedFix, 0.5);
+}
+
+#[test]
+fn a_jump_that_lasts_is_believed_and_then_the_way_back_is_one_too() {
+    let moments = fail(Fault::Jump { offset: [-100.0, 0.0] }, Channel::Gps);
+    let window = within(&moments, FAILURE_S.start..FAILURE_S.end + 10.0);
+    let mut reasons: Vec<Reason> = window.clone().map(|moment| moment.reason).collect();
+    reasons.dedup();
+    use Reason::{Driving, JumpedFix, OffMap};
+    assert_eq!(reasons, [Driving, JumpedFix, OffMap, JumpedFix, Driving]);
+    for moment in window.filter(|moment| moment.reason != Driving) {
+        assert_eq!(moment.speed_mps, 0.0, "{moment:?}");
+    }
+}
+
+#[test]
+fn a_short_jump_is_ridden_out_by_dead_reckoning() {
+    let blob = blob(&[]);
+    let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+    let Campus { world, reference, .. } = campus();
+    let suite = SensorSuite::new(SensorSettings::USUAL, reference, 1);
+    let jump = Fault::Jump { offset: [0.0, 120.0] };
+    let sensors = Faulty::new(suite, jump, Channel::Gps, 20.0..21.5, 1);
+    let body = Body::new(chassis(&plan), START, 0.0);
+    let run = Run::new(world, body, sensors, HostPilot::new(plan), limits(&plan, 1.0));
+    let (moments, _) = watch(run, 30.0);
+    assert!(within(&moments, 5.0..30.0).all(|moment| moment.reason == Reason::Driving));
+}
+
+#[test]
+fn a_frozen_receiver_leads_nowhere_but_hurts_nobody() {
+    let moments = fail(Fault::Freeze, Channel::Gps);
+    let back = within(&moments, FAILURE_S.end + 2.6..FAILURE_S.end + 6.0);
+    assert!(back.clone().any(|moment| moment.speed_mps > 0.5), "it goes on");
+}
+
+#[test]
+fn fixes_that_come_late_are_driven_by_and_nothing_is_touched() {
+    let moments = fail(Fault::Delay { ticks: 60 }, Channel::Gps);
+    let Range { start, .. } = FAILURE_S;
+    // The first late fix arrives three seconds after the last timely one.
+    for moment in within(&moments, start + 2.3..start + 2.9) {
+        assert_eq!((moment.reason, moment.speed_mps), (Reason::StaleFix, 0.0), "{moment:?}");
+    }
+    assert!(within(&moments, start + 3.5..start + 5.0).any(|moment| moment.speed_mps > 0.5));
+}
+
+#[test]
+fn garbled_and_lost_readings_of_the_other_sensors_are_survived() {
+    fail(Fault::Garble { chance: 0.3 }, Channel::Heading);
+    fail(Fault::Garble { chance: 0.3 }, Channel::Odometry);
+    fail(Fault::Garble { chance: 0.1 }, Channel::Ranges);
+    fail(Fault::Drop { chance: 1.0 }, Channel::Heading);
+    fail(Fault::Drop { chance: 1.0 }, Channel::Odometry);
+    fail(Fault::Freeze, Channel::Heading);
+}
+
+#[test]
+fn faults_add_up_and_the_same_seed_gives_the_same_mission() {
+    let drive = |seed| {
+        let blob = blob(&[]);
+        let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+        let Campus { world, reference, .. } = campus();
+        let suite = SensorSuite::new(SensorSettings::USUAL, reference, seed);
+        let lossy = Faulty::new(suite, Fault::Drop { chance: 0.3 }, Channel::Gps, 5.0..60.0, seed);
+        let bad = Fault::Garble { chance: 0.01 };
+        let worse = Faulty::new(lossy, bad, Channel::Gps, 20.0..90.0, seed + 1);
+        let late = Faulty::new(worse, Fault::Delay { ticks: 4 }, Channel::Ranges, 0.0..90.0, seed);
+        let body = Body::new(chassis(&plan), START, 0.0);
+        let run = Run::new(world, body, late, HostPilot::new(plan), limits(&plan, 1.0));
+        run.finish().expect("the robot answers")
+    };
+    let outcome = drive(7);
+    assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
+    assert_eq!(drive(7), outcome);
+    assert_ne!(drive(8).trace_hash, outcome.trace_hash);
+}
+
+#[test]
+fn a_robot_without_a_receiver_stands_still() {
+    let blob = blob(&[]);
+    let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+    let deaf = SensorSettings { gps: None, ..SensorSettings::USUAL };
+    let (moments, outcome) = watch(mission(plan, START, 0.0, deaf, 1), 20.0);
+    assert!(moments.iter().all(|moment| moment.reason == Reason::NoFix));
+    assert_eq!(outcome.distance_m, 0.0);
+}
+
+#[test]
+fn a_robot_beside_a_wall_escapes_and_arrives() {
+    let blob = blob(&[]);
+    let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+    // 0.6 m south of the library's western arm, where no plan would lead.
+    let beside = [45.0, 59.4];
+    let (moments, outcome) =
+        watch(mission(plan, beside, 0.0, SensorSettings::PERFECT, 1), f64::INFINITY);
+    let first = moments.iter().find(|moment| moment.reason != Reason::NoFix);
+    assert_eq!(first.map(|moment| moment.reason), Some(Reason::Escaping));
+    assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
+}
+
+#[test]
+fn outside_the_map_the_robot_stops_or_reacts_as_its_mission_says() {
+    let west_of_the_map = [-6.0, 30.0];
+    let stopping = blob(&[]);
+    let plan = Plan::parse(&stopping).expect("the compiler writes what the robot reads");
+    let (moments, outcome) =
+        watch(mission(plan, west_of_the_map, 0.0, SensorSettings::PERFECT, 1), 10.0);
+    assert!(moments.iter().skip(1).all(|moment| moment.reason == Reason::OffMap));
+    assert_eq!(outcome.distance_m, 0.0);
+
+    let reacting = blob(&[("[goals]", "[trouble]\noff_map = \"reactive\"\n\n[goals]")]);
+    let plan = Plan::parse(&reacting).expect("the compiler writes what the robot reads");
+    let run = mission(plan, west_of_the_map, 0.0, SensorSettings::PERFECT, 1);
+    let (_, outcome) = watch(run, f64::INFINITY);
+    assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
+}
+
+#[test]
+fn with_a_damaged_blob_the_robot_reacts_if_it_was_told_how_and_else_stands_still() {
+    let mut blob = blob(&[]);
+    let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+    let (parameters, origin, limits) = (*plan.parameters(), plan.origin(), limits(&plan, 0.0));
+    let body = Body::new(chassis(&plan), [125.5, 60.5], 0.0);
+    let middle = blob.len() / 2;
+    blob[middle] ^= 4;
+
+    let Campus { world, reference, .. } = campus();
+    let drive = |fallback: &Fallback| {
+        let loaded = load(&blob, fallback);
+        assert!(loaded.refusal.is_some());
+        let sensors = SensorSuite::new(SensorSettings::PERFECT, reference, 1);
+        let pilot = HostPilot::new(loaded.plan);
+        watch(Run::new(world, body, sensors, pilot, limits), 300.0)
+    };
+    let goal = Some(Vec2::new(125.5, 240.5));
+    let (_, outcome) = drive(&Fallback { parameters, origin, goal });
+    assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
+    assert!(outcome.ticks_of(Reason::NoPlan) > 0 && outcome.ticks_of(Reason::Driving) == 0);
+
+    let (moments, outcome) = drive(&Fallback::default());
+    assert_eq!(outcome.distance_m, 0.0);
+    assert!(moments.iter().all(|moment| moment.at == body.position));
+}
+
+#[test]
+fn a_receiver_that_speaks_nmea_serves_as_well() {
+    let blob = blob(&[]);
+    let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+    let gps = ReceiverSettings { dialect: Dialect::Nmea, ..ReceiverSettings::ONE_METRE };
+    let sensors = SensorSettings { gps: Some(gps), ..SensorSettings::USUAL };
+    let outcome = mission(plan, START, 0.0, sensors, 1).finish().expect("the robot answers");
+    assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
+}
