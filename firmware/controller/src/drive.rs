@@ -56,11 +56,11 @@ pub fn drive(vehicle: &Vehicle, blended: Vec2, heading_rad: f32, is_repelled: bo
     let speed_mps = (length * vehicle.base_speed_mps).min(top_mps);
     let ahead = vector::rotated(blended, -heading_rad);
     let turn_rate_radps = TURN_GAIN_PER_S * vector::angle(ahead);
-    let cosine = scalar::clamp(ahead.x / length, -1.0, 1.0);
+    let cosine = ahead.x / length;
     let speed_mps = match vehicle.steering {
-        Steering::Differential => speed_mps * cosine.max(0.0),
+        Steering::Differential => speed_mps * scalar::clamp(cosine, 0.0, 1.0),
         _ if cosine < 0.0 && is_repelled => -speed_mps,
-        Steering::Ackermann => speed_mps * cosine.max(LEAST_WAY),
+        Steering::Ackermann => speed_mps * scalar::clamp(cosine, LEAST_WAY, 1.0),
         Steering::Boat => (speed_mps * cosine).max(speed_mps.min(vehicle.cautious_speed_mps)),
     };
     Motion { speed_mps, turn_rate_radps }
@@ -75,5 +75,85 @@ pub fn creep(vehicle: &Vehicle, percepts: &Percepts) -> Result<Commands, Reason>
         Ok(motion.because(Reason::NoHeading))
     } else {
         Err(Reason::NoHeading)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Steering::{Ackermann, Boat, Differential};
+    use plan_format::Parameters;
+
+    fn vehicle(steering: Steering) -> Vehicle {
+        Vehicle { steering, ..Parameters::default().vehicle }
+    }
+
+    /// Base 1.4, maximum 1.6, cautious 0.3 m/s; the vehicle heads east.
+    #[test]
+    fn speeds_and_turn_rates_by_steering() {
+        const NO: bool = false;
+        let table = [
+            // steering, blended length and angle, repelled, speed, turn rate
+            (Differential, 0.5, 0.0, NO, 0.7, 0.0),
+            (Differential, 1.0, 0.0, NO, 1.4, 0.0),
+            (Differential, 9.0, 0.0, NO, 1.6, 0.0),
+            (Differential, 9.0, 0.0, true, 0.3, 0.0),
+            (Differential, 1.0, 0.5, NO, 1.4 * 0.8776, 1.0),
+            (Differential, 1.0, -0.5, NO, 1.4 * 0.8776, -1.0),
+            (Differential, 1.0, 2.0, NO, 0.0, 4.0),
+            (Differential, 900.0, 2.0, true, 0.0, 4.0),
+            (Differential, 0.0, 0.0, NO, 0.0, 0.0),
+            (Ackermann, 1.0, 0.5, NO, 1.4 * 0.8776, 1.0),
+            (Ackermann, 1.0, 2.0, NO, 1.4 * 0.3, 4.0),
+            (Ackermann, 900.0, 2.0, true, -0.3, 4.0),
+            (Ackermann, 900.0, 1.0, true, 0.3 * 0.5403, 2.0),
+            (Boat, 1.0, 0.5, NO, 1.4 * 0.8776, 1.0),
+            (Boat, 1.0, 2.0, NO, 0.3, 4.0),
+            (Boat, 0.1, 2.0, NO, 0.14, 4.0),
+            (Boat, 900.0, -2.0, true, -0.3, -4.0),
+            (Boat, 0.0, 0.0, NO, 0.0, 0.0),
+        ];
+        for (steering, length, angle_rad, is_repelled, speed_mps, turn_rate_radps) in table {
+            let blended = vector::from_angle(angle_rad) * length;
+            let motion = drive(&vehicle(steering), blended, 0.0, is_repelled);
+            let case = (steering, length, angle_rad);
+            assert!((motion.speed_mps - speed_mps).abs() < 5e-3, "{case:?}: {motion:?}");
+            assert!(
+                (motion.turn_rate_radps - turn_rate_radps).abs() < 1e-2,
+                "{case:?}: {motion:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_error_is_relative_to_the_heading() {
+        for heading_rad in [-3.0, -1.0, 0.0, 2.0, 3.1] {
+            let blended = vector::from_angle(heading_rad + 0.25);
+            let motion = drive(&vehicle(Differential), blended, heading_rad, false);
+            assert!((motion.turn_rate_radps - 0.5).abs() < 2e-2, "{heading_rad}: {motion:?}");
+        }
+    }
+
+    #[test]
+    fn creeping_needs_permission_and_a_prospect() {
+        use math::GeoPoint;
+        use robot_io::Fix;
+        let fix = Fix {
+            time_us: 0,
+            is_valid: true,
+            place: GeoPoint { lat_e7: 0, lon_e7: 0 },
+            accuracy_mm: 0,
+            velocity_mmps: Some([0, 0]),
+        };
+        let moving = Percepts { fix: Some(fix), ..Percepts::default() };
+        let silent = Fix { velocity_mmps: None, ..fix };
+        let silent = Percepts { fix: Some(silent), ..Percepts::default() };
+        let able = vehicle(Differential);
+        let forbidden = Vehicle { may_creep: false, ..able };
+        let slow = Vehicle { max_speed_mps: 0.5, ..able };
+        assert_eq!(creep(&able, &moving).map(|c| c.speed_mps), Ok(CREEP_SPEED_MPS));
+        for (vehicle, percepts) in [(&forbidden, &moving), (&slow, &moving), (&able, &silent)] {
+            assert_eq!(creep(vehicle, percepts), Err(Reason::NoHeading));
+        }
     }
 }

@@ -59,7 +59,8 @@ fn is_in_the_way(vehicle: &Vehicle, speed_mps: f32, reading: &RangeReading) -> b
 /// Within the vehicle's limits; whatever is not a number stands still.
 fn bounded(vehicle: &Vehicle, commands: Commands) -> Commands {
     let within = |value: f32, most: f32| {
-        if value.is_finite() { scalar::clamp(value, -most, most) } else { 0.0 }
+        // Adding 0 makes 0 of -0, on whose sign after a minimum or maximum targets disagree.
+        if value.is_finite() { scalar::clamp(value, -most, most) + 0.0 } else { 0.0 }
     };
     let speed_mps = within(commands.speed_mps, vehicle.max_speed_mps);
     let turns_on_circles =
@@ -71,4 +72,121 @@ fn bounded(vehicle: &Vehicle, commands: Commands) -> Commands {
     };
     let turn_rate_radps = within(commands.turn_rate_radps, most_radps);
     Commands { speed_mps, turn_rate_radps, ..commands }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plan_format::Parameters;
+    use proptest::prelude::*;
+    use robot_io::{Manual, Operator};
+
+    fn facing(readings: &[(f32, f32)], operator: Operator) -> Percepts {
+        let reading = |&(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
+        Percepts { ranges: readings.iter().map(reading).collect(), operator, ..Percepts::default() }
+    }
+
+    fn armed() -> Operator {
+        Operator { is_armed: true, ..Operator::default() }
+    }
+
+    fn wanted(speed_mps: f32, turn_rate_radps: f32) -> Commands {
+        Commands { speed_mps, turn_rate_radps, ..Commands::stop(Reason::Driving) }
+    }
+
+    /// The body has a radius of 0.3 m, the stop distance is 0.3 m.
+    #[test]
+    fn motion_towards_what_is_inside_the_stop_distance_is_stopped() {
+        let vehicle = Parameters::default().vehicle;
+        let table = [
+            // speed, bearing, distance, whether it is stopped
+            (1.0, 0.0, 0.59, true),
+            (1.0, 0.0, 0.61, false),
+            (1.0, 0.0, 0.0, true),
+            (1.0, 0.0, -1.0, true),
+            (1.0, 0.4, 0.55, true),
+            (1.0, -0.4, 0.55, true),
+            (1.0, 1.2, 0.31, true),
+            (1.0, 1.2, 0.40, false),
+            (1.0, 1.6, 0.31, false),
+            (1.0, 3.1, 0.4, false),
+            (-1.0, 3.1, 0.4, true),
+            (-1.0, 0.0, 0.4, false),
+            (0.0, 0.0, 0.4, false),
+        ];
+        for (speed_mps, bearing_rad, distance_m, is_stopped) in table {
+            let percepts = facing(&[(0.0, 9.0), (bearing_rad, distance_m)], armed());
+            let commands = limit(&vehicle, &percepts, wanted(speed_mps, 0.5));
+            let expected = if is_stopped {
+                Commands { reason: Reason::ObstacleStop, ..wanted(0.0, 0.5) }
+            } else {
+                wanted(speed_mps, 0.5)
+            };
+            assert_eq!(commands, expected, "{speed_mps} m/s, {bearing_rad} rad, {distance_m} m");
+        }
+    }
+
+    #[test]
+    fn a_body_without_a_radius_is_stopped_too() {
+        let vehicle = Vehicle { radius_m: 0.0, ..Parameters::default().vehicle };
+        let stopped = limit(&vehicle, &facing(&[(0.1, 0.25)], armed()), wanted(1.0, 0.0));
+        assert_eq!(stopped, Commands::stop(Reason::ObstacleStop));
+    }
+
+    #[test]
+    fn the_human_at_the_controls_is_bounded_by_the_vehicle_alone() {
+        let vehicle = Parameters::default().vehicle;
+        let manual = Some(Manual { speed_mps: 9.0, turn_rate_radps: -9.0 });
+        let percepts = facing(&[(0.0, 0.4)], Operator { manual, ..armed() });
+        let commands = limit(&vehicle, &percepts, Commands::stop(Reason::NoFix));
+        assert_eq!(commands, Commands { reason: Reason::Manual, ..wanted(1.6, -1.0) });
+    }
+
+    #[test]
+    fn an_ackermann_vehicle_never_turns_tighter_than_its_circle() {
+        let vehicle = Vehicle {
+            steering: Steering::Ackermann,
+            min_turn_radius_m: 2.0,
+            ..Parameters::default().vehicle
+        };
+        for (speed_mps, turn, expected) in [
+            (1.0, 1.0, 0.5),
+            (1.0, -1.0, -0.5),
+            (-0.5, 1.0, 0.25),
+            (0.0, 1.0, 0.0),
+            (1.0, 0.1, 0.1),
+        ] {
+            let commands = limit(&vehicle, &facing(&[], armed()), wanted(speed_mps, turn));
+            assert_eq!(commands, wanted(speed_mps, expected));
+        }
+        let stopped = limit(&vehicle, &facing(&[(0.0, 0.4)], armed()), wanted(1.0, 1.0));
+        assert_eq!(stopped, Commands::stop(Reason::ObstacleStop));
+    }
+
+    #[test]
+    fn zero_has_one_sign() {
+        let vehicle = Parameters::default().vehicle;
+        let commands = limit(&vehicle, &facing(&[], armed()), wanted(-0.0, -0.0));
+        assert_eq!((commands.speed_mps.to_bits(), commands.turn_rate_radps.to_bits()), (0, 0));
+    }
+
+    proptest! {
+        /// Whatever is wanted, the body does not touch what it drives towards.
+        #[test]
+        fn nothing_inside_the_stop_distance_is_driven_into(
+            bearing_rad in -3.1_f32..3.1, distance_m in 0.3_f32..0.6,
+            speed_mps in -9.0_f32..9.0, turn in -9.0_f32..9.0,
+        ) {
+            let vehicle = Parameters::default().vehicle;
+            let percepts = facing(&[(bearing_rad, distance_m)], armed());
+            let commands = limit(&vehicle, &percepts, wanted(speed_mps, turn));
+            let (ahead, aside) = (
+                scalar::cos(bearing_rad) * distance_m,
+                scalar::sin(bearing_rad) * distance_m,
+            );
+            // Moved on straight until beside the point, the body is this far from it.
+            let closest = if ahead * commands.speed_mps > 0.0 { aside.abs() } else { distance_m };
+            prop_assert!(commands.speed_mps == 0.0 || closest >= vehicle.radius_m - 1e-6);
+        }
+    }
 }

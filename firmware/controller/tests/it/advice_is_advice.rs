@@ -1,7 +1,7 @@
 //! W15: the plan is advice only. It never supplants reactive control, and without it the
 //! robot is the same robot.
 
-use crate::bench::{ORIGIN, Robot, ahead, blob, open_field};
+use crate::bench::{ORIGIN, Robot, blob, open_field};
 use math::{scalar, vector};
 use plan_format::parameters::{Gains, Selection};
 use plan_format::{Parameters, Plan};
@@ -200,5 +200,5 @@ fn ray(plan: &Plan<'_>, from: math::Vec2, heading_rad: f32, index: usize) -> Opt
         cell.is_some_and(|cell| matches!(layer.look_up(cell), plan_format::Answer::Blocked { .. }))
     };
     let distance_m = (0..160).map(|i| i as f32 * 0.05).find(is_blocked)?;
-    Some(RangeReading { distance_m, bearing_rad, ..ahead(0.0) })
+    Some(RangeReading { bearing_rad, distance_m })
 }

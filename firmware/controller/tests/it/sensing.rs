@@ -131,7 +131,7 @@ fn w14_a_jump_is_believed_once_time_explains_it() {
         watch.time_us += (seconds * 1e6) as u64;
         let fix = Some(watch.fix(x, 0.0));
         let Sensed { position, .. } = watch.look(Percepts { fix, ..Percepts::default() });
-        (position.map(|position| position.x.round()), watch.track.clone()).0
+        position.map(|position| position.x.round())
     };
     assert_eq!(position_after(0.0, 0.0), Ok(0.0));
     assert_eq!(position_after(10.0, 0.5), Ok(0.0), "10 m in half a second: refused");
