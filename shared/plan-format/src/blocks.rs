@@ -75,52 +75,38 @@ pub(crate) const fn superblocks(cells: u32) -> u32 {
     cells.div_ceil(1 << SUPERBLOCK_SHIFT)
 }
 
-/// One plane, read in place.
+/// One plane, read in place. Its entries take `ENTRY_BYTES`, 1 or 2.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Plane<'a> {
+pub(crate) struct Plane<'a, const ENTRY_BYTES: usize> {
     /// The section that offsets are counted in.
     pub(crate) section: &'a [u8],
     /// Where the table of superblocks begins.
     pub(crate) table: u32,
-    /// Bytes of an entry, 1 or 2.
-    pub(crate) entry_bytes: usize,
 }
 
-impl<'a> Plane<'a> {
+impl<'a, const ENTRY_BYTES: usize> Plane<'a, ENTRY_BYTES> {
     /// What the plane says of a cell; never `None` in a plane that was validated.
+    #[inline(always)]
     pub(crate) fn get(&self, place: Place) -> Option<Stored> {
         let superblock = self.superblock(place.superblock)?;
-        let Some((wide, length)) = superblock.several() else {
+        let first = superblock.first()?;
+        if first == 1 {
             return superblock.entry(1, 0).map(Stored::Entry);
-        };
-        let palette = palette_at(wide);
-        let (class, base, data) = if wide {
-            let descriptor = usize::from(u16_at(superblock.bytes, 1 + 2 * place.block)?);
-            let (class, rest) = (descriptor >> WIDE_BITS, descriptor % (1 << WIDE_BITS));
-            match class {
-                0 => (0, rest, 0),
-                1..=MAX_INDEX_BITS => (class, usize::from(*superblock.bytes.get(rest)?), rest + 1),
-                _ => return own(superblock.bytes.get(rest..)?, class, place),
-            }
-        } else {
-            let descriptor = usize::from(*superblock.bytes.get(1 + place.block)?);
-            let before = classes_before(superblock.bytes, place.block)?;
-            let data = palette + length * self.entry_bytes + index_bytes(1) * before;
-            (descriptor >> NARROW_BITS, descriptor % (1 << NARROW_BITS), data)
-        };
-        let index = if class == 0 {
-            base
-        } else {
-            let row = u32_at(superblock.bytes, data + place.row * class)?;
-            base + (row >> (place.column * class)) as usize % (1 << class)
-        };
-        superblock.entry(palette, index.min(length - 1)).map(Stored::Entry)
+        }
+        if first & WIDE != 0 {
+            return superblock.get_wide(place);
+        }
+        let length = usize::from(first);
+        let (class, base, before) = superblock.narrow_descriptor(place.block)?;
+        let data = palette_at(false) + length * ENTRY_BYTES + index_bytes(1) * before;
+        let index = superblock.index(class, base, data, place)?;
+        superblock.entry(palette_at(false), index.min(length - 1)).map(Stored::Entry)
     }
 
-    fn superblock(&self, index: usize) -> Option<Superblock<'a>> {
+    #[inline(always)]
+    fn superblock(&self, index: usize) -> Option<Superblock<'a, ENTRY_BYTES>> {
         let offset = u32_at(self.section, (self.table as usize).checked_add(4 * index)?)?;
-        let bytes = self.section.get(offset as usize..)?;
-        Some(Superblock { bytes, entry_bytes: self.entry_bytes })
+        Some(Superblock { bytes: self.section.get(offset as usize..)? })
     }
 
     /// Proves once that every cell of so many superblocks has an entry that `is_entry` accepts or,
@@ -140,35 +126,84 @@ impl<'a> Plane<'a> {
 
 /// The section from where a superblock begins.
 #[derive(Clone, Copy)]
-struct Superblock<'a> {
+struct Superblock<'a, const ENTRY_BYTES: usize> {
     bytes: &'a [u8],
-    entry_bytes: usize,
 }
 
-impl Superblock<'_> {
-    /// Whether the descriptors are wide, and the palette's length; `None` where one entry serves
-    /// all cells and follows at once.
-    fn several(&self) -> Option<(bool, usize)> {
-        let first = *self.bytes.first()?;
-        let length = usize::from(first & !WIDE);
-        (first > 1 && length > 0).then_some((first & WIDE != 0, length))
+impl<const ENTRY_BYTES: usize> Superblock<'_, ENTRY_BYTES> {
+    /// The palette's length, and whether descriptors are wide. One entry, that of all cells, has
+    /// no descriptors before it.
+    #[inline(always)]
+    fn first(&self) -> Option<u8> {
+        self.bytes.first().copied().filter(|&first| first & !WIDE != 0)
     }
 
     /// An entry of the palette that begins at an offset.
+    #[inline(always)]
     fn entry(&self, palette: usize, index: usize) -> Option<u16> {
-        let at = palette + index * self.entry_bytes;
-        if self.entry_bytes == 1 {
+        let at = palette + index * ENTRY_BYTES;
+        if ENTRY_BYTES == 1 {
             self.bytes.get(at).map(|&entry| entry.into())
         } else {
             u16_at(self.bytes, at)
         }
     }
 
-    fn validate(&self, own_allowed: bool, is_entry: impl Fn(u16) -> bool) -> Option<()> {
-        let Some((wide, length)) = self.several() else {
-            let is_single = self.bytes.first() == Some(&1);
-            return (is_single && is_entry(self.entry(1, 0)?)).then_some(());
+    /// Class and window of a block, and the classes of all blocks before it added up: four
+    /// descriptors at a time, as none of the four sums comes near the size of a byte.
+    #[inline(always)]
+    fn narrow_descriptor(&self, block: usize) -> Option<(usize, usize, usize)> {
+        let words: &[[u8; 4]; BLOCKS / 4] =
+            self.bytes.get(1..=BLOCKS)?.as_chunks().0.try_into().ok()?;
+        let classes = |word: [u8; 4]| (u32::from_le_bytes(word) >> NARROW_BITS) & 0x0707_0707;
+        let [first, second, third, _] = *words;
+        let word = *words.get(block / 4)?;
+        let mut sums = classes(word) & ((1 << (8 * (block % 4))) - 1);
+        if block >= 4 {
+            sums += classes(first);
+        }
+        if block >= 8 {
+            sums += classes(second);
+        }
+        if block >= 12 {
+            sums += classes(third);
+        }
+        let before = (sums.wrapping_mul(0x0101_0101) >> 24) as usize;
+        let descriptor = usize::from((u32::from_le_bytes(word) >> (8 * (block % 4))) as u8);
+        Some((descriptor >> NARROW_BITS, descriptor % (1 << NARROW_BITS), before))
+    }
+
+    /// A cell's index into the palette.
+    #[inline(always)]
+    fn index(&self, class: usize, base: usize, data: usize, place: Place) -> Option<usize> {
+        if class == 0 {
+            return Some(base);
+        }
+        let row = u32_at(self.bytes, data + place.row * class)?;
+        Some(base + (row >> (place.column * class)) as usize % (1 << class))
+    }
+
+    fn get_wide(&self, place: Place) -> Option<Stored> {
+        let last = usize::from(self.first()? & !WIDE) - 1;
+        let descriptor = usize::from(u16_at(self.bytes, 1 + 2 * place.block)?);
+        let (class, rest) = (descriptor >> WIDE_BITS, descriptor % (1 << WIDE_BITS));
+        let index = match class {
+            0 => rest,
+            1..=MAX_INDEX_BITS => {
+                let base = usize::from(*self.bytes.get(rest)?);
+                self.index(class, base, rest + 1, place)?
+            }
+            _ => return own(self.bytes.get(rest..)?, class, place),
         };
+        self.entry(palette_at(true), index.min(last)).map(Stored::Entry)
+    }
+
+    fn validate(&self, own_allowed: bool, is_entry: impl Fn(u16) -> bool) -> Option<()> {
+        let first = self.first()?;
+        if first == 1 {
+            return is_entry(self.entry(1, 0)?).then_some(());
+        }
+        let (wide, length) = (first & WIDE != 0, usize::from(first & !WIDE));
         for index in 0..length {
             is_entry(self.entry(palette_at(wide), index)?).then_some(())?;
         }
@@ -179,7 +214,7 @@ impl Superblock<'_> {
         let descriptors = self.bytes.get(1..=BLOCKS)?;
         let classes = descriptors.iter().map(|descriptor| usize::from(descriptor >> NARROW_BITS));
         let most = classes.clone().max()?;
-        let data = palette_at(false) + length * self.entry_bytes;
+        let data = palette_at(false) + length * ENTRY_BYTES;
         let end = data + classes.map(index_bytes).sum::<usize>();
         (most <= MAX_INDEX_BITS && end + SLACK_BYTES <= self.bytes.len()).then_some(())
     }
@@ -192,7 +227,11 @@ impl Superblock<'_> {
             let bytes = match class {
                 0 => 0,
                 1..=MAX_INDEX_BITS => 1 + index_bytes(class),
-                _ if own_allowed => own_bytes(class, mask_of(rest)?.count_ones() as usize),
+                _ if own_allowed => {
+                    let (mask, count) = own_mask(rest)?;
+                    (mask.count_ones() as usize == count).then_some(())?;
+                    own_bytes(class, count)
+                }
                 _ => return None,
             };
             rest.get(..bytes + SLACK_BYTES)?;
@@ -211,23 +250,14 @@ pub(crate) const fn index_bytes(class: usize) -> usize {
     class * BLOCK_CELLS / 8
 }
 
-/// The classes of all blocks before one, added up. Four narrow descriptors at a time: their
-/// classes are small enough to be added in the top byte of a product.
-fn classes_before(superblock: &[u8], block: usize) -> Option<usize> {
-    let sum = |descriptors: u32| {
-        (((descriptors >> NARROW_BITS) & 0x0707_0707).wrapping_mul(0x0101_0101) >> 24) as usize
-    };
-    let mut total = 0;
-    for word in 0..block / 4 {
-        total += sum(u32_at(superblock, 1 + 4 * word)?);
-    }
-    let rest = u32_at(superblock, 1 + block / 4 * 4)?;
-    Some(total + sum(rest & ((1 << (8 * (block % 4))) - 1)))
-}
+/// Where the codes of 4 bits begin in a block of cells that have their own: after the mask of those
+/// cells and their number.
+const CODES_AT: usize = 9;
 
-/// Where costs of their own are stored: after the mask, and the codes of 4 bits each.
+/// Where their costs begin.
+#[inline(always)]
 fn own_costs_at(cells: usize) -> usize {
-    8 + cells.div_ceil(2)
+    CODES_AT + cells.div_ceil(2)
 }
 
 /// Bytes of a block in which so many cells have their own code and cost.
@@ -240,19 +270,19 @@ pub(crate) fn own_bytes(class: usize, cells: usize) -> usize {
         }
 }
 
-/// Which cells of such a block have a code and a cost.
-fn mask_of(block: &[u8]) -> Option<u64> {
-    array_at(block, 0).map(u64::from_le_bytes)
+/// Which cells of such a block have a code and a cost, and how many they are.
+#[inline(always)]
+fn own_mask(block: &[u8]) -> Option<(u64, usize)> {
+    let mask = array_at(block, 0).map(u64::from_le_bytes)?;
+    Some((mask, usize::from(*block.get(CODES_AT - 1)?)))
 }
 
-/// A cell's own code and cost in a block of such a class. A cell that has none is answered like
-/// the next one that has; the terrain never asks for it.
+/// A cell's own code and cost in a block of such a class. A cell that has none is answered with
+/// what stands where its own would be; the terrain never asks for it.
 fn own(block: &[u8], class: usize, place: Place) -> Option<Stored> {
-    let mask = mask_of(block)?;
-    let cells = mask.count_ones() as usize;
-    let before = (1u64 << (place.row * 8 + place.column)) - 1;
-    let rank = ((mask & before).count_ones() as usize).min(cells.saturating_sub(1));
-    let codes = *block.get(8 + rank / 2)?;
+    let (mask, cells) = own_mask(block)?;
+    let rank = ones_before(mask, place.row * 8 + place.column);
+    let codes = *block.get(CODES_AT + rank / 2)?;
     let code = if rank.is_multiple_of(2) { codes & 15 } else { codes >> 4 };
     let at = own_costs_at(cells);
     if class == OWN_32 {
@@ -268,4 +298,13 @@ fn own(block: &[u8], class: usize, place: Place) -> Option<Stored> {
     };
     let above = u32::from(straight) * STRAIGHT_STEP + u32::from(diagonal) * DIAGONAL_STEP;
     Some(Stored::Own { code, cost: base.wrapping_add(above) })
+}
+
+/// How many of the lowest bits are set, in two halves for 32-bit machines.
+#[inline(always)]
+fn ones_before(mask: u64, bit: usize) -> usize {
+    let below = |half: u32| (half & ((1 << (bit % 32)) - 1)).count_ones();
+    let low = mask as u32;
+    let ones = if bit < 32 { below(low) } else { low.count_ones() + below((mask >> 32) as u32) };
+    ones as usize
 }

@@ -5,7 +5,7 @@ use crate::bytes::range;
 use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
 use crate::error::BlobError;
 use crate::grid::{Cell, Grid};
-use crate::layer::{Layer, ROOT_BYTES, ROUTE_BYTES, TERRAIN_BYTES};
+use crate::layer::{Layer, ROOT_BYTES};
 use crate::parameters::Parameters;
 use crate::{header, limits};
 use math::{Frame, Vec2};
@@ -283,8 +283,8 @@ impl<'a> ParallelPlan<'a> {
             name: record.name.get(self.sections.names)?,
             columns: self.sections.columns,
             rows: self.sections.rows,
-            terrain: Plane { section, table: record.terrain, entry_bytes: TERRAIN_BYTES },
-            routes: Plane { section, table: record.routes, entry_bytes: ROUTE_BYTES },
+            terrain: Plane { section, table: record.terrain },
+            routes: Plane { section, table: record.routes },
             roots: range(section, record.roots, root_bytes)?,
             bytes: record.bytes,
             counts: record.counts,

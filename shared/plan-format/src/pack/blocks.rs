@@ -196,6 +196,7 @@ fn own_body(cells: &[Option<(u8, u32)>; BLOCK_CELLS]) -> (usize, Vec<u8>) {
     let mask = cells.iter().rev().fold(0u64, |mask, cell| mask << 1 | u64::from(cell.is_some()));
     let mut body = mask.to_le_bytes().to_vec();
     let cells: Vec<(u8, u32)> = cells.iter().flatten().copied().collect();
+    body.push(cells.len() as u8);
     body.extend(cells.chunks(2).map(|pair| pair[0].0 | pair.get(1).map_or(0, |cell| cell.0 << 4)));
     // Only moves have a cost; the others are given one that costs nothing to store.
     let moves = cells.iter().filter(|&&(code, _)| code < MOVES);
