@@ -33,7 +33,8 @@ pub enum Reason {
     AtGoal,
     /// In a blocked cell, following the escape out of it.
     Escaping,
-    /// Driving by reactive schemas alone, because no plan could be loaded.
+    /// There is no map: driving by reactive schemas alone, or standing still where no goal is
+    /// known either.
     NoPlan,
     /// No layer has a route from here.
     NoRoute,

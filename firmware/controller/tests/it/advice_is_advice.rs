@@ -147,7 +147,7 @@ fn w17_blending_smooths_the_bias_of_eight_directions() {
 /// The mixes with a majority of plan, and the plan alone, lead around a trap that holds a
 /// reactive robot.
 #[test]
-fn w46_a_plan_leads_out_of_a_pocket() {
+fn a_plan_leads_out_of_a_pocket_that_holds_a_reactive_robot() {
     let map = "
         ..............................
         ..............................
