@@ -1,1 +1,530 @@
-//! To be filled by its owner.
+//! The blob at its border: what is written is read, what is damaged is refused.
+
+use plan_format::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED, is_blocked};
+use plan_format::{
+    Answer, BlobError, Cell, Direction, Draft, Grid, Layer, LayerDraft, Origin, Parameters, Plan,
+    PlanDraft, WriteError, grid::octile, limits, pack, write,
+};
+use proptest::prelude::*;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// A map as a picture, north at the top: `.` free, `#` blocked, `G` the goal.
+struct Picture {
+    columns: u32,
+    rows: u32,
+    blocked: Vec<bool>,
+    goal: usize,
+}
+
+impl std::fmt::Debug for Picture {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for row in (0..self.rows as usize).rev() {
+            let start = row * self.columns as usize;
+            let sign = |index| match self.blocked[index] {
+                true => '#',
+                false if index == self.goal => 'G',
+                false => '.',
+            };
+            writeln!(
+                f,
+                "{}",
+                (start..start + self.columns as usize).map(sign).collect::<String>()
+            )?;
+        }
+        Ok(())
+    }
+}
+
+impl Picture {
+    fn of(lines: &[&str]) -> Self {
+        let cells: Vec<u8> = lines.iter().rev().flat_map(|line| line.bytes()).collect();
+        Self {
+            columns: lines[0].len() as u32,
+            rows: lines.len() as u32,
+            blocked: cells.iter().map(|&cell| cell == b'#').collect(),
+            goal: cells.iter().position(|&cell| cell == b'G').unwrap(),
+        }
+    }
+
+    fn cell(&self, index: usize) -> Cell {
+        Cell::new(index as u32 % self.columns, index as u32 / self.columns)
+    }
+
+    fn neighbour(&self, index: usize, direction: Direction) -> Option<usize> {
+        let cell = self.cell(index).neighbour(direction, self.columns, self.rows)?;
+        Some((cell.row * self.columns + cell.column) as usize)
+    }
+
+    /// A step between free cells, by the rule of corners.
+    fn step(&self, index: usize, direction: Direction, cut_corners: bool) -> Option<usize> {
+        let to = self.neighbour(index, direction)?;
+        let (dx, dy) = direction.step();
+        let beside = |dx, dy| {
+            let side = Direction::from_signs(dx, dy).and_then(|side| self.neighbour(index, side));
+            side.is_some_and(|side| !self.blocked[side])
+        };
+        let clear = cut_corners || !direction.is_diagonal() || beside(dx, 0) && beside(0, dy);
+        (clear && !self.blocked[to]).then_some(to)
+    }
+
+    /// The field of the picture by a slow and readable search: Dijkstra with a heap.
+    fn field(&self, cut_corners: bool) -> Field {
+        let cost = self
+            .spread(vec![self.goal], |index, direction| self.step(index, direction, cut_corners));
+        let routed = (0..cost.len()).filter(|&index| cost[index] != UNREACHED).collect();
+        let escape = self.spread(routed, |index, direction| {
+            self.neighbour(index, direction).filter(|&to| self.blocked[to])
+        });
+        // Diagonal steps before straight ones, as the advice rule has it.
+        let order = [1, 3, 5, 7, 0, 2, 4, 6].map(Direction::from_code);
+        let downhill = |index: usize, cost: &[u32], to: &dyn Fn(Direction) -> Option<usize>| {
+            order.into_iter().find(|&direction| {
+                to(direction).is_some_and(|to| {
+                    cost[to].checked_add(direction.step_cost()) == Some(cost[index])
+                })
+            })
+        };
+        let code = (0..cost.len()).map(|index| match () {
+            () if self.blocked[index] => {
+                let way = downhill(index, &escape, &|direction| self.neighbour(index, direction));
+                way.map_or(NO_ESCAPE, |direction| ESCAPE + direction.code())
+            }
+            () if index == self.goal => GOAL,
+            () => downhill(index, &cost, &|direction| self.step(index, direction, cut_corners))
+                .map_or(NO_ROUTE, Direction::code),
+        });
+        Field { columns: self.columns, rows: self.rows, code: code.collect(), cost }
+    }
+
+    /// Uniform-cost search from several cells.
+    fn spread(
+        &self,
+        from: Vec<usize>,
+        step: impl Fn(usize, Direction) -> Option<usize>,
+    ) -> Vec<u32> {
+        let mut cost = vec![UNREACHED; self.blocked.len()];
+        let mut open = BinaryHeap::new();
+        for index in from {
+            cost[index] = 0;
+            open.push(Reverse((0, index)));
+        }
+        while let Some(Reverse((reached, index))) = open.pop() {
+            for direction in Direction::ALL {
+                let Some(to) = step(index, direction) else { continue };
+                let next = reached + direction.step_cost();
+                if reached == cost[index] && next < cost[to] {
+                    cost[to] = next;
+                    open.push(Reverse((next, to)));
+                }
+            }
+        }
+        cost
+    }
+
+    /// Every look-up against the field: the same, but for the choice that the advice rule leaves.
+    fn check(&self, field: &Field, layer: &Layer<'_>, cut_corners: bool) {
+        for index in 0..field.cost.len() {
+            let answer = layer.look_up(self.cell(index));
+            let expected = answer_of(field, index);
+            let (Answer::Move { direction, cost }, Answer::Move { direction: given, .. }) =
+                (answer, expected)
+            else {
+                assert_eq!(answer, expected, "cell {index}");
+                continue;
+            };
+            assert_eq!(cost, field.cost[index], "cost of cell {index}");
+            assert_eq!(direction.is_diagonal(), given.is_diagonal(), "advice in cell {index}");
+            let to = self.step(index, direction, cut_corners).expect("a step that is allowed");
+            assert_eq!(field.cost[to] + direction.step_cost(), cost, "step from cell {index}");
+        }
+    }
+}
+
+/// What a field says of a cell.
+fn answer_of(field: &Field, index: usize) -> Answer {
+    match field.code[index] {
+        code @ 0..GOAL => {
+            Answer::Move { direction: Direction::from_code(code), cost: field.cost[index] }
+        }
+        GOAL => Answer::Goal,
+        NO_ROUTE => Answer::NoRoute,
+        NO_ESCAPE => Answer::Blocked { escape: None },
+        code => Answer::Blocked { escape: Some(Direction::from_code(code)) },
+    }
+}
+
+fn draft(fields: &[Field]) -> Draft {
+    let plan = |(number, field): (usize, &Field)| PlanDraft {
+        name: format!("goal {number}"),
+        goal_m: [0.5, 0.5],
+        layers: vec![LayerDraft { name: "physical".into(), packed: pack(field) }],
+    };
+    let (columns, rows) = fields.first().map_or((0, 0), |field| (field.columns, field.rows));
+    Draft {
+        grid: Grid { columns, rows, resolution_m: 1.0, corner_m: [0.0, 0.0] },
+        origin: None,
+        parameters: Parameters::default(),
+        plans: fields.iter().enumerate().map(plan).collect(),
+    }
+}
+
+fn tiny() -> Draft {
+    let picture = Picture::of(&["..#.", ".##.", "G.#."]);
+    let mut draft = draft(&[picture.field(false)]);
+    draft.grid.corner_m = [0.0, -0.25];
+    draft.origin = Some(Origin {
+        place: math::GeoPoint { lat_e7: 337_756_000, lon_e7: -843_990_000 },
+        at_m: [1.0, 2.0],
+        heading_rad: 0.5,
+    });
+    draft
+}
+
+#[test]
+fn a_tiny_blob_has_exactly_these_bytes() {
+    let blob = write(&tiny()).unwrap();
+    let mut at = 0;
+    for (meaning, expected) in TINY_BYTES {
+        let end = blob.len().min(at + expected.split(' ').count());
+        assert_eq!(hex(&blob[at..end]), *expected, "{meaning}, from byte {at}");
+        at = end;
+    }
+    assert_eq!(at, blob.len());
+    let plan = Plan::parse_exact(&blob).unwrap();
+    assert_eq!(plan.origin(), tiny().origin);
+    assert_eq!(plan.grid(), &tiny().grid);
+    assert_eq!(plan.parameters(), &Parameters::default());
+    assert_eq!(plan.goal(), Some(math::Vec2::new(0.5, 0.5)));
+    let layer = plan.find("goal 0").unwrap().layer(0).unwrap();
+    let counts = layer.counts();
+    assert_eq!((counts.free, counts.blocked, counts.unreachable), (5, 4, 3));
+    assert_eq!(layer.look_up(Cell::new(0, 0)), Answer::Goal);
+    assert_eq!(layer.look_up(Cell::new(3, 0)), Answer::NoRoute);
+    assert_eq!(layer.look_up(Cell::new(4, 0)), Answer::OffMap);
+    assert_eq!(write(&tiny()).unwrap(), blob, "the same draft gives the same bytes");
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>().join(" ")
+}
+
+/// The bytes of [`tiny`], in their order. Whoever changes one changes the format.
+const TINY_BYTES: &[(&str, &str)] = &[
+    ("WAYFIELD", "57 41 59 46 49 45 4c 44"),
+    ("version 1, 28 bytes of header", "01 00 1c 00"),
+    ("343 bytes", "57 01 00 00"),
+    ("schema hash", "49 c6 d4 e6 fb a8 6b 3c"),
+    ("checksum", "66 ef 48 59"),
+    ("4 columns, 3 rows", "04 03"),
+    ("cells of 1 m", "00 00 00 00 00 00 f0 3f"),
+    ("corner 0, -0.25", "00 00 00 00 00 00 00 00 00 00 00 00 00 00 d0 bf"),
+    ("an origin: 33.7756, -84.399 degrees", "01 c0 fd 8d c2 02 df 8f f2 a4 06"),
+    ("its place 1, 2", "00 00 00 00 00 00 f0 3f 00 00 00 00 00 00 00 40"),
+    ("its heading 0.5", "00 00 00 00 00 00 e0 3f"),
+    ("plan 0, gains 0.34 0.66 0.11, static", "00 7b 14 ae 3e c3 f5 28 3f ae 47 e1 3d 00"),
+    ("differential, radius 0.3", "00 9a 99 99 3e"),
+    ("speeds 1.4 1.6 0.3, turn rate 1", "33 33 b3 3f cd cc cc 3f 9a 99 99 3e 00 00 80 3f"),
+    ("turn radius 0, stop distance 0.3, may creep", "00 00 00 00 9a 99 99 3e 01"),
+    ("schema gains 1 1, sphere 5, margin 0.5", "00 00 80 3f 00 00 80 3f 00 00 a0 40 00 00 00 3f"),
+    ("tolerance 1, 10 ticks", "00 00 80 3f 0a"),
+    ("2 s, 5000 mm, 15 m/s", "80 89 7a 88 27 00 00 70 41"),
+    ("stop, stop, seed 1", "00 00 01"),
+    ("22 bytes of plans: name at 0, 6 bytes, 1 layer from 0", "16 00 00 06 01 00 00"),
+    ("goal 0.5, 0.5", "00 00 00 00 00 00 e0 3f 00 00 00 00 00 00 e0 3f"),
+    ("33 bytes of layers: name at 6, 8 bytes", "21 06 00 08"),
+    ("terrain at 37, routes at 80, 2 roots at 84", "25 00 00 00 50 00 00 00 54 00 00 00 02 00"),
+    ("100 bytes, 5 free, 4 blocked", "64 00 00 00 05 00 00 00 04 00 00 00"),
+    ("3 unreachable", "03 00 00 00"),
+    ("14 bytes of names: goal 0", "0e 67 6f 61 6c 20 30"),
+    ("physical", "70 68 79 73 69 63 61 6c"),
+    ("104 bytes of cells: terrain with 4 entries", "68 04"),
+    ("block 0 of class 2, 15 of class 0", "40 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00"),
+    ("free, escapes N, NW and W", "00 04 05 06"),
+    ("indices of 2 bits", "30 00 24 00 30 00 00 00 00 00 00 00 00 00 00 00"),
+    ("the superblock of the terrain", "00 00 00 00"),
+    ("routes with 3 entries", "03"),
+    ("block 0 of class 2, 15 of class 0", "40 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00"),
+    ("root 0, root 1, no route", "00 00 02 00 ff ff"),
+    ("indices of 2 bits", "80 00 80 00 84 00 00 00 00 00 00 00 00 00 00 00"),
+    ("the superblock of the routes", "29 00 00 00"),
+    ("root 0 at 0, 0 for 0", "00 00 00 00 00 00 00 00"),
+    ("root 1 at 0, 2 for 2 x 5741", "00 00 02 00 da 2c 00 00"),
+    ("slack", "00 00 00 00"),
+];
+
+#[test]
+fn every_truncation_is_refused() {
+    let blob = write(&tiny()).unwrap();
+    for length in 0..blob.len() {
+        let error = Plan::parse(&blob[..length]).unwrap_err();
+        let expected = if length == 0 { BlobError::Absent } else { BlobError::Truncated };
+        assert_eq!(error, expected, "{length} bytes");
+        assert_ne!(error.code(), 0);
+    }
+}
+
+#[test]
+fn every_flipped_bit_is_refused() {
+    let mut blob = write(&tiny()).unwrap();
+    for bit in 0..blob.len() * 8 {
+        blob[bit / 8] ^= 1 << (bit % 8);
+        assert!(Plan::parse(&blob).is_err(), "bit {bit}");
+        // With memory behind it that happens to continue the blob, as flash does.
+        let region = [&blob[..], &[0xff; 64]].concat();
+        assert!(Plan::parse(&region).is_err(), "bit {bit} in a larger region");
+        blob[bit / 8] ^= 1 << (bit % 8);
+    }
+    assert!(Plan::parse(&blob).is_ok());
+}
+
+#[test]
+fn a_region_may_be_larger_than_its_blob_and_a_file_may_not() {
+    let mut region = write(&tiny()).unwrap();
+    region.extend_from_slice(&[0xff; 100]);
+    assert_eq!(Plan::parse(&region).unwrap().plan_count(), 1);
+    assert_eq!(Plan::parse_exact(&region).unwrap_err(), BlobError::TrailingBytes);
+    for erased in [[0xff; 64], [0; 64]] {
+        assert_eq!(Plan::parse(&erased).unwrap_err(), BlobError::Absent);
+    }
+}
+
+#[test]
+fn a_blob_that_is_not_ours_is_refused_for_that_reason() {
+    let blob = write(&tiny()).unwrap();
+    let with = |at: usize, bytes: &[u8]| {
+        let mut other = blob.clone();
+        other[at..at + bytes.len()].copy_from_slice(bytes);
+        other
+    };
+    let refusal = |bytes: &[u8]| Plan::parse(bytes).unwrap_err();
+    assert_eq!(refusal(&with(0, b"MCUBOOT!")), BlobError::Magic);
+    assert_eq!(refusal(&with(8, &[9, 0])), BlobError::Version { found: 9 });
+    assert_eq!(refusal(&with(10, &[29])), BlobError::Header);
+    assert_eq!(refusal(&with(12, &u32::MAX.to_le_bytes())), BlobError::TooLarge);
+    assert_eq!(refusal(&with(blob.len() - 1, &[1])), BlobError::Checksum);
+    assert_eq!(refusal(&resealed(with(16, &[0; 8]))), BlobError::Schema);
+}
+
+/// A blob with a checksum that fits its bytes, by the slow definition of CRC-32.
+fn resealed(mut blob: Vec<u8>) -> Vec<u8> {
+    let mut crc = u32::MAX;
+    for &byte in blob[..24].iter().chain(&blob[28..]) {
+        crc ^= u32::from(byte);
+        for _ in 0..8 {
+            crc = if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 };
+        }
+    }
+    blob[24..28].copy_from_slice(&(!crc).to_le_bytes());
+    blob
+}
+
+#[test]
+fn the_limits_hold_on_both_sides() {
+    let field = Picture::of(&["G"]).field(false);
+    let mut full = draft(&vec![field.clone(); limits::MAX_PLANS]);
+    for plan in &mut full.plans {
+        let layer = |number| LayerDraft { name: format!("{number:0>32}"), packed: pack(&field) };
+        plan.layers = (0..limits::MAX_LAYERS).map(layer).collect();
+    }
+    let blob = write(&full).unwrap();
+    let plan = Plan::parse(&blob).unwrap();
+    let last = plan.parallel_plan(limits::MAX_PLANS - 1).unwrap();
+    assert_eq!(last.layer_count(), limits::MAX_LAYERS);
+    assert_eq!(last.layer(limits::MAX_LAYERS - 1).unwrap().look_up(Cell::new(0, 0)), Answer::Goal);
+    assert!(last.layer(limits::MAX_LAYERS).is_none());
+    assert!(plan.parallel_plan(limits::MAX_PLANS).is_none());
+
+    let refusal = |change: &dyn Fn(&mut Draft)| {
+        let mut changed = full.clone();
+        change(&mut changed);
+        write(&changed).unwrap_err()
+    };
+    let again = full.plans[0].clone();
+    assert_eq!(refusal(&|d| d.plans.push(again.clone())), WriteError::TooManyPlans(65));
+    let layers = |count| WriteError::LayerCount { plan: "goal 0".into(), layers: count };
+    assert_eq!(refusal(&|d| d.plans[0].layers.clear()), layers(0));
+    assert_eq!(refusal(&|d| d.plans[0].layers.push(again.layers[0].clone())), layers(9));
+    for name in ["", " x", "x ", "a/b", "line\n", &"x".repeat(33)] {
+        let error = refusal(&|d| d.plans[1].name = name.into());
+        assert_eq!(error, WriteError::Name(name.into()));
+    }
+    let refused = |error| WriteError::Refused(error);
+    let same = refusal(&|d| d.plans[1].name = "goal 0".into());
+    assert_eq!(same, refused(BlobError::Name));
+    let outside = refusal(&|d| d.plans[1].goal_m = [1.0, 0.0]);
+    assert_eq!(outside, refused(BlobError::Goal));
+    let nowhere = refusal(&|d| d.grid.corner_m = [f64::NAN, 0.0]);
+    assert_eq!(nowhere, refused(BlobError::Grid));
+    let lost = refusal(&|d| d.parameters.plan = limits::MAX_PLANS as u16);
+    assert_eq!(lost, refused(BlobError::Parameters));
+    let fast = refusal(&|d| d.parameters.vehicle.max_speed_mps = f32::INFINITY);
+    assert!(matches!(fast, WriteError::Parameter { name: "vehicle.max_speed", .. }), "{fast}");
+}
+
+#[test]
+fn a_blob_without_plans_and_a_plan_without_map_have_no_cells() {
+    let mut empty = draft(&[]);
+    let blob = write(&empty).unwrap();
+    let plan = Plan::parse(&blob).unwrap();
+    assert_eq!((plan.plan_count(), plan.goal()), (0, None));
+    assert_eq!(plan.cell_at(math::Vec2::new(0.0, 0.0)), None);
+    empty.grid.columns = 1;
+    assert_eq!(write(&empty), Err(WriteError::Refused(BlobError::Grid)));
+
+    let mut parameters = Parameters::default();
+    parameters.vehicle.radius_m = f32::NAN;
+    let goal = Some(math::Vec2::new(3.0, f32::NAN));
+    let plan = Plan::without_map(parameters, None, goal);
+    assert_eq!((plan.parameters(), plan.goal()), (&Parameters::default(), None));
+    assert!(plan.find("goal 0").is_none());
+}
+
+#[test]
+fn equal_layers_are_stored_once() {
+    let field = Picture::of(&["....", ".#..", "G..."]).field(false);
+    let one = write(&draft(std::slice::from_ref(&field))).unwrap().len();
+    let two = write(&draft(&[field.clone(), field])).unwrap();
+    // A plan's record, a layer's record, and the plan's name.
+    assert!(two.len() - one <= 22 + 33 + 8, "{} more", two.len() - one);
+    let plan = Plan::parse(&two).unwrap();
+    assert_eq!(plan.parallel_plan(1).unwrap().layer(0).unwrap().bytes(), 0);
+}
+
+#[test]
+fn without_obstacles_every_cost_is_the_octile_distance() {
+    let columns = 100;
+    let goal = Cell::new(37, 50);
+    let blocked = vec![false; 8_000];
+    let picture =
+        Picture { columns, rows: 80, blocked, goal: (goal.row * columns + goal.column) as usize };
+    let blob = write(&draft(&[picture.field(false)])).unwrap();
+    let layer = Plan::parse(&blob).unwrap().parallel_plan(0).unwrap().layer(0).unwrap();
+    for index in (0..8_000).filter(|&index| index != picture.goal) {
+        let cell = picture.cell(index);
+        let least = octile(cell.column.abs_diff(goal.column), cell.row.abs_diff(goal.row));
+        let answer = layer.look_up(cell);
+        assert!(
+            matches!(answer, Answer::Move { cost, .. } if cost == least),
+            "{cell:?} {answer:?}"
+        );
+    }
+    assert!(layer.bytes() < 200, "{} bytes for one root", layer.bytes());
+}
+
+#[test]
+fn a_real_city_fits_its_budget() {
+    let Some(folder) = it::real_data("movingai") else { return };
+    let text = std::fs::read_to_string(folder.join("Berlin_0_1024.map")).unwrap();
+    let lines: Vec<&str> = text.lines().skip(4).collect();
+    let blocked = lines.iter().rev().flat_map(|line| line.bytes().map(|cell| cell != b'.'));
+    let mut picture =
+        Picture { columns: 1024, rows: 1024, blocked: blocked.collect(), goal: 512 * 1024 + 512 };
+    for cut_corners in [false, true] {
+        let goals = [(512, 512), (200, 700)].map(|(column, row)| {
+            (row * 1024 + column..).find(|&index: &usize| !picture.blocked[index]).unwrap()
+        });
+        let fields = goals.map(|goal| {
+            picture.goal = goal;
+            picture.field(cut_corners)
+        });
+        let blob = write(&draft(&fields)).unwrap();
+        let plan = Plan::parse(&blob).unwrap();
+        let layer = |index| plan.parallel_plan(index).unwrap().layer(0).unwrap();
+        for (index, field) in fields.iter().enumerate() {
+            picture.check(field, &layer(index), cut_corners);
+        }
+        let bytes_per_cell = |bytes: usize| bytes as f64 / f64::from(1u32 << 20);
+        let (all, further) = (bytes_per_cell(blob.len()), bytes_per_cell(layer(1).bytes()));
+        eprintln!("two layers {all:.3} bytes a cell, the second {further:.3}");
+        assert!(all - further <= 0.15 && further <= 0.1);
+    }
+}
+
+/// Maps of every texture: a share of blocked cells, alone or in rectangles, and a goal.
+fn pictures() -> impl Strategy<Value = Picture> {
+    let rectangle = (0..90u32, 0..90u32, 1..20u32, 1..20u32);
+    let rectangles = prop::collection::vec(rectangle, 0..30);
+    (1..90u32, 1..90u32, rectangles, 0..50u32, any::<u64>()).prop_map(
+        |(columns, rows, rectangles, noise_percent, seed)| {
+            let mut random = seed;
+            let mut next = move || {
+                random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                (random >> 33) as u32
+            };
+            let cells = columns * rows;
+            let mut blocked: Vec<bool> = (0..cells)
+                .map(|index| {
+                    let (x, y) = (index % columns, index / columns);
+                    let inside = rectangles.iter().any(|&(left, low, width, height)| {
+                        (left..left + width).contains(&x) && (low..low + height).contains(&y)
+                    });
+                    inside || next() % 100 < noise_percent
+                })
+                .collect();
+            let goal = (next() % cells) as usize;
+            blocked[goal] = false;
+            Picture { columns, rows, blocked, goal }
+        },
+    )
+}
+
+/// Arrays that no search would leave: any code beside any cost.
+fn fields() -> impl Strategy<Value = Field> {
+    let costs = prop_oneof![0..100_000u32, any::<u32>(), Just(5741u32)];
+    let codes = prop_oneof![0..=NO_ESCAPE, ESCAPE..ESCAPE + 8];
+    (1..40u32, 1..40u32).prop_flat_map(move |(columns, rows)| {
+        let cells = (columns * rows) as usize;
+        let cost = prop::collection::vec(costs.clone(), cells);
+        let code = prop::collection::vec(codes.clone(), cells);
+        (cost, code).prop_map(move |(cost, code)| Field { columns, rows, cost, code })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn layers_of_any_map_answer_as_their_fields(picture in pictures(), cut_corners: bool) {
+        let field = picture.field(cut_corners);
+        let blob = write(&draft(std::slice::from_ref(&field))).unwrap();
+        let layer = Plan::parse(&blob).unwrap().parallel_plan(0).unwrap().layer(0).unwrap();
+        picture.check(&field, &layer, cut_corners);
+        let counts = layer.counts();
+        let blocked = field.code.iter().filter(|&&code| is_blocked(code)).count();
+        let routed = field.cost.iter().filter(|&&cost| cost != UNREACHED).count();
+        prop_assert_eq!((counts.blocked as usize, counts.free as usize), (blocked, routed));
+        // Code and cost of each cell, and a fixed part, is what a plain array would take.
+        prop_assert!(layer.bytes() <= 5 * field.cost.len() + 200, "{} bytes", layer.bytes());
+    }
+
+    #[test]
+    fn layers_answer_as_fields_that_contradict_themselves(field in fields()) {
+        let blob = write(&draft(std::slice::from_ref(&field))).unwrap();
+        let layer = Plan::parse(&blob).unwrap().parallel_plan(0).unwrap().layer(0).unwrap();
+        for index in 0..field.cost.len() {
+            let cell = Cell::new(index as u32 % field.columns, index as u32 / field.columns);
+            prop_assert_eq!(layer.look_up(cell), answer_of(&field, index));
+        }
+    }
+
+    #[test]
+    fn no_bytes_make_the_reader_panic(
+        bytes in prop::collection::vec(any::<u8>(), 0..300),
+        at in 28usize..1000,
+    ) {
+        let _ = Plan::parse(&bytes);
+        // Behind a true header and checksum, so that the validation is what refuses.
+        let mut blob = write(&tiny()).unwrap();
+        let at = at.min(blob.len() - 1);
+        let end = (at + bytes.len()).min(blob.len());
+        blob[at..end].copy_from_slice(&bytes[..end - at]);
+        if let Ok(plan) = Plan::parse(&resealed(blob)) {
+            let cells = (0..5).flat_map(|row| (0..5).map(move |column| Cell::new(column, row)));
+            let layers = (0..plan.plan_count()).filter_map(|index| plan.parallel_plan(index)?.layer(0));
+            for (layer, cell) in layers.flat_map(|layer| cells.clone().map(move |cell| (layer, cell))) {
+                let _ = layer.look_up(cell);
+            }
+        }
+    }
+}
