@@ -18,6 +18,12 @@ pub(crate) struct Routes {
     pub(crate) roots: Vec<Root>,
 }
 
+/// A block whose cells were given more roots than this, besides those of its neighbours, is not
+/// worth a search for the fewest.
+const MAX_OWN_ROOTS: usize = 32;
+/// Most roots that are taken over from neighbouring blocks to be tried.
+const MAX_HINTS: usize = 8;
+
 /// An entry whose root has not got its final number: twice the number, plus the way.
 type Draft = (u64, u64);
 const NO_ROUTE_DRAFT: u64 = u64::MAX;
@@ -68,7 +74,13 @@ impl Covering<'_> {
     /// Few entries that serve every cell of a block that has a route.
     fn cover(&self, block: usize, hints: impl Iterator<Item = u32>) -> Choice {
         let (mut routed, mut no_route) = (0u64, 0u64);
-        let mut candidates: Vec<u32> = hints.collect();
+        let mut candidates: Vec<u32> = Vec::with_capacity(2 * MAX_OWN_ROOTS);
+        for root in hints {
+            if candidates.len() < MAX_HINTS && !candidates.contains(&root) {
+                candidates.push(root);
+            }
+        }
+        let hints = candidates.len();
         for (cell, column, row) in self.cells(block) {
             match self.code(column, row) {
                 0..=GOAL => {
@@ -80,13 +92,14 @@ impl Covering<'_> {
                     if candidates.last() != Some(&root) && !candidates.contains(&root) {
                         candidates.push(root);
                     }
+                    // Noise and mazes fall back early: so many roots never pay.
+                    if candidates.len() - hints > MAX_OWN_ROOTS {
+                        return Choice::Own;
+                    }
                 }
                 NO_ROUTE => no_route |= 1 << cell,
                 _ => {}
             }
-        }
-        if candidates.len() > 2 * MAX_BLOCK_ENTRIES {
-            return Choice::Own;
         }
         let Some(mut entries) = self.fewest(block, &candidates, routed) else {
             return Choice::Own;

@@ -82,23 +82,23 @@ impl Bordered {
             let there = row_at(above.wrapping_add_signed(dx as isize));
             let step = direction.step_cost();
             let bit = 1 << direction.code();
+            let cells = moves.iter_mut().zip(here).zip(there);
+            // Without short circuits, so that the compiler can take many cells at a time.
+            let lowers =
+                |cost: u32, there: u32| (there.wrapping_add(step) == cost) & (there < cost);
+            if !direction.is_diagonal() || cuts_corners {
+                for ((found, &cost), &there) in cells {
+                    *found |= if lowers(cost, there) { bit } else { 0 };
+                }
+                continue;
+            }
             // Between free cells a straight step is never forbidden, so a neighbour of a cell
             // with a route is blocked exactly if it was not reached.
-            let (beside, above) = if direction.is_diagonal() && !cuts_corners {
-                (row_at(beside), row_at(above))
-            } else {
-                (here, here)
-            };
-            let neighbours = there.iter().zip(beside).zip(above);
-            for ((found, &cost), ((&there, &beside), &above)) in
-                moves.iter_mut().zip(here).zip(neighbours)
+            for (((found, &cost), &there), (&beside, &above)) in
+                cells.zip(row_at(beside).iter().zip(row_at(above)))
             {
-                let optimal = there.wrapping_add(step) == cost
-                    && there < cost
-                    && cost != UNREACHED
-                    && beside != UNREACHED
-                    && above != UNREACHED;
-                *found |= if optimal { bit } else { 0 };
+                let clear = (beside != UNREACHED) & (above != UNREACHED);
+                *found |= if lowers(cost, there) & clear { bit } else { 0 };
             }
         }
     }

@@ -24,6 +24,7 @@ pub(crate) struct Roots {
 
 /// How a cell may refer to a root: bit 0 diagonal steps first, bit 1 straight steps first.
 /// 0 if it may not.
+#[inline]
 pub(crate) fn ways(root: Root, cell: Cell, cost: u32, moves: u8) -> u8 {
     if root.cost_from(cell) != cost {
         return 0;
@@ -32,6 +33,12 @@ pub(crate) fn ways(root: Root, cell: Cell, cost: u32, moves: u8) -> u8 {
         Some(direction) => moves >> direction.code() & 1,
         None => u8::from(cost == 0),
     };
+    let columns = root.cell.column.abs_diff(cell.column);
+    let rows = root.cell.row.abs_diff(cell.row);
+    // Where only one of straight and diagonal steps is needed, both ways are the same.
+    if columns == 0 || rows == 0 || columns == rows {
+        return 3 * allowed(false);
+    }
     allowed(false) | allowed(true) << 1
 }
 
