@@ -146,9 +146,9 @@ fn no_free_cell(grid: &Grid, radius: f64) -> Problem {
         "the map has no free cell: obstacles touch all {columns} x {rows} cells of {side} m"
     ));
     problem.mend(if radius > 0.0 {
-        "make the robot's radius or the resolution smaller"
+        "make the robot's radius smaller, or the cells: --resolution"
     } else {
-        "make the resolution smaller, or check the area and the units of the map"
+        "make the cells smaller with --resolution, or check the area and the units of the map"
     })
 }
 

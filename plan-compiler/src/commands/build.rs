@@ -35,8 +35,8 @@ pub(super) fn run(args: &Build, quiet: bool) -> Result<(), Failure> {
 
 /// A blob that replaced its own map would cost somebody a day.
 fn check_output(output: &Path, inputs: &[PathBuf], problems: &mut Vec<Problem>) {
-    let Ok(output) = fs::canonicalize(output) else { return };
-    if inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == output)) {
+    let Ok(replaced) = fs::canonicalize(output) else { return };
+    if inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == replaced)) {
         let message = format!("the output {} is also the input", output.display());
         problems.push(Problem::error(message).mend("choose another -o, for example plans.bin"));
     }

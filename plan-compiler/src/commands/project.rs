@@ -45,7 +45,7 @@ pub(crate) fn read(
     if is_mission && args.mission.is_some() {
         return Err(Failure::Usage("a mission is built without --mission".into()));
     }
-    let beside = || Some(path.with_extension("mission.toml")).filter(|path| path.exists());
+    let beside = || Some(path.with_extension("mission.toml")).filter(|path| path.is_file());
     let mission_path = match &args.mission {
         _ if is_mission => Some(path.to_owned()),
         Some(given) => Some(given.clone()),
@@ -69,7 +69,11 @@ pub(crate) fn read(
     };
     let (map, found) = formats::read(&map_path, &args.reading.options());
     let incomplete = plan_compiler::compile::has_errors(&found);
-    problems.extend(found);
+    let named_at = mission.map_place.as_ref().filter(|_| is_mission);
+    problems.extend(found.into_iter().map(|problem| match (&problem.place, named_at) {
+        (None, Some(at)) => problem.at(&at.source, at.span.clone(), "named here"),
+        _ => problem,
+    }));
     let Some(map) = map.filter(|_| !incomplete) else { return Ok(None) };
     Ok(Some(Project {
         // Excerpts want the text; where the map is none there are no excerpts.

@@ -112,7 +112,8 @@ fn whole_cells(cells: f64) -> f64 {
 fn too_many_cells(size: [f64; 2], cells: [f64; 2], resolution_m: f64) -> Problem {
     let limit = limits::MAX_SIDE_CELLS;
     let message = format!(
-        "the area is too large: {} m x {} m are {} x {} cells of {} m, and a side holds {limit}",
+        "the area is too large: {} m x {} m are {} x {} cells of {} m, and a side holds \
+         at most {limit}",
         metres(size[0]),
         metres(size[1]),
         metres(cells[0]),

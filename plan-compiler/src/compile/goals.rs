@@ -221,8 +221,10 @@ fn own_levels(
         if !inside.is_empty() {
             let names: Vec<&str> = inside.iter().map(|&i| levels[i].name.as_str()).collect();
             let (name, names) = (&goal.name, names.join("`, `"));
-            let message =
-                format!("goal `{name}` is inside an area of `{names}`; its plan is left without");
+            let message = format!(
+                "goal `{name}` is inside an area that layer `{names}` avoids; its plan has no \
+                 such layer"
+            );
             problems.push(with_place(Problem::warning(message), goal.place.as_ref(), "this goal"));
         }
         return Some(free);
@@ -239,8 +241,10 @@ fn own_levels(
                 problems.push(error(message, format!("the layers are: {}", names.join(", "))));
             }
             Some(index) if !is_free(&index) => {
-                let message =
-                    format!("goal `{}` is inside an area of layer `{}`", goal.name, layer.name);
+                let message = format!(
+                    "goal `{}` is inside an area that layer `{}` avoids",
+                    goal.name, layer.name
+                );
                 let mend = "move the goal, or leave the layer out of its `layers`";
                 problems.push(error(message, mend.into()));
             }
@@ -255,7 +259,7 @@ fn own_levels(
             goal.problem(message, "this goal").mend("name a layer, or leave `layers` out for all"),
         );
     }
-    (own.len() == wanted.len() || !own.is_empty()).then_some(own).filter(|own| !own.is_empty())
+    (!own.is_empty()).then_some(own)
 }
 
 /// The plan of a map without a goal: to where the robots start.
