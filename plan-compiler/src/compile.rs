@@ -24,6 +24,7 @@ use crate::problem::{Problem, Severity, Source};
 use crate::search::{Corners, Solver};
 use goals::Placed;
 use layers::Level;
+use plan_format::mission::MissionDraft;
 use plan_format::parameters::Vehicle;
 use plan_format::{
     Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, limits, pack, write,
@@ -159,8 +160,13 @@ impl Prepared {
             problems.push(too_large(None));
             None
         })?;
-        let draft =
-            Draft { grid: self.grid, origin: self.origin, parameters: self.parameters, plans };
+        let draft = Draft {
+            grid: self.grid,
+            origin: self.origin,
+            parameters: self.parameters,
+            plans,
+            mission: MissionDraft::default(),
+        };
         match write(&draft) {
             Ok(blob) => Some(blob),
             Err(WriteError::TooLarge { bytes }) => {

@@ -41,7 +41,7 @@ impl Motion {
     /// The commands for this motion.
     pub fn because(self, reason: Reason) -> Commands {
         let Self { speed_mps, turn_rate_radps } = self;
-        Commands { speed_mps, turn_rate_radps, outputs: 0, reason }
+        Commands { speed_mps, turn_rate_radps, reason, ..Commands::stop(reason) }
     }
 }
 

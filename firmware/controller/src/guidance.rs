@@ -1,12 +1,11 @@
 //! Where to, by which weights, and whether at all: the advice in its context.
 
-use advice::{Advice, Choice, Kind, advise};
+use advice::{Choice, Kind, advise};
 use math::{Vec2, vector};
 use plan_format::grid::STRAIGHT_STEP;
 use plan_format::parameters::{Gains, OnTrouble};
 use plan_format::{Direction, Plan};
 use robot_io::Reason;
-use serde::{Deserialize, Serialize};
 
 /// What the schemas need to know of plan and goal in one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,9 +20,20 @@ pub struct Guidance {
     pub reason: Reason,
 }
 
+/// Which parallel plan to follow, and by which weights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// Index of the parallel plan.
+    pub plan: u16,
+    /// Weights of the blend.
+    pub gains: Gains,
+}
+
 /// How far the robot has come with its plan.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
+    /// The parallel plan that this is about.
+    pub plan: u16,
     /// The layer of a static selection.
     pub choice: Choice,
     /// The goal has been reached and not been left since.
@@ -44,22 +54,26 @@ const OCTILE_EXCESS: f32 = 1.082_392_2;
 /// So a static selection is made anew, and an arrival forgotten, when it is disarmed.
 pub fn guide(
     plan: &Plan<'_>,
+    target: &Target,
     progress: &mut Progress,
     position: Vec2,
     is_armed: bool,
 ) -> Result<Guidance, Reason> {
-    if !is_armed {
-        *progress = Progress::default();
+    if !is_armed || progress.plan != target.plan {
+        *progress = Progress { plan: target.plan, ..Progress::default() };
     }
-    let goal = plan.goal().ok_or(Reason::NoPlan)?;
+    let parallel_plan = plan.parallel_plan(usize::from(target.plan));
+    // Without a map the fallback's goal is all there is.
+    let goal = parallel_plan.map(|plan| plan.goal()).or(plan.goal()).ok_or(Reason::NoPlan)?;
     let distance_m = vector::length(goal - position);
-    let guided = weigh(plan, progress, position, goal, distance_m);
+    let guided = weigh(plan, target, progress, position, goal, distance_m);
     progress.is_at_goal = guided == Err(Reason::AtGoal);
     guided
 }
 
 fn weigh(
     plan: &Plan<'_>,
+    target: &Target,
     progress: &mut Progress,
     position: Vec2,
     goal: Vec2,
@@ -75,13 +89,13 @@ fn weigh(
         if is_near { Err(Reason::AtGoal) } else { Ok(Guidance { step: None, goal, gains, reason }) }
     };
     // Without advice the reactive schemas must drive alone, also where they weigh nothing.
-    let reactive_only = Gains { reactive: 1.0, plan: 0.0, noise: parameters.gains.noise };
-    let Some(parallel_plan) = plan.parallel_plan(usize::from(parameters.plan)) else {
+    let reactive_only = Gains { reactive: 1.0, plan: 0.0, noise: target.gains.noise };
+    let Some(parallel_plan) = plan.parallel_plan(usize::from(target.plan)) else {
         return without_advice(reactive_only, Reason::NoPlan);
     };
     // Advice without weight is not asked for, so that not even its troubles have an effect.
-    if parameters.gains.plan == 0.0 {
-        return without_advice(parameters.gains, Reason::Driving);
+    if target.gains.plan == 0.0 {
+        return without_advice(target.gains, Reason::Driving);
     }
     let cell = plan.cell_at(position);
     let advice = advise(&parallel_plan, cell, parameters.selection, &mut progress.choice);
@@ -90,10 +104,12 @@ fn weigh(
         OnTrouble::Reactive => without_advice(reactive_only, reason),
     };
     let with_advice =
-        |reason| Ok(Guidance { step: advice.direction, goal, gains: parameters.gains, reason });
+        |reason| Ok(Guidance { step: advice.direction, goal, gains: target.gains, reason });
     match advice.kind {
         Kind::Goal => Err(Reason::AtGoal),
-        Kind::Move if is_near && is_in_the_open(plan, &advice, distance_m) => Err(Reason::AtGoal),
+        Kind::Move if is_near && is_in_the_open(plan, advice.cost, distance_m) => {
+            Err(Reason::AtGoal)
+        }
         Kind::Move => with_advice(Reason::Driving),
         Kind::Escape => with_advice(Reason::Escaping),
         Kind::NoRoute => in_trouble(parameters.trouble.no_route, Reason::NoRoute),
@@ -103,10 +119,10 @@ fn weigh(
 
 /// Whether no obstacle is between here and the goal: the route is no longer than a free one
 /// could be. Being near the goal, but on the other side of a wall, is not being there.
-fn is_in_the_open(plan: &Plan<'_>, advice: &Advice, distance_m: f32) -> bool {
+pub(crate) fn is_in_the_open(plan: &Plan<'_>, cost: Option<u32>, distance_m: f32) -> bool {
     let resolution_m = plan.grid().resolution_m as f32;
     // Both ends are up to half a cell's diagonal away from the centres that costs are for.
     let free_m = OCTILE_EXCESS * (distance_m + core::f32::consts::SQRT_2 * resolution_m);
-    let cost_m = advice.cost.unwrap_or(u32::MAX) as f32 * (resolution_m / STRAIGHT_STEP as f32);
+    let cost_m = cost.unwrap_or(u32::MAX) as f32 * (resolution_m / STRAIGHT_STEP as f32);
     cost_m <= free_m
 }

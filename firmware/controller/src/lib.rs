@@ -5,6 +5,7 @@
 //! | step | module | what happens |
 //! |---|---|---|
 //! | sense | [`sense`] | fixes are judged, position and heading are kept up |
+//! | monitor, criticalities, switch, decompose | [`behave`] | behaviours decide what to do |
 //! | advise | [`guidance`] | the plan is asked; arrival and trouble are told apart |
 //! | schemas, blend | `schemas` | vectors are computed and summed by their gains |
 //! | drive | [`drive`] | the sum becomes speed and turn rate |
@@ -38,35 +39,41 @@
 //! (receivers and IMUs bring their own; here a good fix is taken as it is).
 #![no_std]
 
+pub mod behave;
 pub mod drive;
 pub mod guidance;
 pub mod limit;
 pub mod sense;
 
+use behave::Wish;
+use behaviour::Behaviours;
 use plan_format::Plan;
+use plan_format::parameters::Vehicle;
 use robot_io::{Commands, Percepts, Reason};
 use schemas::{Noise, Vectors};
-use serde::{Deserialize, Serialize};
 
 /// All that one tick leaves to the next: plain data that can be kept, compared and replayed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// Position, heading and what they rest on.
     pub track: sense::Track,
+    /// The behaviours of the mission and their live plans.
+    pub behaviours: Behaviours,
     /// The chosen layer, and whether the goal is reached.
     pub progress: guidance::Progress,
     /// The noise schema.
     pub noise: Noise,
 }
 
-/// The state is kept in static memory; its budget is 4 KB.
-const _: () = assert!(size_of::<State>() <= 400);
+/// The state is kept in static memory; its budget is 8 KB.
+const _: () = assert!(size_of::<State>() <= 8 * 1024);
 
 impl State {
     /// The state before the first tick.
     pub fn new(plan: &Plan<'_>) -> Self {
         Self {
             track: sense::Track::default(),
+            behaviours: Behaviours::new(&plan.mission()),
             progress: guidance::Progress::default(),
             noise: Noise::new(plan.parameters().seed),
         }
@@ -77,22 +84,35 @@ impl State {
 /// Total: never panics, never fails.
 pub fn tick(plan: &Plan<'_>, state: &mut State, percepts: &Percepts) -> Commands {
     let percepts = percepts.sanitised();
-    let wanted = decide(plan, state, &percepts).unwrap_or_else(Commands::stop);
-    let commands = limit::limit(&plan.parameters().vehicle, &percepts, wanted);
+    let sensed = sense::sense(plan, &mut state.track, &percepts);
+    let wish = behave::behave(plan, &mut state.behaviours, &percepts, sensed.position.ok());
+    let vehicle = wish.constrained(&plan.parameters().vehicle);
+    let wanted = decide(plan, &vehicle, state, &percepts, &sensed, &wish);
+    let wanted = wanted.unwrap_or_else(Commands::stop);
+    let commands = limit::limit(&vehicle, &percepts, wish.with_outputs(wanted));
     state.track.commanded(&commands);
     commands
 }
 
 /// What the robot would do if neither operator nor obstacles objected; an error says why it
 /// stands still.
-fn decide(plan: &Plan<'_>, state: &mut State, percepts: &Percepts) -> Result<Commands, Reason> {
-    let parameters = plan.parameters();
-    let (vehicle, schema) = (&parameters.vehicle, &parameters.schemas);
-
-    let sensed = sense::sense(plan, &mut state.track, percepts);
+fn decide(
+    plan: &Plan<'_>,
+    vehicle: &Vehicle,
+    state: &mut State,
+    percepts: &Percepts,
+    sensed: &sense::Sensed,
+    wish: &Wish,
+) -> Result<Commands, Reason> {
+    let schema = &plan.parameters().schemas;
     let position = sensed.position?;
     let is_armed = percepts.operator.is_armed;
-    let guidance = guidance::guide(plan, &mut state.progress, position, is_armed)?;
+    let guidance = match wish.target(position)? {
+        behave::Way::Plan(target) => {
+            guidance::guide(plan, &target, &mut state.progress, position, is_armed)?
+        }
+        behave::Way::Straight(guidance) => guidance,
+    };
     let Some(heading_rad) = sensed.heading_rad else {
         return drive::creep(vehicle, percepts);
     };

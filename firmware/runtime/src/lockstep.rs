@@ -94,6 +94,7 @@ impl<L: Link> Robot for LockstepRobot<'_, L> {
         percepts.speed_mps = self.record.speed_mps;
         percepts.turn_rate_radps = self.record.turn_rate_radps;
         percepts.ranges.clone_from(&self.record.ranges);
+        percepts.inputs = self.record.inputs;
         percepts.operator = self.record.operator;
     }
 

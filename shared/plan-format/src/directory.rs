@@ -70,6 +70,8 @@ pub(crate) struct Directory<'a> {
     pub(crate) layers: &'a [u8],
     /// The bytes that names point into, UTF-8.
     pub(crate) names: &'a [u8],
+    /// [`crate::mission::Mission`]; empty without behaviours.
+    pub(crate) mission: &'a [u8],
     /// The bytes that layers point into.
     pub(crate) cells: &'a [u8],
 }

@@ -1,5 +1,7 @@
 //! Why a blob is refused.
 
+use crate::mission::MissionError;
+
 /// Why a blob is refused. The doc comment is the message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlobError {
@@ -42,6 +44,11 @@ pub enum BlobError {
     Goal,
     /// the cells of a layer are malformed
     Cells,
+    /// the mission is malformed
+    Mission {
+        /// Why.
+        error: MissionError,
+    },
 }
 
 impl BlobError {
@@ -66,6 +73,7 @@ impl BlobError {
             Self::Name => 16,
             Self::Goal => 17,
             Self::Cells => 18,
+            Self::Mission { .. } => 19,
         }
     }
 
@@ -91,6 +99,7 @@ impl BlobError {
             Self::Name => "a name is malformed or used twice",
             Self::Goal => "a goal is off the map",
             Self::Cells => "the cells of a layer are malformed",
+            Self::Mission { .. } => "the mission is malformed",
         }
     }
 }
@@ -100,6 +109,9 @@ impl core::fmt::Display for BlobError {
         f.write_str(self.message())?;
         if let Self::Version { found } = self {
             write!(f, " ({found}; this build reads {})", crate::header::FORMAT_VERSION)?;
+        }
+        if let Self::Mission { error } = self {
+            write!(f, ": {error}")?;
         }
         Ok(())
     }

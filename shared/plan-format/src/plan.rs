@@ -6,6 +6,7 @@ use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_na
 use crate::error::BlobError;
 use crate::grid::{Cell, Grid};
 use crate::layer::{Layer, ROOT_BYTES};
+use crate::mission::{ActionKind, Mission, MissionError, Source};
 use crate::parameters::Parameters;
 use crate::{header, limits};
 use math::{Frame, Vec2};
@@ -22,6 +23,7 @@ pub struct Plan<'a> {
     parameters: Parameters,
     goal: Option<Vec2>,
     sections: Sections<'a>,
+    mission: Mission<'a>,
     bytes: usize,
 }
 
@@ -73,7 +75,12 @@ impl<'a> Plan<'a> {
             return Err(BlobError::Parameters);
         }
         let goal = sections.plan(chosen).map(|plan| plan.goal());
-        Ok(Self::new(directory.grid, origin, parameters, goal, sections, sealed.blob.len()))
+        let mission = Mission::parse(directory.mission)
+            .and_then(|mission| sections.check_references(&mission).map(|()| mission))
+            .map_err(|error| BlobError::Mission { error })?;
+        let bytes = sealed.blob.len();
+        let plan = Self::new(directory.grid, origin, parameters, goal, sections, bytes);
+        Ok(Self { mission, ..plan })
     }
 
     /// As [`Plan::parse`], for a file: refuses bytes after the end of the blob.
@@ -93,7 +100,8 @@ impl<'a> Plan<'a> {
         let corner = Vec2::new(grid.corner_m[0] as f32, grid.corner_m[1] as f32);
         let single = SingleGrid { corner, resolution_m: grid.resolution_m as f32 };
         let frame = origin.map(|o| Frame::new(o.place, o.at_m, o.heading_rad));
-        Self { grid, single, origin, frame, parameters, goal, sections, bytes }
+        let mission = Mission::default();
+        Self { grid, single, origin, frame, parameters, goal, sections, mission, bytes }
     }
 
     /// The robot's parameters; all in range.
@@ -137,6 +145,11 @@ impl<'a> Plan<'a> {
             && column < self.grid.columns as f32
             && row < self.grid.rows as f32;
         inside.then_some(Cell::new(column as u32, row as u32))
+    }
+
+    /// The behaviours; empty where the parameters' parallel plan is simply followed.
+    pub fn mission(&self) -> Mission<'a> {
+        self.mission
     }
 
     /// How many parallel plans there are.
@@ -228,6 +241,23 @@ impl<'a> Sections<'a> {
         }
         let all = next_layer * LayerRecord::BYTES == self.layers.len();
         if all { Ok(()) } else { Err(BlobError::Layers) }
+    }
+
+    /// Whether the parallel plans and layers that a mission speaks of exist.
+    fn check_references(&self, mission: &Mission<'_>) -> Result<(), MissionError> {
+        let has = |plan: u16, layer: u8| {
+            self.plan(usize::from(plan)).is_some_and(|plan| plan.layer_count() > usize::from(layer))
+        };
+        let inputs = mission.inputs().iter().all(|input| match input.source {
+            Source::CostToGoal { plan } => has(plan, 0),
+            Source::PriceOfConstraint { plan, layer } => has(plan, layer),
+            _ => true,
+        });
+        let actions = mission.actions().iter().all(|action| match action.kind {
+            ActionKind::Follow { plan, .. } => has(plan, 0),
+            _ => true,
+        });
+        if inputs && actions { Ok(()) } else { Err(MissionError::Reference) }
     }
 
     fn plan_name(&self, index: usize) -> Option<&'a str> {

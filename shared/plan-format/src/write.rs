@@ -5,6 +5,7 @@ use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_na
 use crate::error::BlobError;
 use crate::grid::Grid;
 use crate::layer::ROOT_BYTES;
+use crate::mission::MissionDraft;
 use crate::pack::{PackedLayer, PackedPlane};
 use crate::parameters::Parameters;
 use crate::plan::Plan;
@@ -22,6 +23,8 @@ pub struct Draft {
     pub parameters: Parameters,
     /// Parallel plans, in the order of their indices.
     pub plans: Vec<PlanDraft>,
+    /// Behaviours, if there are any.
+    pub mission: MissionDraft,
 }
 
 /// One parallel plan.
@@ -121,6 +124,8 @@ pub fn write(draft: &Draft) -> Result<Vec<u8>, WriteError> {
         sections.put(plan);
     }
     sections.cells.bytes.extend_from_slice(&[0; SLACK_BYTES]);
+    let mission =
+        draft.mission.write().map_err(|error| WriteError::Refused(BlobError::Mission { error }))?;
     let directory = Directory {
         grid: draft.grid,
         origin: draft.origin.map(Into::into),
@@ -128,6 +133,7 @@ pub fn write(draft: &Draft) -> Result<Vec<u8>, WriteError> {
         plans: &sections.plans,
         layers: &sections.layers,
         names: &sections.names.bytes,
+        mission: &mission,
         cells: &sections.cells.bytes,
     };
     // Serialising plain data into a growing vector does not fail.
@@ -256,6 +262,7 @@ mod tests {
             origin: None,
             parameters: Parameters::default(),
             plans: vec![plan("pier"), plan("base")],
+            mission: MissionDraft::default(),
         }
     }
 
@@ -271,7 +278,7 @@ mod tests {
         assert_eq!(at(0.9), Answer::Move { direction: Direction::W, cost: 5741 });
         assert_eq!(at(1.0), Answer::Blocked { escape: Some(Direction::W) });
         assert_eq!(layer.look_up(Cell::new(3, 0)), Answer::OffMap);
-        assert!(size_of::<Plan<'_>>() < 400, "{}", size_of::<Plan<'_>>());
+        assert!(size_of::<Plan<'_>>() < 512, "{}", size_of::<Plan<'_>>());
     }
 
     #[test]

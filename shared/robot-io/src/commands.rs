@@ -11,6 +11,8 @@ pub struct Commands {
     pub turn_rate_radps: f32,
     /// Digital outputs, bit by bit.
     pub outputs: u16,
+    /// A code for whoever listens, from a mission's `signal` action; 0 for none.
+    pub signal: u16,
     /// Why.
     pub reason: Reason,
 }
@@ -18,7 +20,7 @@ pub struct Commands {
 impl Commands {
     /// Stand still, and say why.
     pub const fn stop(reason: Reason) -> Self {
-        Self { speed_mps: 0.0, turn_rate_radps: 0.0, outputs: 0, reason }
+        Self { speed_mps: 0.0, turn_rate_radps: 0.0, outputs: 0, signal: 0, reason }
     }
 }
 
@@ -62,4 +64,8 @@ pub enum Reason {
     Manual,
     /// The plan does not say where on the globe its map lies, so no fix can be used.
     NoOrigin,
+    /// The mission's behaviours hold the robot still.
+    Holding,
+    /// No behaviour of the mission is critical.
+    Idle,
 }

@@ -2,6 +2,8 @@
 
 /// Range readings in one percept.
 pub const MAX_RANGES: usize = 16;
+/// Input channels in one percept.
+pub const MAX_CHANNELS: usize = 8;
 /// Digital outputs in one command.
 pub const MAX_OUTPUTS: usize = 16;
 /// Bytes of the longest encoded percept or command.

@@ -1,6 +1,6 @@
 //! What the robot knows at one tick.
 
-use crate::limits::MAX_RANGES;
+use crate::limits::{MAX_CHANNELS, MAX_RANGES};
 use heapless::Vec;
 use math::{GeoPoint, scalar};
 use serde::{Deserialize, Serialize};
@@ -20,8 +20,23 @@ pub struct Percepts {
     pub turn_rate_radps: Option<f32>,
     /// Obstacles around the robot, in any order.
     pub ranges: Vec<RangeReading, MAX_RANGES>,
+    /// Input channels of the mission's rules: battery, fuel and link first, see [`channel`], each
+    /// in the unit of its universe.
+    pub inputs: [Option<f32>; MAX_CHANNELS],
     /// What the human in charge says.
     pub operator: Operator,
+}
+
+/// Which input channel carries what.
+pub mod channel {
+    /// Charge of the battery.
+    pub const BATTERY: u8 = 0;
+    /// Fuel left.
+    pub const FUEL: u8 = 1;
+    /// Strength of the radio link.
+    pub const LINK: u8 = 2;
+    /// The first of those that a mission gives its own meaning.
+    pub const CUSTOM: u8 = 3;
 }
 
 /// One solution of the GPS receiver.
@@ -94,6 +109,7 @@ impl Percepts {
             speed_mps: finite(self.speed_mps),
             turn_rate_radps: finite(self.turn_rate_radps),
             ranges,
+            inputs: self.inputs.map(finite),
             operator: Operator {
                 manual: self.operator.manual.map(|manual| Manual {
                     speed_mps: or_still(manual.speed_mps),

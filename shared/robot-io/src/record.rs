@@ -4,7 +4,9 @@
 //! On a pipe a record is its postcard bytes, filled up with zeros to a fixed size: one read
 //! and one write a tick, and no state that could get out of step.
 
-use crate::limits::{COMMAND_RECORD_BYTES, MAX_GPS_BYTES, MAX_RANGES, SENSOR_RECORD_BYTES};
+use crate::limits::{
+    COMMAND_RECORD_BYTES, MAX_CHANNELS, MAX_GPS_BYTES, MAX_RANGES, SENSOR_RECORD_BYTES,
+};
 use crate::{Commands, Operator, RangeReading};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -22,6 +24,8 @@ pub struct SensorRecord {
     pub turn_rate_radps: Option<f32>,
     /// As in [`crate::Percepts`].
     pub ranges: Vec<RangeReading, MAX_RANGES>,
+    /// As in [`crate::Percepts`].
+    pub inputs: [Option<f32>; MAX_CHANNELS],
     /// As in [`crate::Percepts`].
     pub operator: Operator,
 }
@@ -84,6 +88,7 @@ mod tests {
             speed_mps: Some(1.0),
             turn_rate_radps: Some(1.0),
             ranges: repeat_n(reading, MAX_RANGES).collect(),
+            inputs: [Some(1.0); MAX_CHANNELS],
             operator: Operator {
                 is_armed: true,
                 is_emergency_stop: true,
@@ -97,6 +102,7 @@ mod tests {
             speed_mps: 1.0,
             turn_rate_radps: 1.0,
             outputs: u16::MAX,
+            signal: u16::MAX,
             reason: Reason::Manual,
         };
         let record = CommandRecord {

@@ -64,6 +64,7 @@ mod tests {
             speed_mps: Some(1.0),
             turn_rate_radps: Some(1.0),
             ranges: core::iter::repeat_n(reading, crate::limits::MAX_RANGES).collect(),
+            inputs: [Some(1.0); crate::limits::MAX_CHANNELS],
             operator: Operator {
                 is_armed: true,
                 is_emergency_stop: true,

@@ -1,6 +1,7 @@
 //! The blob at its border: what is written is read, what is damaged is refused.
 
 use plan_format::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED, is_blocked};
+use plan_format::mission::MissionDraft;
 use plan_format::{
     Answer, BlobError, Cell, Direction, Draft, Grid, Layer, LayerDraft, Origin, Parameters, Plan,
     PlanDraft, WriteError, grid::octile, limits, pack, write,
@@ -166,6 +167,7 @@ fn draft(fields: &[Field]) -> Draft {
         origin: None,
         parameters: Parameters::default(),
         plans: fields.iter().enumerate().map(plan).collect(),
+        mission: MissionDraft::default(),
     }
 }
 
@@ -213,9 +215,9 @@ fn hex(bytes: &[u8]) -> String {
 const TINY_BYTES: &[(&str, &str)] = &[
     ("WAYFIELD", "57 41 59 46 49 45 4c 44"),
     ("version 1, 28 bytes of header", "01 00 1c 00"),
-    ("343 bytes", "57 01 00 00"),
-    ("schema hash", "49 c6 d4 e6 fb a8 6b 3c"),
-    ("checksum", "66 ef 48 59"),
+    ("344 bytes", "58 01 00 00"),
+    ("schema hash", "07 93 2e 68 81 82 f0 38"),
+    ("checksum", "f4 9f b3 2b"),
     ("4 columns, 3 rows", "04 03"),
     ("cells of 1 m", "00 00 00 00 00 00 f0 3f"),
     ("corner 0, -0.25", "00 00 00 00 00 00 00 00 00 00 00 00 00 00 d0 bf"),
@@ -238,6 +240,7 @@ const TINY_BYTES: &[(&str, &str)] = &[
     ("3 unreachable", "03 00 00 00"),
     ("14 bytes of names: goal 0", "0e 67 6f 61 6c 20 30"),
     ("physical", "70 68 79 73 69 63 61 6c"),
+    ("no mission", "00"),
     ("104 bytes of cells: terrain with 4 entries", "68 04"),
     ("block 0 of class 2, 15 of class 0", "40 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00"),
     ("free, escapes N, NW and W", "00 04 05 06"),

@@ -18,7 +18,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("monitor", &["plan-format"]),
     ("behaviour", &["fuzzy", "grammar", "math", "monitor", "plan-format"]),
     ("fuzzy", &["math", "plan-format"]),
-    ("controller", &["advice", "math", "plan-format", "robot-io", "schemas"]),
+    ("controller", &["advice", "behaviour", "math", "plan-format", "robot-io", "schemas"]),
     ("runtime", &["controller", "math", "plan-format", "robot-io"]),
     ("plan-compiler", &["math", "plan-format"]),
     ("nrf52840-dk", &["math", "plan-format", "robot-io", "runtime"]),

@@ -172,6 +172,7 @@ impl Sensors for SensorSuite {
             speed_mps: odometry.map(|(speed, _)| speed as f32),
             turn_rate_radps: odometry.map(|(_, turn)| turn as f32),
             ranges: self.settings.ring.map(|ring| self.ring(ring, scene)).unwrap_or_default(),
+            inputs: Default::default(),
             operator: self.settings.operator,
         }
     }

@@ -1,7 +1,8 @@
 //! Trouble is data: every reason is reached, and each has a defined behaviour.
 
-use crate::bench::{ORIGIN, Robot, ahead, armed, blob, blob_at, open_field};
+use crate::bench::{ORIGIN, Robot, ahead, armed, behaving_blob, blob, blob_at, open_field};
 use math::{GeoPoint, Vec2};
+use plan_format::mission::{ActionKind, Label};
 use plan_format::parameters::{Gains, OnTrouble};
 use plan_format::{Parameters, Plan};
 use robot_io::{Manual, Operator, Percepts, Reason};
@@ -63,11 +64,15 @@ fn index_of(reason: Reason) -> usize {
         EmergencyStop,
         Manual,
         NoOrigin,
+        Holding,
+        Idle,
     ];
     match reason {
         Driving | AtGoal | Escaping | NoPlan | NoRoute | OffMap | NoFix | StaleFix | PoorFix
         | JumpedFix | DistantFix | NoHeading | ObstacleStop | Disarmed | EmergencyStop | Manual
-        | NoOrigin => all.iter().position(|&other| other == reason).expect("it is listed"),
+        | NoOrigin | Holding | Idle => {
+            all.iter().position(|&other| other == reason).expect("it is listed")
+        }
     }
 }
 
@@ -87,6 +92,10 @@ fn w14_w23_every_reason_is_reached_and_defined() {
     let plan_only = Parameters { gains: Gains::PLAN_ONLY, ..Parameters::default() };
     let plan_only = blob(&[MAP], plan_only);
     let unknown_place = blob_at(&[MAP], Parameters::default(), None);
+
+    let hold = ActionKind::Hold { for_ms: 60_000 };
+    let (holding, idle) =
+        (behaving_blob(MAP, Label::PS, &[hold]), behaving_blob(MAP, Label::NB, &[hold]));
 
     let nothing = |_: usize, _: &mut Percepts| {};
     let then = |change: fn(&mut Percepts)| {
@@ -143,9 +152,11 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         ("disarmed", &stops, START, 1, &disarmed, Reason::Disarmed, Stops),
         ("emergency stop", &stops, START, 1, &emergency, Reason::EmergencyStop, Stops),
         ("by hand", &stops, START, 1, &by_hand, Reason::Manual, Drives),
+        ("held still", &holding, START, 1, &nothing, Reason::Holding, Stops),
+        ("nothing to do", &idle, START, 1, &nothing, Reason::Idle, Stops),
         ("no origin", &unknown_place, START, 1, &nothing, Reason::NoOrigin, Stops),
     ];
-    let mut reached = vec![false; 17];
+    let mut reached = vec![false; 19];
     for (name, blob, at, ticks, change, reason, does) in table {
         let plan = Plan::parse(blob).expect("the blob is sound");
         let (result, did) = after(*ticks, plan, *at, *change);

@@ -78,6 +78,7 @@ fn step() -> impl Strategy<Value = (i64, Percepts)> {
                 speed_mps,
                 turn_rate_radps,
                 ranges: ranges.into_iter().collect(),
+                inputs: Default::default(),
                 operator,
             };
             (elapsed_us, percepts)
@@ -159,7 +160,7 @@ proptest! {
         }
     }
 
-    /// A state that is kept, or sent and received, goes on as the one that it was taken from.
+    /// A state that is kept goes on as the one that it was taken from.
     #[test]
     fn a_frozen_state_replays_the_same_ticks(history in history(), parameters in parameters()) {
         let blob = blob(&[&open_field(30, 30, (25, 25))], parameters);
@@ -168,13 +169,9 @@ proptest! {
         let mut state = State::new(&plan);
         run(&plan, &mut state, before);
         let mut cloned = state.clone();
-        let bytes = postcard::to_stdvec(&state).expect("plain data");
-        let mut received: State = postcard::from_bytes(&bytes).expect("the same plain data");
         let trace = run(&plan, &mut state, after);
         prop_assert_eq!(run(&plan, &mut cloned, after), trace);
-        prop_assert_eq!(run(&plan, &mut received, after), trace);
-        prop_assert_eq!(cloned, state.clone());
-        prop_assert_eq!(received, state);
+        prop_assert_eq!(cloned, state);
     }
 }
 

@@ -139,7 +139,10 @@ impl<'a> Mission<'a> {
     }
 
     /// The protection intervals of a production.
-    pub fn intervals_of(&self, production: &Production) -> impl Iterator<Item = Interval> + use<'a> {
+    pub fn intervals_of(
+        &self,
+        production: &Production,
+    ) -> impl Iterator<Item = Interval> + use<'a> {
         self.intervals().range(production.first_interval, production.intervals)
     }
 

@@ -1,0 +1,200 @@
+//! What the mission's behaviours want the robot to do.
+//!
+//! A blob without behaviours wants one thing: to follow the parallel plan of its parameters. With
+//! behaviours, the atomic actions that run say where to go, how fast at most, and which outputs
+//! are on; a behaviour that drives holds the resource `motion`, so at most one action drives.
+//!
+//! Behaviours stand still while the robot is not armed or the emergency stop is pressed: their
+//! plans wait as they are. While it is driven by hand they go on, since what they watch does.
+
+use behaviour::{Behaviours, Observations, Running, World};
+use math::{Vec2, vector};
+use plan_format::grid::cost_metres;
+use plan_format::mission::ActionKind;
+use plan_format::parameters::{Gains, Vehicle};
+use plan_format::{Answer, Plan};
+use robot_io::{Commands, Percepts, Reason};
+
+use crate::guidance::{self, Guidance, Target};
+
+const _: () = assert!(robot_io::limits::MAX_CHANNELS == plan_format::limits::MAX_CHANNELS);
+const _: () = assert!(robot_io::limits::MAX_OUTPUTS == plan_format::limits::MAX_OUTPUTS);
+
+/// What is wanted in one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wish {
+    motion: Motion,
+    /// Weight of the noise where an action names none.
+    noise: f32,
+    /// Never faster, m/s.
+    max_speed_mps: f32,
+    /// Never nearer to an obstacle, metres.
+    min_distance_m: f32,
+    /// Digital outputs, one bit each.
+    outputs: u16,
+    /// A code to report; 0 for none.
+    signal: u16,
+}
+
+/// How the robot is to move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Motion {
+    Follow(Target),
+    GoTo(Vec2),
+    Wander,
+    /// Stand still, and why.
+    None(Reason),
+}
+
+/// Where to: by a plan, or straight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Way {
+    /// By the advice of a parallel plan.
+    Plan(Target),
+    /// By the reactive schemas.
+    Straight(Guidance),
+}
+
+/// Lets the behaviours take their step, and says what they want.
+pub fn behave(
+    plan: &Plan<'_>,
+    behaviours: &mut Behaviours,
+    percepts: &Percepts,
+    position: Option<Vec2>,
+) -> Wish {
+    let parameters = plan.parameters();
+    let mission = plan.mission();
+    let wish = Wish {
+        motion: Motion::None(Reason::Idle),
+        noise: parameters.gains.noise,
+        max_speed_mps: f32::INFINITY,
+        min_distance_m: 0.0,
+        outputs: behaviours.outputs(),
+        signal: 0,
+    };
+    if mission.behaviours().is_empty() {
+        let target = Target { plan: parameters.plan, gains: parameters.gains };
+        return Wish { motion: Motion::Follow(target), ..wish };
+    }
+    if !percepts.operator.is_armed || percepts.operator.is_emergency_stop {
+        return wish;
+    }
+    let seen = Observations {
+        time_us: percepts.time_us,
+        position,
+        channels: &percepts.inputs,
+        world: &Surroundings { plan, position },
+    };
+    let (running, _) = behaviours.step(&mission, &seen);
+    Wish { outputs: behaviours.outputs(), ..wish.of(&running) }
+}
+
+impl Wish {
+    /// What the running actions want, all together.
+    fn of(self, running: &Running) -> Self {
+        running.iter().fold(self, |wish, part| {
+            let motion = match part.action.kind {
+                ActionKind::Follow { plan, reactive, advice, noise } => {
+                    let gains = Gains { reactive, plan: advice, noise };
+                    Motion::Follow(Target { plan, gains })
+                }
+                ActionKind::GoTo { x_m, y_m } => Motion::GoTo(Vec2::new(x_m, y_m)),
+                ActionKind::Wander { .. } => Motion::Wander,
+                ActionKind::Hold { .. } => Motion::None(Reason::Holding),
+                ActionKind::Signal { code } => return Self { signal: code, ..wish },
+                ActionKind::SetOutput { .. } => wish.motion,
+            };
+            Self {
+                motion,
+                max_speed_mps: wish.max_speed_mps.min(part.max_speed_mps),
+                min_distance_m: wish.min_distance_m.max(part.min_distance_m),
+                ..wish
+            }
+        })
+    }
+
+    /// The vehicle within the constraints of what runs.
+    pub fn constrained(&self, vehicle: &Vehicle) -> Vehicle {
+        Vehicle {
+            max_speed_mps: vehicle.max_speed_mps.min(self.max_speed_mps),
+            stop_distance_m: vehicle.stop_distance_m.max(self.min_distance_m),
+            ..*vehicle
+        }
+    }
+
+    /// Commands with the outputs and the signal that are wanted.
+    pub fn with_outputs(&self, commands: Commands) -> Commands {
+        Commands { outputs: self.outputs, signal: self.signal, ..commands }
+    }
+
+    /// Where to from a position; an error says why the robot stands still.
+    pub fn target(&self, position: Vec2) -> Result<Way, Reason> {
+        let straight = |goal, noise| {
+            let gains = Gains { reactive: 1.0, plan: 0.0, noise };
+            Way::Straight(Guidance { step: None, goal, gains, reason: Reason::Driving })
+        };
+        match self.motion {
+            Motion::Follow(target) => Ok(Way::Plan(target)),
+            Motion::GoTo(goal) => Ok(straight(goal, self.noise)),
+            // Where the robot is attracts it nowhere; what is left is noise and repulsion.
+            Motion::Wander => Ok(straight(position, 1.0)),
+            Motion::None(reason) => Err(reason),
+        }
+    }
+}
+
+/// What the plans say about where the robot is.
+struct Surroundings<'s, 'p> {
+    plan: &'s Plan<'p>,
+    position: Option<Vec2>,
+}
+
+impl Surroundings<'_, '_> {
+    /// Cost to the goal of a parallel plan by one of its layers, in units of the plan.
+    fn cost(&self, plan: u16, layer: usize) -> Option<u32> {
+        let cell = self.plan.cell_at(self.position?)?;
+        match self.plan.parallel_plan(usize::from(plan))?.layer(layer)?.look_up(cell) {
+            Answer::Move { cost, .. } => Some(cost),
+            Answer::Goal => Some(0),
+            Answer::NoRoute | Answer::Blocked { .. } | Answer::OffMap => None,
+        }
+    }
+
+    fn best_cost(&self, plan: u16) -> Option<u32> {
+        let layers = self.plan.parallel_plan(usize::from(plan))?.layer_count();
+        (0..layers).rev().find_map(|layer| self.cost(plan, layer))
+    }
+
+    fn metres(&self, cost: u32) -> f32 {
+        cost_metres(cost, self.plan.grid().resolution_m) as f32
+    }
+}
+
+impl World for Surroundings<'_, '_> {
+    fn cost_to_goal(&self, plan: u16) -> Option<f32> {
+        self.best_cost(plan).map(|cost| self.metres(cost))
+    }
+
+    fn price(&self, plan: u16, layer: u8) -> Option<f32> {
+        let (dear, cheap) = (self.cost(plan, usize::from(layer))?, self.cost(plan, 0)?);
+        Some(self.metres(dear.saturating_sub(cheap)))
+    }
+
+    fn is_at_goal(&self, plan: u16) -> bool {
+        let (Some(parallel_plan), Some(position)) =
+            (self.plan.parallel_plan(usize::from(plan)), self.position)
+        else {
+            return false;
+        };
+        let distance_m = vector::length(parallel_plan.goal() - position);
+        let cost = self.best_cost(plan);
+        cost == Some(0)
+            || distance_m <= self.plan.parameters().schemas.goal_tolerance_m
+                && guidance::is_in_the_open(self.plan, cost, distance_m)
+    }
+
+    fn is_at(&self, place: Vec2) -> bool {
+        let tolerance_m = self.plan.parameters().schemas.goal_tolerance_m;
+        self.position.is_some_and(|at| vector::length(place - at) <= tolerance_m)
+    }
+}
