@@ -296,3 +296,71 @@ fn round_number_below(x: f64) -> f64 {
     let unit = wide::pow(10.0, wide::floor(wide::log10(x)));
     [5.0, 2.0, 1.0].into_iter().map(|digit| digit * unit).find(|&r| r <= x).unwrap_or(unit)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compile::{Input, Options, compile};
+    use crate::map::{Extent, Map, NamedPoint};
+    use crate::mission::Mission;
+
+    fn sampled_sides(columns: u32, rows: u32) -> (u32, f64) {
+        let view = View::new(&Grid { columns, rows, resolution_m: 0.5, corner_m: [-5.0, 7.0] });
+        (view.cells_per_sample, view.cell_px)
+    }
+
+    #[test]
+    fn cells_are_whole_pixels_and_large_maps_are_sampled() {
+        assert_eq!(sampled_sides(10, 5), (1, 32.0));
+        assert_eq!(sampled_sides(250, 250), (1, 4.0));
+        assert_eq!(sampled_sides(1200, 3), (1, 1.0));
+        assert_eq!(sampled_sides(1201, 3), (2, 0.5));
+        assert_eq!(sampled_sides(16_384, 16_384), (14, 1.0 / 14.0));
+    }
+
+    #[test]
+    fn scales_are_round() {
+        for (room, bar) in [(1.0, 1.0), (1.9, 1.0), (4.9, 2.0), (62.5, 50.0), (0.3, 0.2)] {
+            assert!((round_number_below(room) - bar).abs() < 1e-12, "{room}");
+        }
+    }
+
+    /// The colour of the picture of an empty map of 20 by 10 cells, at a point of the map.
+    fn colour_at(overlay: &Overlay<'_>, at: Point) -> [u8; 3] {
+        let map = Map {
+            extent: Extent { corner: [-10.0, 5.0], size: [40.0, 20.0] },
+            boundary: None,
+            resolution_m: Some(2.0),
+            reference: None,
+            features: Vec::new(),
+            points: vec![NamedPoint { name: "a".into(), at: [27.0, 22.0], span: 0..0 }],
+            start: None,
+            title: None,
+            remarks: Vec::new(),
+        };
+        let (mission, options) = (Mission::default(), Options::default());
+        let input = Input { map: &map, source: None, mission: &mission, options: &options };
+        let blob = compile(&input, &|_, _| {}, &mut Vec::new()).unwrap();
+        let plan = Plan::parse(&blob).unwrap();
+        let parallel = plan.parallel_plan(0).unwrap();
+        let svg = picture(&plan, &parallel, &parallel.layer(0).unwrap(), overlay);
+        let png = png(&svg).unwrap();
+        let pixels = resvg::tiny_skia::Pixmap::decode_png(&png).unwrap();
+        let view = View::new(plan.grid());
+        let [x, y] = view.place(at).map(|cells| cells * view.cell_px);
+        let y = view.map_px(view.grid.rows) - y;
+        let pixel = pixels.pixel((MARGIN_PX + x) as u32, (MARGIN_PX + y) as u32).unwrap();
+        [pixel.red(), pixel.green(), pixel.blue()]
+    }
+
+    #[test]
+    fn what_was_driven_lies_over_the_cells_in_the_maps_own_metres() {
+        let route = [[-8.0, 7.0], [6.0, 7.0], [6.0, 20.0]];
+        let overlay = Overlay { start: Some(route[0]), route: &route, ..Overlay::default() };
+        let driven = [0xd9, 0x48, 0x0f];
+        for at in [route[0], [0.0, 7.0], [6.0, 15.0]] {
+            assert_eq!(colour_at(&overlay, at), driven, "{at:?}");
+            assert_ne!(colour_at(&Overlay::default(), at), driven, "{at:?}");
+        }
+    }
+}
