@@ -187,6 +187,7 @@ impl Prepared {
             .iter()
             .flat_map(|goal| goal.levels.iter().map(move |&level| (goal, &self.levels[level])))
             .collect();
+        progress(0, jobs.len());
         let (done, bytes) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let solve = |solver: &mut Solver, &(goal, level): &(&Placed, &Level)| {
             if bytes.load(Ordering::Relaxed) > PACKED_BUDGET_BYTES {

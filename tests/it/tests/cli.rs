@@ -190,7 +190,7 @@ fn files_that_are_no_maps() {
 fn a_map_without_permission_is_refused() {
     use std::os::unix::fs::PermissionsExt;
     let run = Run::yard();
-    fs::set_permissions(run.path("yard.ovl"), fs::Permissions::from_mode(0)).unwrap();
+    fs::set_permissions(run.path("yard.ovl"), fs::Permissions::from_mode(0o0)).unwrap();
     // The superuser may read everything.
     if fs::read(run.path("yard.ovl")).is_err() {
         let ended = run.run("build yard.ovl", "");
