@@ -147,7 +147,7 @@ impl Behaviours {
     }
 
     /// The value of an input, or what stands in for it, in its own unit.
-    fn value_of(&self, mission: &Mission<'_>, index: usize, time_us: u64) -> f32 {
+    pub fn value_of(&self, mission: &Mission<'_>, index: usize, time_us: u64) -> f32 {
         let Some(input) = mission.inputs().get(index) else { return 0.0 };
         if let Source::Rules(rules) = input.source {
             return self.senses.result(rules);

@@ -7,7 +7,7 @@
 //! Behaviours stand still while the robot is not armed or the emergency stop is pressed: their
 //! plans wait as they are. While it is driven by hand they go on, since what they watch does.
 
-use behaviour::{Behaviours, Observations, Running, World};
+use behaviour::{Behaviours, Observations, Report, Running, World};
 use math::{Vec2, vector};
 use plan_format::grid::cost_metres;
 use plan_format::mission::ActionKind;
@@ -61,7 +61,7 @@ pub fn behave(
     behaviours: &mut Behaviours,
     percepts: &Percepts,
     position: Option<Vec2>,
-) -> Wish {
+) -> (Wish, Report) {
     let parameters = plan.parameters();
     let mission = plan.mission();
     let wish = Wish {
@@ -74,10 +74,10 @@ pub fn behave(
     };
     if mission.behaviours().is_empty() {
         let target = Target { plan: parameters.plan, gains: parameters.gains };
-        return Wish { motion: Motion::Follow(target), ..wish };
+        return (Wish { motion: Motion::Follow(target), ..wish }, Report::default());
     }
     if !percepts.operator.is_armed || percepts.operator.is_emergency_stop {
-        return wish;
+        return (wish, Report::default());
     }
     let seen = Observations {
         time_us: percepts.time_us,
@@ -85,8 +85,8 @@ pub fn behave(
         channels: &percepts.inputs,
         world: &Surroundings { plan, position },
     };
-    let (running, _) = behaviours.step(&mission, &seen);
-    Wish { outputs: behaviours.outputs(), ..wish.of(&running) }
+    let (running, report) = behaviours.step(&mission, &seen);
+    (Wish { outputs: behaviours.outputs(), ..wish.of(&running) }, report)
 }
 
 impl Wish {

@@ -83,15 +83,46 @@ impl State {
 /// Advances the controller by one tick. Pure: the result depends on the arguments only.
 /// Total: never panics, never fails.
 pub fn tick(plan: &Plan<'_>, state: &mut State, percepts: &Percepts) -> Commands {
+    explain(plan, state, percepts).commands
+}
+
+/// A tick with everything that led to its commands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explanation {
+    /// The result.
+    pub commands: Commands,
+    /// Where the robot believes to be.
+    pub sensed: sense::Sensed,
+    /// What the behaviours decided.
+    pub report: behaviour::Report,
+    /// How the schemas were blended; `None` where the robot stood still before it came to that.
+    pub blend: Option<Blend>,
+}
+
+/// How the schemas of one tick were blended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blend {
+    /// Advice, goal and gains.
+    pub guidance: guidance::Guidance,
+    /// The schemas' vectors, map axes.
+    pub vectors: Vectors,
+    /// Their weighted sum; length 1 is the base speed.
+    pub sum: math::Vec2,
+}
+
+/// As [`tick`], which is this without the explanation.
+#[inline]
+pub fn explain(plan: &Plan<'_>, state: &mut State, percepts: &Percepts) -> Explanation {
     let percepts = percepts.sanitised();
     let sensed = sense::sense(plan, &mut state.track, &percepts);
-    let wish = behave::behave(plan, &mut state.behaviours, &percepts, sensed.position.ok());
+    let (wish, report) =
+        behave::behave(plan, &mut state.behaviours, &percepts, sensed.position.ok());
     let vehicle = wish.constrained(&plan.parameters().vehicle);
-    let wanted = decide(plan, &vehicle, state, &percepts, &sensed, &wish);
-    let wanted = wanted.unwrap_or_else(Commands::stop);
+    let decided = decide(plan, &vehicle, state, &percepts, &sensed, &wish);
+    let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));
     let commands = limit::limit(&vehicle, &percepts, wish.with_outputs(wanted));
     state.track.commanded(&commands);
-    commands
+    Explanation { commands, sensed, report, blend }
 }
 
 /// What the robot would do if neither operator nor obstacles objected; an error says why it
@@ -103,7 +134,7 @@ fn decide(
     percepts: &Percepts,
     sensed: &sense::Sensed,
     wish: &Wish,
-) -> Result<Commands, Reason> {
+) -> Result<(Commands, Option<Blend>), Reason> {
     let schema = &plan.parameters().schemas;
     let position = sensed.position?;
     let is_armed = percepts.operator.is_armed;
@@ -114,7 +145,7 @@ fn decide(
         behave::Way::Straight(guidance) => guidance,
     };
     let Some(heading_rad) = sensed.heading_rad else {
-        return drive::creep(vehicle, percepts);
+        return drive::creep(vehicle, percepts).map(|commands| (commands, None));
     };
 
     let repulsion = schemas::avoid_static_obstacle(
@@ -129,7 +160,8 @@ fn decide(
         advice: schemas::follow_plan(guidance.step),
         noise: state.noise.next(schema.noise_persistence_ticks),
     };
-    let blended = schemas::blend(&guidance.gains, schema, &vectors);
+    let sum = schemas::blend(&guidance.gains, schema, &vectors);
     let is_repelled = guidance.gains.reactive * schema.avoid_gain > 0.0 && repulsion.is_saturated;
-    Ok(drive::drive(vehicle, blended, heading_rad, is_repelled).because(guidance.reason))
+    let commands = drive::drive(vehicle, sum, heading_rad, is_repelled).because(guidance.reason);
+    Ok((commands, Some(Blend { guidance, vectors, sum })))
 }

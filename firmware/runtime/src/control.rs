@@ -28,6 +28,9 @@ pub trait Robot {
         0
     }
 
+    /// Called after the tick with all that it saw, for whoever keeps a trace to replay.
+    fn keep(&mut self, _percepts: &Percepts) {}
+
     /// Carries out the commands of one tick. The record around them is the tick's telemetry.
     async fn act(&mut self, record: &CommandRecord);
 
@@ -51,6 +54,7 @@ pub async fn control_task<M: RawMutex>(plan: Plan<'_>, robot: &mut impl Robot, f
         let commands = controller::tick(&plan, &mut state, &percepts);
         let instructions = robot.stop_count();
 
+        robot.keep(&percepts);
         trace.record(&percepts, &commands);
         let record = CommandRecord { time_us, commands, trace_hash: trace.get(), instructions };
         robot.act(&record).await;

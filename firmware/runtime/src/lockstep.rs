@@ -40,6 +40,9 @@ pub trait Link {
     /// What the robot answers.
     fn send(&mut self, record: &CommandRecord);
 
+    /// Called after the tick with all that it saw, for whoever keeps a trace to replay.
+    fn keep(&mut self, _percepts: &Percepts) {}
+
     /// Called right before the tick, to start counting instructions where that can be done.
     fn start_count(&mut self) {}
 
@@ -102,6 +105,10 @@ impl<L: Link> Robot for LockstepRobot<'_, L> {
         self.link.start_count();
     }
 
+    fn keep(&mut self, percepts: &Percepts) {
+        self.link.keep(percepts);
+    }
+
     fn stop_count(&mut self) -> u32 {
         self.link.stop_count()
     }
@@ -129,6 +136,7 @@ impl<L: Link> Robot for LockstepRobot<'_, L> {
 pub struct Mailbox {
     record: Cell<Option<SensorRecord>>,
     answer: Cell<Option<CommandRecord>>,
+    seen: Cell<Option<Percepts>>,
     is_full: Cell<bool>,
 }
 
@@ -158,7 +166,18 @@ impl Mailbox {
     }
 }
 
+impl Mailbox {
+    /// What the last step's tick saw, once: the percepts of a trace.
+    pub fn take_percepts(&self) -> Option<Percepts> {
+        self.seen.take()
+    }
+}
+
 impl Link for &Mailbox {
+    fn keep(&mut self, percepts: &Percepts) {
+        self.seen.set(Some(percepts.clone()));
+    }
+
     fn is_ready(&self) -> bool {
         self.is_full.get()
     }

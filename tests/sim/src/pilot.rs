@@ -1,7 +1,7 @@
 //! Who drives: whatever answers a record of sensors with a record of commands.
 
 use plan_format::Plan;
-use robot_io::{CommandRecord, SensorRecord};
+use robot_io::{CommandRecord, Percepts, SensorRecord};
 use runtime::lockstep::{Link, Mailbox, drive};
 use std::fmt;
 use std::pin::Pin;
@@ -52,6 +52,11 @@ impl<'p> HostPilot<'p> {
         let robot = Box::pin(drive(plan, Shared(Rc::clone(&mailbox))));
         Self { mailbox, robot }
     }
+
+    /// What the tick of the last exchange saw: the percepts of a trace.
+    pub fn take_percepts(&self) -> Option<Percepts> {
+        self.mailbox.take_percepts()
+    }
 }
 
 impl Pilot for HostPilot<'_> {
@@ -71,6 +76,10 @@ impl fmt::Debug for HostPilot<'_> {
 struct Shared(Rc<Mailbox>);
 
 impl Link for Shared {
+    fn keep(&mut self, percepts: &Percepts) {
+        (&*self.0).keep(percepts);
+    }
+
     fn is_ready(&self) -> bool {
         (&*self.0).is_ready()
     }
