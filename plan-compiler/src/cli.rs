@@ -76,6 +76,17 @@ pub(crate) enum Command {
     Render(Render),
     /// Prove every cell of every layer anew
     Verify(Verify),
+    /// Say why the robot did what it did in one tick of a recorded mission
+    Explain(Explain),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Explain {
+    /// The trace, as `cargo mission --trace FILE` writes it
+    pub(crate) trace: PathBuf,
+    /// Which tick, from 0
+    #[arg(long, value_name = "N")]
+    pub(crate) tick: usize,
 }
 
 #[derive(Debug, Args)]

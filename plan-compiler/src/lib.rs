@@ -4,6 +4,7 @@
 //! every set of constraints, packed and written. Readers never stop at the first mistake:
 //! they return what they understood and every [`problem::Problem`] they found.
 
+pub mod behaviours;
 pub mod bitmap;
 pub mod compile;
 mod escape;
@@ -16,4 +17,5 @@ pub mod raster;
 pub mod render;
 pub mod search;
 pub mod source;
+pub mod trace;
 pub mod verify;

@@ -1,6 +1,7 @@
 //! One file a command: each reads files, calls the library, prints.
 
 mod build;
+mod explain;
 mod export;
 mod inspect;
 mod project;
@@ -48,6 +49,7 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Export(args) => export::run(args),
         Command::Render(args) => render::run(args, cli.quiet),
         Command::Verify(args) => verify::run(args, cli.quiet),
+        Command::Explain(args) => explain::run(args),
     }
 }
 

@@ -1,0 +1,262 @@
+//! `explain`: why the robot did what it did in one tick of a recorded mission.
+
+use super::Failure;
+use crate::cli::Explain;
+use behaviour::{Behaviours, Decision, Phase, Refusal};
+use controller::{Blend, Explanation, State};
+use math::Vec2;
+use monitor::{Doubt, Signal, Violation};
+use plan_compiler::problem::Problem;
+use plan_compiler::source;
+use plan_compiler::trace::Trace;
+use plan_format::grid::cost_metres;
+use plan_format::mission::{Facts, Label, Mission, RuleBase};
+use plan_format::{Answer, Plan};
+use robot_io::Percepts;
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
+
+pub(super) fn run(args: &Explain) -> Result<(), Failure> {
+    let bytes = source::read_bytes(&args.trace)?;
+    let trace = Trace::from_bytes(&bytes)
+        .map_err(|error| Problem::error(format!("{}: {error}", args.trace.display())))?;
+    let plan = Plan::parse_exact(&trace.blob)
+        .map_err(|error| Problem::error(format!("the plans in the trace are refused: {error}")))?;
+    let Some((before, [percepts, ..])) = trace.percepts.split_at_checked(args.tick) else {
+        let message =
+            format!("the trace has {} ticks, no tick {}", trace.percepts.len(), args.tick);
+        return Err(Problem::error(message).mend("ticks are counted from 0").into());
+    };
+    let mut state = State::new(&plan);
+    for earlier in before {
+        controller::tick(&plan, &mut state, earlier);
+    }
+    let explanation = controller::explain(&plan, &mut state, percepts);
+    let mut text = format!("tick {} at {:.2} s\n", args.tick, percepts.time_us as f64 / 1e6);
+    if trace.replayed_hash(&plan) != trace.hash {
+        text.push_str("warning: this build decides otherwise than the one that was recorded\n");
+    }
+    // Writing to a string does not fail.
+    let _ = write_all(&mut text, &plan, &state, percepts, &explanation);
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()?;
+    Ok(())
+}
+
+fn write_all(
+    text: &mut String,
+    plan: &Plan<'_>,
+    state: &State,
+    percepts: &Percepts,
+    explanation: &Explanation,
+) -> std::fmt::Result {
+    let commands = &explanation.commands;
+    writeln!(
+        text,
+        "commands   {:.2} m/s, {:.2} rad/s, because: {:?}",
+        commands.speed_mps, commands.turn_rate_radps, commands.reason
+    )?;
+    if commands.outputs != 0 || commands.signal != 0 {
+        writeln!(text, "           outputs {:016b}, signal {}", commands.outputs, commands.signal)?;
+    }
+    match explanation.sensed.position {
+        Ok(at) => write!(text, "position   {}", vector(at))?,
+        Err(reason) => write!(text, "position   unknown: {reason:?}")?,
+    }
+    match explanation.sensed.heading_rad {
+        Some(heading_rad) => writeln!(text, ", heading {heading_rad:.2} rad")?,
+        None => writeln!(text, ", heading unknown")?,
+    }
+    let mission = plan.mission();
+    if !mission.behaviours().is_empty() {
+        write_behaviours(text, &mission, &state.behaviours, percepts.time_us, explanation)?;
+    }
+    if let Ok(at) = explanation.sensed.position {
+        write_layers(text, plan, at)?;
+    }
+    if let Some(blend) = &explanation.blend {
+        write_blend(text, blend)?;
+    }
+    for range in &percepts.ranges {
+        writeln!(text, "range      {:.2} m at {:.2} rad", range.distance_m, range.bearing_rad)?;
+    }
+    Ok(())
+}
+
+fn write_behaviours(
+    text: &mut String,
+    mission: &Mission<'_>,
+    behaviours: &Behaviours,
+    time_us: u64,
+    explanation: &Explanation,
+) -> std::fmt::Result {
+    let report = &explanation.report;
+    for (index, behaviour) in mission.behaviours().iter().enumerate() {
+        let criticality = report.criticalities.get(index).copied().unwrap_or(0.0);
+        let phase = match behaviours.phase(index) {
+            Phase::Idle if criticality <= behaviour.dormant => "dormant",
+            Phase::Idle => "idle",
+            Phase::StartingUp => "starting up",
+            Phase::Active => "active",
+            Phase::ShuttingDown => "shutting down",
+            Phase::Sleeping => "sleeping",
+        };
+        writeln!(
+            text,
+            "behaviour  {}: {phase}, criticality {criticality:.4} (dormant up to {:.4}, unconditional from {:.4})",
+            mission.name(behaviour.name),
+            behaviour.dormant,
+            behaviour.unconditional
+        )?;
+        if let Some(base) = mission.rule_bases().get(behaviour.rules.into()) {
+            write_rules(text, mission, behaviours, &base, time_us)?;
+        }
+    }
+    writeln!(text, "facts      {}", facts(mission, report.facts))?;
+    for decision in &report.decisions {
+        writeln!(text, "decision   {}", decided(mission, decision))?;
+    }
+    if report.omitted > 0 {
+        writeln!(text, "           and {} more", report.omitted)?;
+    }
+    Ok(())
+}
+
+/// The degree of each rule that fires: input label, degree, consequence.
+fn write_rules(
+    text: &mut String,
+    mission: &Mission<'_>,
+    behaviours: &Behaviours,
+    base: &RuleBase,
+    time_us: u64,
+) -> std::fmt::Result {
+    for rule in mission.rules_of(base) {
+        let Some(input) = mission.inputs().get(rule.input.into()) else { continue };
+        let value = behaviours.value_of(mission, rule.input.into(), time_us);
+        let (lower, upper_degree) = fuzzy::fuzzify(fuzzy::position(value, input.low, input.high));
+        write!(text, "  rule     {} = {value:.3}:", mission.name(input.name))?;
+        for (label, degree) in [(lower, 1.0 - upper_degree), (lower + 1, upper_degree)] {
+            if degree > 0.0 {
+                let is = Label::from_index(label as u8);
+                let then = rule.labels.get(label).copied().unwrap_or(Label::ZO);
+                write!(text, " {is:?} to {degree:.2}, so {then:?};")?;
+            }
+        }
+        text.push('\n');
+    }
+    Ok(())
+}
+
+fn decided(mission: &Mission<'_>, decision: &Decision) -> String {
+    let behaviour = |index: u8| {
+        mission.behaviours().get(index.into()).map_or("?", |b| mission.name(b.name)).to_owned()
+    };
+    match *decision {
+        Decision::Engaged { behaviour: who } => format!("{} is engaged", behaviour(who)),
+        Decision::Resumed { behaviour: who } => format!("{} is resumed", behaviour(who)),
+        Decision::Interrupted { behaviour: who, by, is_unconditional } => {
+            let how = if is_unconditional { "at once" } else { "at a switching point" };
+            format!("{} is interrupted by {} {how}", behaviour(who), behaviour(by))
+        }
+        Decision::Refused { behaviour: who, by, why } => {
+            let why = match why {
+                Refusal::Dwell => "which has not run for its minimum dwell",
+                Refusal::NoPointYet => "which is at no point where nothing protected would suffer",
+                Refusal::BetterPointAhead => "which has a point of less lost work ahead",
+                Refusal::Excluded => "which holds a protection interval that it may violate",
+                Refusal::ShuttingDown => "which is shutting down",
+            };
+            format!("{} waits for {}, {why}", behaviour(who), behaviour(by))
+        }
+        Decision::Chose { production, applicability } => {
+            let record = mission.productions().get(production.into());
+            let name = record.map_or("?", |record| mission.name(record.name));
+            format!("production {production} `{name}` is chosen, applicability {applicability:.4}")
+        }
+        Decision::Finished { behaviour: who } => format!("{} is finished", behaviour(who)),
+        Decision::Failed { behaviour: who } => format!("{} has failed", behaviour(who)),
+        Decision::TimedOut { component } => format!("component {component} has run out of time"),
+        Decision::Conflict(signal) => conflict(mission, signal),
+    }
+}
+
+fn conflict(mission: &Mission<'_>, signal: Signal) -> String {
+    match signal {
+        Signal::Evident { id, what, facts: about } => {
+            let what = match what {
+                Violation::Initial => "its initial description does not hold",
+                Violation::Transient => "its transient description does not hold",
+                Violation::Goal => "its goal description does not hold",
+                Violation::Interval => "its protection interval is violated",
+                Violation::Foreign => "a sleeping behaviour's protection interval is violated",
+            };
+            format!("evident conflict at component {id}: {what}: {}", facts(mission, about))
+        }
+        Signal::Possible { id, why, facts: about } => {
+            let why = match why {
+                Doubt::NoProducer => "nothing before it brings about".to_owned(),
+                Doubt::Clobberer(other) => format!("component {other} may destroy before"),
+                Doubt::Choice(production) => {
+                    format!("choosing production {production} may violate")
+                }
+            };
+            format!("possible conflict at component {id}: {why}: {}", facts(mission, about))
+        }
+    }
+}
+
+fn facts(mission: &Mission<'_>, set: Facts) -> String {
+    let names: Vec<&str> = mission
+        .facts()
+        .iter()
+        .enumerate()
+        .filter(|&(bit, _)| set >> bit & 1 == 1)
+        .map(|(_, fact)| mission.name(fact.name))
+        .collect();
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+/// What every layer says about the robot's cell.
+fn write_layers(text: &mut String, plan: &Plan<'_>, at: Vec2) -> std::fmt::Result {
+    let Some(cell) = plan.cell_at(at) else { return writeln!(text, "cell       off the map") };
+    writeln!(text, "cell       column {}, row {}", cell.column, cell.row)?;
+    let plans = (0..plan.plan_count()).filter_map(|index| plan.parallel_plan(index));
+    for parallel in plans {
+        let layers = (0..parallel.layer_count()).filter_map(|index| parallel.layer(index));
+        for layer in layers {
+            write!(text, "  advice   {}/{}: ", parallel.name(), layer.name())?;
+            match layer.look_up(cell) {
+                Answer::Move { direction, cost } => {
+                    let cost_m = cost_metres(cost, plan.grid().resolution_m);
+                    writeln!(text, "{}, {cost_m:.2} m to go", direction.name())?;
+                }
+                Answer::Goal => writeln!(text, "the goal")?,
+                Answer::NoRoute => writeln!(text, "no route")?,
+                Answer::Blocked { escape: Some(way) } => {
+                    writeln!(text, "blocked, the way out is {}", way.name())?;
+                }
+                Answer::Blocked { escape: None } => writeln!(text, "blocked, no way out")?,
+                Answer::OffMap => writeln!(text, "off the map")?,
+            }
+        }
+    }
+    Ok(())
+}
+
+fn write_blend(text: &mut String, blend: &Blend) -> std::fmt::Result {
+    let gains = &blend.guidance.gains;
+    for (name, gain, of) in [
+        ("goal", gains.reactive, blend.vectors.goal),
+        ("avoid", gains.reactive, blend.vectors.avoid),
+        ("advice", gains.plan, blend.vectors.advice),
+        ("noise", gains.noise, blend.vectors.noise),
+    ] {
+        writeln!(text, "schema     {name:<6} {gain:.2} x {}", vector(of))?;
+    }
+    writeln!(text, "sum        {}", vector(blend.sum))
+}
+
+fn vector(of: Vec2) -> String {
+    format!("({:.3}, {:.3})", of.x, of.y)
+}
