@@ -77,6 +77,12 @@ impl Bitmap {
         self.words.get(start..start + self.words_per_row).unwrap_or_default()
     }
 
+    /// The words of one row, to be changed; bits beyond the last column must stay zero.
+    pub(crate) fn row_mut(&mut self, row: u32) -> &mut [u64] {
+        let start = row as usize * self.words_per_row;
+        self.words.get_mut(start..start + self.words_per_row).unwrap_or_default()
+    }
+
     /// The cells of the set, by rows from the south, each from the west.
     pub fn iter(&self) -> impl Iterator<Item = Cell> + '_ {
         (0..self.rows).flat_map(move |row| {

@@ -5,48 +5,158 @@
 //! to a free cell with a route: the same steps and costs as the search, no rule about
 //! corners, ties as in the search. A blocked cell that cannot reach such a cell through
 //! blocked cells alone has none.
+//!
+//! Most blocked cells lie on a shore: beside a cell with a route, so that one step leads out.
+//! Those are found 64 at a time; only from there inward a search is needed.
 
 use crate::bitmap::Bitmap;
 use crate::search::Corners;
-use crate::search::advice::{PREFERENCE, step_cost};
-use crate::search::buckets::Queue;
-use plan_format::field::{self, Field};
-use plan_format::{Cell, Direction};
+use crate::search::advice::{Near, Rows};
+use crate::search::open::{Open, SIDE};
+use crate::search::tiles::Tiles;
+use plan_format::field::{ESCAPE, Field, MOVES, NO_ESCAPE, UNREACHED};
+use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 
 /// Fills in the codes of the blocked cells of a field whose free cells are done.
-pub(crate) fn escape(queue: &mut Queue, blocked: &Bitmap, field: &mut Field) {
-    let (columns, rows) = (field.columns, field.rows);
-    let index = |cell: Cell| cell.row as usize * columns as usize + cell.column as usize;
-    let neighbours = |cell: Cell| {
-        PREFERENCE.into_iter().filter_map(move |direction| {
-            cell.neighbour(direction, columns, rows).map(|to| (direction, to))
-        })
-    };
-    let has_route = |cell: Cell| field.cost[index(cell)] != field::UNREACHED;
-    let shores: Vec<(Cell, u32)> = blocked
-        .iter()
-        .filter_map(|cell| {
-            let steps = neighbours(cell).filter(|&(_, to)| has_route(to));
-            steps.map(|(direction, _)| step_cost(direction)).min().map(|cost| (cell, cost))
-        })
-        .collect();
-    let mut cost = vec![field::UNREACHED; field.cost.len()];
-    queue.spread(blocked, true, shores, Corners::Allow, &mut cost);
-    let after = |cell: Cell| if has_route(cell) { 0 } else { cost[index(cell)] };
-    let codes: Vec<(usize, u8)> = blocked
-        .iter()
-        .filter(|&cell| cost[index(cell)] != field::UNREACHED)
-        .filter_map(|cell| {
-            neighbours(cell)
-                .find(|&(direction, to)| {
-                    after(to).checked_add(step_cost(direction)) == Some(cost[index(cell)])
-                })
-                .map(|(direction, _): (Direction, _)| {
-                    (index(cell), field::ESCAPE + direction.code())
-                })
-        })
-        .collect();
-    for (at, code) in codes {
-        field.code[at] = code;
+pub(crate) fn escape(tiles: &mut Tiles, blocked: &Bitmap, field: &mut Field) {
+    let shores = Shores::of(blocked, &field.cost);
+    tiles.flood(&shores.deep, &shores);
+    let costs = Depths { shores: &shores, tiles };
+    pulp::Arch::new().dispatch(Escape { costs, blocked, field });
+}
+
+/// What is known of the costs of leaving blocked cells without a search.
+pub(crate) struct Shores {
+    /// Cells with a route, where the way out ends.
+    routed: Bitmap,
+    /// Blocked cells that one straight step leads out of.
+    straight: Bitmap,
+    /// Other blocked cells that one diagonal step leads out of.
+    diagonal: Bitmap,
+    /// All other blocked cells.
+    deep: Bitmap,
+}
+
+impl Shores {
+    fn of(blocked: &Bitmap, cost: &[u32]) -> Self {
+        let (columns, rows) = (blocked.columns(), blocked.rows());
+        let mut routed = Bitmap::new(columns, rows);
+        for (row, cost) in (0..).zip(cost.chunks_exact(columns.max(1) as usize)) {
+            for (word, cost) in routed.row_mut(row).iter_mut().zip(cost.chunks(SIDE)) {
+                for (half, cost) in cost.chunks(32).enumerate() {
+                    let bits = cost.iter().enumerate().fold(0, |bits, (lane, &cost)| {
+                        bits | if cost == UNREACHED { 0 } else { 1u32 << lane }
+                    });
+                    *word |= u64::from(bits) << (32 * half);
+                }
+            }
+        }
+        let [mut straight, mut diagonal, mut deep] = [(); 3].map(|()| Bitmap::new(columns, rows));
+        for row in 0..rows {
+            for (word, &blocked) in blocked.row(row).iter().enumerate() {
+                if blocked == 0 {
+                    continue;
+                }
+                let row_at = i64::from(row);
+                let [south, here, north] =
+                    [row_at - 1, row_at, row_at + 1].map(|row| Open::of(&routed, true, word, row));
+                let beside = here.west_open() | here.east_open() | south.cells | north.cells;
+                let across =
+                    south.west_open() | south.east_open() | north.west_open() | north.east_open();
+                straight.row_mut(row)[word] = blocked & beside;
+                diagonal.row_mut(row)[word] = blocked & !beside & across;
+                deep.row_mut(row)[word] = blocked & !beside & !across;
+            }
+        }
+        Self { routed, straight, diagonal, deep }
+    }
+
+    /// The costs of a word of a row: 0 for cells with a route, [`UNREACHED`] where a search is
+    /// needed or there is no way.
+    #[inline(always)]
+    pub(crate) fn word(&self, row: u32, word: usize) -> [u32; SIDE] {
+        let [routed, straight, diagonal] = [&self.routed, &self.straight, &self.diagonal]
+            .map(|bitmap| bitmap.row(row).get(word).copied().unwrap_or(0))
+            .map(|word| [word as u32, (word >> 32) as u32]);
+        let mut costs = [UNREACHED; SIDE];
+        for half in 0..2 {
+            for lane in 0..32 {
+                let bit = 1u32 << lane;
+                let outer = if diagonal[half] & bit != 0 { DIAGONAL_STEP } else { UNREACHED };
+                let inner = if straight[half] & bit != 0 { STRAIGHT_STEP } else { outer };
+                costs[half * 32 + lane] = if routed[half] & bit != 0 { 0 } else { inner };
+            }
+        }
+        costs
+    }
+}
+
+/// The costs of leaving all blocked cells.
+struct Depths<'a> {
+    shores: &'a Shores,
+    tiles: &'a Tiles,
+}
+
+impl Rows for Depths<'_> {
+    #[inline(always)]
+    fn read(&self, row: usize, cost: &mut [u32]) {
+        let is_deep = self.shores.deep.row(row as u32).iter().any(|&word| word != 0);
+        if is_deep {
+            self.tiles.read(row, cost);
+        }
+        for (word, cost) in cost.chunks_mut(SIDE).enumerate() {
+            let shores = self.shores.word(row as u32, word);
+            for (cost, shore) in cost.iter_mut().zip(shores) {
+                *cost = if is_deep { shore.min(*cost) } else { shore };
+            }
+        }
+    }
+}
+
+/// The directions from the costs, compiled once for each kind of vector unit.
+struct Escape<'a> {
+    costs: Depths<'a>,
+    blocked: &'a Bitmap,
+    field: &'a mut Field,
+}
+
+impl pulp::WithSimd for Escape<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { costs, blocked, field } = self;
+        let (columns, rows) = (field.columns as usize, field.rows as usize);
+        let mut moves = vec![0; columns];
+        let mut lines = [(); 3].map(|()| vec![UNREACHED; columns]);
+        let read = |row: usize, line: &mut [u32]| {
+            if row < rows { costs.read(row, line) } else { line.fill(UNREACHED) }
+        };
+        read(0, &mut lines[2]);
+        for (row, code) in field.code.chunks_exact_mut(columns.max(1)).enumerate() {
+            lines.rotate_left(1);
+            read(row + 1, &mut lines[2]);
+            let words = blocked.row(row as u32);
+            if words.iter().any(|&word| word != 0) {
+                let [south, here, north] = &lines;
+                Near { south, here, north }.codes(Corners::Allow, &mut moves);
+                for (at, &word) in words.iter().enumerate().filter(|&(_, &word)| word != 0) {
+                    let cells = at * SIDE..columns.min((at + 1) * SIDE);
+                    mark(word, &mut code[cells.clone()], &moves[cells]);
+                }
+            }
+        }
+    }
+}
+
+/// Turns the moves of the blocked cells of a word into escapes.
+#[inline(always)]
+fn mark(word: u64, code: &mut [u8], moves: &[u8]) {
+    let bytes = word.to_le_bytes().into_iter();
+    for (byte, (code, moves)) in bytes.zip(code.chunks_mut(8).zip(moves.chunks(8))) {
+        for (bit, (code, &go)) in code.iter_mut().zip(moves).enumerate() {
+            let escape = if go < MOVES { ESCAPE + go } else { NO_ESCAPE };
+            *code = if byte & 1 << bit != 0 { escape } else { *code };
+        }
     }
 }

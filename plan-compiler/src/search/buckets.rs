@@ -1,110 +1,192 @@
-//! Uniform-cost search with buckets one step wide (Dial's method; Denardo and Fox 1979).
+//! Uniform-cost search with buckets one step wide (Dial 1969; Denardo and Fox 1979).
 //!
 //! Why it is exact: a bucket holds the cells whose cost lies in one interval as wide as the
 //! shortest step. No step from a cell of the bucket can lead to a cost inside it, so every
 //! cost found when the bucket is opened is final, whatever the order within. The longest
 //! step is shorter than two widths, so three buckets are enough at any time.
+//!
+//! Most moves need not be tried: a move is useless if the cell that the search came from
+//! leads to the same place more cheaply, which depends on the move it came by and on the
+//! moves that are open here ([`Pruning`]). Only strictly dearer ways are left out, so this
+//! holds whatever way a cell was reached first among equals.
 
+use super::advice::Rows;
+use super::open::{Open, SIDE, moves};
 use super::{Corners, MAX_COST};
 use crate::bitmap::Bitmap;
-use plan_format::Cell;
+use plan_format::field::UNREACHED;
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
+use plan_format::{Cell, Direction};
 
 const WIDTH: u32 = STRAIGHT_STEP;
 const _: () = assert!(DIAGONAL_STEP < 2 * WIDTH, "three buckets are enough");
 
+/// A way to a cell.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    /// The cell's place in row-major order.
+    at: u32,
+    cost: u32,
+    /// The code of the last move, or [`START`].
+    by: u8,
+}
+
+/// The search came here by no move.
+const START: u8 = 8;
+
 /// Reusable buffers of the search.
 #[derive(Debug, Default)]
 pub(crate) struct Queue {
-    /// Cells by position in the padded grid, with the cost they were entered at.
-    buckets: [Vec<(u32, u32)>; 3],
-    /// One byte a cell with a border around: whether the search may enter.
-    open: Vec<bool>,
+    buckets: [Vec<Entry>; 3],
+    /// For each cell a bit for each move that is open there.
+    moves: Vec<u8>,
     cost: Vec<u32>,
 }
 
 impl Queue {
-    /// Lowers `cost` (row-major) to the cheapest way from the sources, each with the cost it
-    /// starts at, through the cells whose bit in `cells` equals `through`.
-    pub(crate) fn spread(
-        &mut self,
-        cells: &Bitmap,
-        through: bool,
-        sources: impl IntoIterator<Item = (Cell, u32)>,
-        corners: Corners,
-        cost: &mut [u32],
-    ) {
-        let (columns, rows) = (cells.columns() as usize, cells.rows() as usize);
-        let stride = columns + 2;
-        self.enter(cells, through);
-        for bucket in &mut self.buckets {
-            bucket.clear();
-        }
-        for (cell, start) in sources {
-            let at = (cell.row as usize + 1) * stride + cell.column as usize + 1;
-            self.offer(at, start);
-        }
-        self.run(stride, corners);
-        if columns > 0 {
-            let inner = self.cost.chunks_exact(stride).skip(1);
-            for (to, from) in cost.chunks_exact_mut(columns).zip(inner).take(rows) {
-                to.copy_from_slice(&from[1..=columns]);
-            }
-        }
-    }
-
-    fn enter(&mut self, cells: &Bitmap, through: bool) {
-        let stride = cells.columns() as usize + 2;
-        let padded = stride * (cells.rows() as usize + 2);
+    /// Finds the cheapest ways from the goal, a free cell if there is one, through the cells
+    /// that are not blocked.
+    pub(crate) fn search(&mut self, blocked: &Bitmap, goal: Option<Cell>, corners: Corners) {
+        let columns = blocked.columns() as usize;
+        let cells = columns * blocked.rows() as usize;
         self.cost.clear();
-        self.cost.resize(padded, u32::MAX);
-        self.open.clear();
-        self.open.resize(padded, false);
-        for row in 0..cells.rows() {
-            let start = (row as usize + 1) * stride + 1;
-            let words = cells.row(row);
-            for column in 0..cells.columns() as usize {
-                let bit = words[column / 64] >> (column % 64) & 1 == 1;
-                self.open[start + column] = bit == through;
-            }
+        self.cost.resize(cells, UNREACHED);
+        self.moves.resize(cells, 0);
+        pulp::Arch::new().dispatch(Enter { blocked, corners, moves: &mut self.moves });
+        self.buckets.iter_mut().for_each(Vec::clear);
+        if let Some(goal) = goal {
+            let at = goal.row as usize * columns + goal.column as usize;
+            self.cost[at] = 0;
+            self.buckets[0].push(Entry { at: at as u32, cost: 0, by: START });
         }
+        self.run(columns, corners);
     }
 
-    fn run(&mut self, stride: usize, corners: Corners) {
-        let straight = [1, stride, stride.wrapping_neg(), 1usize.wrapping_neg()];
-        let mut number = 0;
-        let mut bucket = Vec::new();
-        while self.buckets.iter().any(|bucket| !bucket.is_empty()) {
-            std::mem::swap(&mut bucket, &mut self.buckets[number % 3]);
-            for &(at, cost) in &bucket {
+    /// Empties the buckets in their order; the goal is in the first.
+    fn run(&mut self, columns: usize, corners: Corners) {
+        let pruning = match corners {
+            Corners::Forbid => &FORBID,
+            Corners::Allow => &ALLOW,
+        };
+        let steps = Direction::ALL.map(|direction| {
+            let (dx, dy) = direction.step();
+            (columns as isize * dy as isize + dx as isize) as usize
+        });
+        let [mut now, mut next, mut later] = std::mem::take(&mut self.buckets);
+        let mut limit = 2 * WIDTH;
+        loop {
+            for &Entry { at, cost, by } in &now {
                 let at = at as usize;
                 if self.cost[at] != cost {
                     continue;
                 }
-                for step in straight {
-                    self.offer(at.wrapping_add(step), cost + STRAIGHT_STEP);
-                }
-                for x in [1, 1usize.wrapping_neg()] {
-                    for y in [stride, stride.wrapping_neg()] {
-                        let is_allowed = corners == Corners::Allow
-                            || self.open[at.wrapping_add(x)] && self.open[at.wrapping_add(y)];
-                        if is_allowed {
-                            let to = at.wrapping_add(x).wrapping_add(y);
-                            self.offer(to, cost + DIAGONAL_STEP);
-                        }
+                let mut moves = pruning[usize::from(by)][usize::from(self.moves[at])];
+                while moves != 0 {
+                    let by = moves.trailing_zeros() as u8;
+                    moves &= moves - 1;
+                    let to = at.wrapping_add(steps[usize::from(by)]);
+                    let cost =
+                        cost + if by.is_multiple_of(2) { STRAIGHT_STEP } else { DIAGONAL_STEP };
+                    if cost < self.cost[to] && cost <= MAX_COST {
+                        self.cost[to] = cost;
+                        let bucket = if cost < limit { &mut next } else { &mut later };
+                        bucket.push(Entry { at: to as u32, cost, by });
                     }
                 }
             }
-            bucket.clear();
-            number += 1;
+            now.clear();
+            if next.is_empty() && later.is_empty() {
+                break;
+            }
+            (now, next, later) = (next, later, now);
+            limit = limit.saturating_add(WIDTH);
         }
+        self.buckets = [now, next, later];
     }
+}
 
-    /// A way to a cell at a cost: kept if the cell is open and the way better than before.
-    fn offer(&mut self, at: usize, cost: u32) {
-        if self.open[at] && cost < self.cost[at] && cost <= MAX_COST {
-            self.cost[at] = cost;
-            self.buckets[(cost / WIDTH % 3) as usize].push((at as u32, cost));
+impl Rows for Queue {
+    #[inline(always)]
+    fn read(&self, row: usize, cost: &mut [u32]) {
+        cost.copy_from_slice(&self.cost[row * cost.len()..][..cost.len()]);
+    }
+}
+
+/// Fills in the moves of every cell, compiled once for each kind of vector unit.
+struct Enter<'a> {
+    blocked: &'a Bitmap,
+    corners: Corners,
+    moves: &'a mut [u8],
+}
+
+impl pulp::WithSimd for Enter<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { blocked, corners, moves: all } = self;
+        for (row, line) in (0..).zip(all.chunks_mut(blocked.columns().max(1) as usize)) {
+            for (word, out) in line.chunks_mut(SIDE).enumerate() {
+                let [south, here, north] =
+                    [row - 1, row, row + 1].map(|row| Open::of(blocked, false, word, row));
+                out.copy_from_slice(&moves(south, here, north, corners)[..out.len()]);
+            }
         }
     }
+}
+
+/// The moves worth trying by the move that led here ([`START`]: none) and the open moves.
+type Pruning = [[u8; 256]; 9];
+
+static FORBID: Pruning = pruning(false);
+static ALLOW: Pruning = pruning(true);
+
+const fn pruning(allow: bool) -> Pruning {
+    let mut table = [[0; 256]; 9];
+    let mut by = 0;
+    while by < 9 {
+        let mut open = 0;
+        while open < 256 {
+            table[by as usize][open] = worthwhile(open as u8, by, allow);
+            open += 1;
+        }
+        by += 1;
+    }
+    table
+}
+
+/// Which of the open moves to try after the move `by`.
+const fn worthwhile(open: u8, by: u8, allow: bool) -> u8 {
+    if by == START {
+        return open;
+    }
+    /// The bit of the direction some eighths of a turn to the left of `by`.
+    const fn turned(by: u8, eighths: u8) -> u8 {
+        1 << ((by + eighths) % 8)
+    }
+    // Ahead, and half left and half right of it: never dearer than a way without this cell.
+    let mut keep = turned(by, 0) | turned(by, 1) | turned(by, 7);
+    // To a side: the cell before leads there by a diagonal, if that is open, or else, when it
+    // was left by a diagonal, by two straight steps.
+    let sides = [(2, 3), (6, 5)];
+    let mut side = 0;
+    while side < 2 {
+        let (aside, behind) = sides[side];
+        let is_straight = by.is_multiple_of(2);
+        let is_needed = match (is_straight, allow) {
+            // The diagonal back to that side is open exactly if the one past this cell was.
+            (true, false) => open & turned(by, behind) == 0,
+            // It is always open.
+            (true, true) => false,
+            // Both straight steps lead through cells that the diagonal needed open.
+            (false, false) => false,
+            // They lead through the cell half behind, beside the diagonal.
+            (false, true) => open & turned(by, behind) == 0,
+        };
+        if is_needed {
+            keep |= turned(by, aside);
+        }
+        side += 1;
+    }
+    open & keep
 }

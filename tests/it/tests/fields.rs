@@ -2,7 +2,7 @@
 
 use it::real_data;
 use plan_compiler::bitmap::Bitmap;
-use plan_compiler::search::{Corners, MAX_COST, Solver, is_cut_short, solve, step};
+use plan_compiler::search::{Corners, MAX_COST, Method, Solver, is_cut_short, solve, step};
 use plan_format::field::{self, Field};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
@@ -148,6 +148,16 @@ fn assert_right(blocked: &Bitmap, goal: Cell, corners: Corners, field: &Field) {
     }
 }
 
+/// Compares what every method finds with the references.
+fn assert_solved(blocked: &Bitmap, goal: Cell, corners: Corners) {
+    let field = solve(blocked, goal, corners);
+    assert_right(blocked, goal, corners, &field);
+    for method in [Method::Tiles, Method::Buckets] {
+        let other = Solver::with_method(method).solve(blocked, goal, corners);
+        assert!(other == field, "{method:?} differs");
+    }
+}
+
 fn cells(size: (u32, u32)) -> impl Iterator<Item = Cell> {
     // In the order of `Cell`'s own ordering, by columns.
     (0..size.0).flat_map(move |column| (0..size.1).map(move |row| Cell::new(column, row)))
@@ -211,19 +221,19 @@ fn corners() -> impl Strategy<Value = Corners> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(ProptestConfig::with_cases(1_000))]
 
     #[test]
     fn fields_equal_the_reference(
         map in maps(40), corners in corners(), column in 0u32..40, row in 0u32..40,
     ) {
         let goal = Cell::new(column, row);
-        assert_right(&map, goal, corners, &solve(&map, goal, corners));
+        assert_solved(&map, goal, corners);
     }
 
     #[test]
     fn costs_turn_with_the_map(
-        map in maps(90), corners in corners(), column in 0u32..90, row in 0u32..90,
+        map in maps(80), corners in corners(), column in 0u32..80, row in 0u32..80,
     ) {
         let size = (map.columns(), map.rows());
         let goal = Cell::new(column % size.0, row % size.1);
@@ -243,14 +253,14 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
+    #![proptest_config(ProptestConfig::with_cases(20))]
 
     #[test]
     fn large_fields_equal_the_reference(
         map in maps(300), corners in corners(), column in 0u32..300, row in 0u32..300,
     ) {
         let goal = Cell::new(column % map.columns(), row % map.rows());
-        assert_right(&map, goal, corners, &solve(&map, goal, corners));
+        assert_solved(&map, goal, corners);
     }
 }
 
@@ -372,7 +382,10 @@ fn paths_that_are_too_long_are_told() {
     for (rows, too_long) in [(1_099, false), (1_299, true)] {
         let columns = 1_200;
         let map = folded_corridor(columns, rows);
-        let field = solve(&map, Cell::new(0, 0), Corners::Forbid);
+        let goal = Cell::new(0, 0);
+        let field = solve(&map, goal, Corners::Forbid);
+        let tiles = Solver::with_method(Method::Tiles).solve(&map, goal, Corners::Forbid);
+        assert!(tiles == field);
         let length = u64::from(rows.div_ceil(2)) * u64::from(columns + 1) - 2;
         let cost = length * u64::from(STRAIGHT_STEP);
         assert_eq!(cost > u64::from(MAX_COST), too_long);

@@ -1,0 +1,190 @@
+//! What passes between tiles: before a visit a tile copies its halo from its neighbours, after
+//! it each neighbour is told which of its rows the tile's edges improve.
+//!
+//! An offer is exact, so a tile is woken only to be improved. That bounds the number of
+//! visits: each lowers the cost of at least one cell of the tile's edge.
+
+use super::relax::{cheapest, halves, line};
+use super::{Pending, Tile, Tiles, UNKNOWN};
+use crate::search::Corners;
+use crate::search::open::{Open, SIDE};
+use plan_format::grid::{DIAGONAL_STEP as DIAGONAL, STRAIGHT_STEP as STRAIGHT};
+
+/// The last row or column of a tile.
+const LAST: isize = SIDE as isize - 1;
+
+/// A place in a tile, by row and column.
+#[inline(always)]
+fn place(row: isize, column: isize) -> usize {
+    line(row).wrapping_add_signed(column)
+}
+
+/// The edge row or column of a tile on the side of a step: 0 or [`LAST`].
+#[inline(always)]
+fn edge(step: isize) -> isize {
+    if step > 0 { LAST } else { 0 }
+}
+
+/// The halo row or column on the side of a step: -1 or 64.
+#[inline(always)]
+fn beyond(step: isize) -> isize {
+    if step > 0 { LAST + 1 } else { -1 }
+}
+
+/// Whether the cell of a row that lies east or west of the tile is passable.
+#[inline(always)]
+fn outer(open: Open, dx: isize) -> bool {
+    if dx > 0 { open.east != 0 } else { open.west != 0 }
+}
+
+impl Tiles {
+    /// The tile a step away, if there is one.
+    #[inline(always)]
+    fn neighbour(&self, at: usize, dx: isize, dy: isize) -> Option<usize> {
+        let x = (at % self.across).checked_add_signed(dx)?;
+        let y = (at / self.across).checked_add_signed(dy)?;
+        (x < self.across && y < self.down).then_some(y * self.across + x)
+    }
+
+    /// A tile that this search has visited.
+    #[inline(always)]
+    fn known(&self, at: usize) -> Option<&Tile> {
+        if self.is_stale[at] { None } else { self.tiles.get(at) }
+    }
+
+    /// Copies the edges of the neighbouring tiles into the halo. Where a neighbour is unknown
+    /// the halo is too, from when the tile was cleared.
+    #[inline(always)]
+    pub(super) fn pull(&mut self, at: usize) {
+        for dy in -1..=1 {
+            for dx in -1..=1 {
+                let beside = self.neighbour(at, dx, dy).filter(|&beside| beside != at);
+                let Some(beside) = beside.filter(|&beside| !self.is_stale[beside]) else {
+                    continue;
+                };
+                let Ok([to, from]) = self.tiles.get_disjoint_mut([at, beside]) else { continue };
+                if dx == 0 {
+                    let source = &from.cost[place(edge(-dy), 0)..][..SIDE];
+                    to.cost[place(beyond(dy), 0)..][..SIDE].copy_from_slice(source);
+                } else if dy == 0 {
+                    for row in 0..=LAST {
+                        to.cost[place(row, beyond(dx))] = from.cost[place(row, edge(-dx))];
+                    }
+                } else {
+                    to.cost[place(beyond(dy), beyond(dx))] = from.cost[place(edge(-dy), edge(-dx))];
+                }
+            }
+        }
+    }
+
+    /// Wakes the neighbouring tiles that this tile's edges improve.
+    #[inline(always)]
+    pub(super) fn notify(&mut self, at: usize) {
+        for dy in -1..=1 {
+            for dx in -1..=1 {
+                let Some(to) = self.neighbour(at, dx, dy).filter(|&to| to != at) else { continue };
+                let offer = if dx == 0 {
+                    self.offer_row(at, to, dy)
+                } else if dy == 0 {
+                    self.offer_column(at, to, dx)
+                } else {
+                    self.offer_corner(at, to, dx, dy)
+                };
+                if offer.key.is_some() {
+                    self.wake(to, offer);
+                }
+            }
+        }
+    }
+
+    /// What the tile's edge row offers to the tile north (`dy` = 1) or south (-1) of it.
+    #[inline(always)]
+    fn offer_row(&self, at: usize, to: usize, dy: isize) -> Pending {
+        let (here, there) = (self.open(beyond(dy)), self.open(edge(dy)));
+        let passes = here.passes(there, self.corners);
+        let source = self.tiles[at].cost[place(edge(dy), -1)..].first_chunk();
+        let target = match self.known(to) {
+            Some(tile) => tile.cost[place(edge(-dy), 0)..].first_chunk(),
+            None => Some(&[UNKNOWN; SIDE]),
+        };
+        let (Some(source), Some(target)) = (source, target) else { return Pending::default() };
+        let mut lowest = UNKNOWN;
+        for half in 0..2 {
+            let passes = halves(passes, half);
+            for lane in 0..32 {
+                let x = half * 32 + lane;
+                let cost = cheapest(source, x, passes, 1 << lane);
+                lowest = lowest.min(if cost < target[x] { cost } else { UNKNOWN });
+            }
+        }
+        self.offer(edge(-dy), dy > 0, lowest)
+    }
+
+    /// What the tile's edge column offers to the tile east (`dx` = 1) or west (-1) of it.
+    #[inline(always)]
+    fn offer_column(&self, at: usize, to: usize, dx: isize) -> Pending {
+        let (from, to) = (&self.tiles[at].cost, self.known(to));
+        let mut result = Pending::default();
+        let mut lowest = UNKNOWN;
+        for row in 0..=LAST {
+            let here = self.open(row);
+            if !outer(here, dx) {
+                continue;
+            }
+            let level = from[place(row, edge(dx))] + STRAIGHT;
+            let diagonal = |dy: isize| {
+                let passes = self.corners == Corners::Allow
+                    || (here.cells >> edge(dx) & 1 != 0 && outer(self.open(row + dy), dx));
+                let is_mine = (0..=LAST).contains(&(row + dy));
+                let cost = from[place(row + dy, edge(dx))] + DIAGONAL;
+                if passes && is_mine { cost } else { UNKNOWN }
+            };
+            let (south, north) = (diagonal(-1), diagonal(1));
+            let cost = level.min(south).min(north);
+            if cost < to.map_or(UNKNOWN, |to| to.cost[place(row, edge(-dx))]) {
+                // A step straight across is taken whichever way the row is relaxed; best when
+                // coming from where costs are lower.
+                let northward = if level <= south.min(north) {
+                    from[place(row - 1, edge(dx))] <= from[place(row + 1, edge(dx))]
+                } else {
+                    south <= north
+                };
+                result.from_south |= u64::from(northward) << row;
+                result.from_north |= u64::from(!northward) << row;
+                lowest = lowest.min(cost);
+            }
+        }
+        result.key = (lowest != UNKNOWN).then_some(lowest);
+        result
+    }
+
+    /// What the tile's corner offers to the tile diagonally beside it.
+    #[inline(always)]
+    fn offer_corner(&self, at: usize, to: usize, dx: isize, dy: isize) -> Pending {
+        let (here, there) = (self.open(beyond(dy)), self.open(edge(dy)));
+        let passes =
+            self.corners == Corners::Allow || (here.cells >> edge(dx) & 1 != 0 && outer(there, dx));
+        let cost = self.tiles[at].cost[place(edge(dy), edge(dx))] + DIAGONAL;
+        let old = self.known(to).map_or(UNKNOWN, |to| to.cost[place(edge(-dy), edge(-dx))]);
+        let is_better = passes && outer(here, dx) && cost < old;
+        self.offer(edge(-dy), dy > 0, if is_better { cost } else { UNKNOWN })
+    }
+
+    /// An offer for one row, to be relaxed from the south or from the north; none if the cost
+    /// is unknown.
+    #[inline(always)]
+    fn offer(&self, row: isize, northward: bool, cost: u32) -> Pending {
+        let key = (cost != UNKNOWN).then_some(cost);
+        Pending {
+            from_south: u64::from(northward) << row,
+            from_north: u64::from(!northward) << row,
+            key,
+        }
+    }
+
+    /// The passable cells of a row of the tile being visited, or of its halo.
+    #[inline(always)]
+    fn open(&self, row: isize) -> Open {
+        self.open[(row + 1) as usize]
+    }
+}
