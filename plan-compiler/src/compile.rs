@@ -17,6 +17,7 @@ mod layers;
 
 pub use area::{metres, pair};
 
+use crate::behaviours::{self, PlanNames, Plans};
 use crate::bitmap::Bitmap;
 use crate::map::Map;
 use crate::mission::{Goal, Mission};
@@ -112,6 +113,7 @@ struct Prepared {
     corners: Corners,
     levels: Vec<Level>,
     goals: Vec<Placed>,
+    mission: MissionDraft,
 }
 
 fn prepare(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
@@ -130,7 +132,19 @@ fn prepare(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     let parameters =
         Parameters { plan, vehicle: vehicle(input, radius), ..input.mission.parameters };
     let corners = input.options.corners.or(input.mission.corners).unwrap_or(Corners::Forbid);
-    Some(Prepared { grid, origin, parameters, corners, levels, goals })
+    let plans = plan_names(&goals, &levels);
+    let mission = behaviours::compile(&input.mission.behaviours, &plans, problems)?;
+    Some(Prepared { grid, origin, parameters, corners, levels, goals, mission })
+}
+
+/// What behaviours may refer to by name.
+fn plan_names(goals: &[Placed], levels: &[Level]) -> Plans {
+    let layers = |goal: &Placed| {
+        let names = goal.levels.iter().filter_map(|&level| levels.get(level));
+        names.map(|level| level.name.clone()).collect()
+    };
+    let plans = goals.iter().map(|goal| PlanNames { name: goal.name.clone(), layers: layers(goal) });
+    Plans::Known(plans.collect())
 }
 
 /// The mission's vehicle, whose body is the one that obstacles are grown by unless the
@@ -165,7 +179,7 @@ impl Prepared {
             origin: self.origin,
             parameters: self.parameters,
             plans,
-            mission: MissionDraft::default(),
+            mission: self.mission.clone(),
         };
         match write(&draft) {
             Ok(blob) => Some(blob),

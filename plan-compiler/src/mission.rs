@@ -5,10 +5,11 @@
 //! `MISSION.md`. Reading never stops at the first mistake, and a key that is not known is a
 //! mistake too: a misspelt limit must not silently keep its default.
 //!
-//! Deliberately absent: behaviours and serial plans.
+//! What it says about behaviours is read by [`crate::behaviours`].
 
 pub mod keys;
 
+use crate::behaviours;
 use crate::map::Point;
 use crate::problem::{Place, Problem, Source};
 use crate::search::Corners;
@@ -46,6 +47,8 @@ pub struct Mission {
     pub parameters: Parameters,
     /// Whether the file sets `vehicle.radius` itself.
     pub body_radius_given: bool,
+    /// Behaviours, their plans and their rules.
+    pub behaviours: behaviours::Syntax,
 }
 
 /// A name and where it was written.
@@ -92,7 +95,11 @@ pub struct LayerRule {
 pub fn parse(source: &Arc<Source>) -> (Mission, Vec<Problem>) {
     let mut reader = Reader { source, problems: Vec::new(), mission: Mission::default() };
     match Document::parse(source.text.as_str()) {
-        Ok(document) => reader.section("", document.as_table()),
+        Ok(document) => {
+            reader.section("", document.as_table());
+            reader.mission.behaviours =
+                behaviours::read(source, document.as_table(), &mut reader.problems);
+        }
         Err(first) => reader.syntax(&first),
     }
     (reader.mission, reader.problems)
@@ -186,6 +193,8 @@ impl Reader<'_> {
                     Some(inner) => self.named_section(name, inner),
                     None => self.wrong_type(name, item, span, "a section", &format!("[{name}]")),
                 }
+            } else if section.is_empty() && behaviours::TABLES.contains(&name) {
+                // Read by their own reader, since they may refer to each other.
             } else if let Some(key) = KEYS.iter().find(|key| key.is(section, name)) {
                 self.value(key, item, span);
             } else {
@@ -382,7 +391,8 @@ impl Reader<'_> {
 
     fn unknown_key(&mut self, section: &str, name: &str, span: Range<usize>) {
         let here = KEYS.iter().filter(|key| key.section == section).map(|key| key.name);
-        let sections = SECTIONS.iter().copied().filter(|_| section.is_empty());
+        let sections = SECTIONS.iter().chain(&behaviours::TABLES).copied();
+        let sections = sections.filter(|_| section.is_empty());
         let elsewhere = KEYS.iter().find(|key| key.name == name);
         let known: Vec<&str> = here.chain(sections).collect();
         let mend = match (elsewhere, nearest(name, known.iter().copied())) {
@@ -410,11 +420,11 @@ impl Reader<'_> {
 }
 
 /// A TOML integer or float.
-fn number(value: &Value) -> Option<f64> {
+pub(crate) fn number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|integer| integer as f64))
 }
 
-fn with_article(noun: &str) -> String {
+pub(crate) fn with_article(noun: &str) -> String {
     let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
     format!("{article} {noun}")
 }

@@ -45,7 +45,7 @@ pub(crate) struct Senses {
 }
 
 /// Facts of the kind "no progress" in one mission; further ones never hold.
-pub(crate) const MAX_PROGRESS_FACTS: usize = 4;
+pub const MAX_PROGRESS_FACTS: usize = 4;
 
 impl Default for Senses {
     fn default() -> Self {

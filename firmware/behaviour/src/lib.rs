@@ -39,7 +39,7 @@ mod inputs;
 mod report;
 mod run;
 
-pub use inputs::{Observations, World};
+pub use inputs::{MAX_PROGRESS_FACTS, Observations, World};
 pub use report::{Decision, MAX_DECISIONS, Refusal, Report};
 pub use run::{MAX_RUNNING, Running, RunningAction};
 

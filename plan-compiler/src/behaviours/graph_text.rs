@@ -1,0 +1,230 @@
+//! A production's graph as text that reads like the paper's figures.
+//!
+//! Two ways to write one, and they mean the same kind of graph:
+//! - `entry -> a -> (b | c -> d) -> exit`: one after the other; what stands in brackets between
+//!   bars runs side by side and joins at the closing bracket.
+//! - `entry -a-> 1 -b-> exit; entry -c-> 1`: edges between vertices that are given names, for
+//!   graphs that brackets cannot say.
+//!
+//! Names may hold spaces; in quotes they may hold anything. A name may be used for several edges.
+
+mod lexer;
+mod parser;
+
+use super::fields::Span;
+use plan_format::limits;
+
+/// A production's right-hand side.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Graph {
+    /// Number of vertices: 0 is the entry, the last one the exit, and edges lead upwards.
+    pub vertices: u8,
+    /// Names of vertices, where the text gives them.
+    pub names: Vec<(String, u8)>,
+    /// Edges in the order of the text.
+    pub edges: Vec<GraphEdge>,
+}
+
+/// A component between two vertices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GraphEdge {
+    /// Vertex it leaves.
+    pub from: u8,
+    /// Vertex it reaches.
+    pub to: u8,
+    /// What it carries.
+    pub component: String,
+    /// Where that stands in the text.
+    pub span: Span,
+}
+
+/// A mistake in the text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mistake {
+    /// What is wrong.
+    pub message: String,
+    /// Where, in bytes of the text.
+    pub span: Span,
+    /// A word on what stands there.
+    pub label: String,
+    /// How to mend it.
+    pub mend: String,
+}
+
+impl Mistake {
+    fn new(message: impl Into<String>, span: &Span, label: &str, mend: &str) -> Self {
+        Self { message: message.into(), span: span.clone(), label: label.into(), mend: mend.into() }
+    }
+}
+
+/// Reads a graph; without one there is at least one mistake.
+pub fn parse(text: &str) -> Result<Graph, Vec<Mistake>> {
+    let tokens = lexer::tokens(text)?;
+    let raw = parser::parse(&tokens, text.len())?;
+    number(raw)
+}
+
+impl Graph {
+    /// Whether a way leads from one vertex to another, or they are the same.
+    pub fn leads(&self, from: u8, to: u8) -> bool {
+        let mut reached = vec![false; usize::from(self.vertices)];
+        if let Some(start) = reached.get_mut(usize::from(from)) {
+            *start = true;
+        }
+        // Edges lead upwards, so vertices in order see all that reaches them first.
+        for vertex in from..self.vertices {
+            if reached[usize::from(vertex)] {
+                for edge in self.edges.iter().filter(|edge| edge.from == vertex) {
+                    reached[usize::from(edge.to)] = true;
+                }
+            }
+        }
+        reached.get(usize::from(to)).copied().unwrap_or(false)
+    }
+
+    /// The number of a vertex of that name.
+    pub fn vertex(&self, name: &str) -> Option<u8> {
+        match name {
+            "entry" => Some(0),
+            "exit" => self.vertices.checked_sub(1),
+            _ => self.names.iter().find(|(known, _)| known == name).map(|&(_, vertex)| vertex),
+        }
+    }
+}
+
+/// A graph whose vertices have no order yet: 0 is the entry, 1 the exit.
+#[derive(Debug, Default)]
+struct RawGraph {
+    /// For each vertex its name, or an empty one, and where it was first written.
+    vertices: Vec<(String, Span)>,
+    edges: Vec<RawEdge>,
+}
+
+#[derive(Debug)]
+struct RawEdge {
+    from: usize,
+    to: usize,
+    component: String,
+    span: Span,
+}
+
+const ENTRY: usize = 0;
+const EXIT: usize = 1;
+
+/// Puts vertices into an order in which all edges lead upwards, and checks that every edge lies on
+/// a way from the entry to the exit.
+fn number(raw: RawGraph) -> Result<Graph, Vec<Mistake>> {
+    let mut mistakes = ends(&raw);
+    let whole = raw.edges.iter().fold(usize::MAX..0, |whole, edge| {
+        whole.start.min(edge.span.start)..whole.end.max(edge.span.end)
+    });
+    if raw.edges.len() > limits::MAX_PRODUCTION_EDGES {
+        mistakes.push(too_many(
+            "components",
+            raw.edges.len(),
+            limits::MAX_PRODUCTION_EDGES,
+            &whole,
+        ));
+    }
+    if raw.vertices.len() > limits::MAX_VERTICES {
+        mistakes.push(too_many("vertices", raw.vertices.len(), limits::MAX_VERTICES, &whole));
+    }
+    if !mistakes.is_empty() {
+        return Err(mistakes);
+    }
+    let order = in_order(&raw).map_err(|mistake| vec![mistake])?;
+    let place = |vertex: usize| order.iter().position(|&v| v == vertex).unwrap_or(0) as u8;
+    let named = raw.vertices.iter().enumerate().skip(2).filter(|(_, (name, _))| !name.is_empty());
+    Ok(Graph {
+        vertices: order.len() as u8,
+        names: named.map(|(vertex, (name, _))| (name.clone(), place(vertex))).collect(),
+        edges: raw
+            .edges
+            .iter()
+            .map(|edge| GraphEdge {
+                from: place(edge.from),
+                to: place(edge.to),
+                component: edge.component.clone(),
+                span: edge.span.clone(),
+            })
+            .collect(),
+    })
+}
+
+fn too_many(what: &str, count: usize, limit: usize, span: &Span) -> Mistake {
+    Mistake::new(
+        format!("a production has at most {limit} {what}, this one {count}"),
+        span,
+        "this graph",
+        "move a part of it into a frame of its own",
+    )
+}
+
+/// The entry is only left, the exit only reached, and every other vertex is both.
+fn ends(raw: &RawGraph) -> Vec<Mistake> {
+    let mut mistakes = Vec::new();
+    for edge in &raw.edges {
+        if edge.to == ENTRY {
+            let mend = "loops are frames that contain themselves as their last component";
+            mistakes.push(Mistake::new(
+                "an edge leads into `entry`",
+                &edge.span,
+                "this edge",
+                mend,
+            ));
+        }
+        if edge.from == EXIT {
+            let mend = "let the edge begin at another vertex";
+            mistakes.push(Mistake::new("an edge leaves `exit`", &edge.span, "this edge", mend));
+        }
+    }
+    for (vertex, (name, span)) in raw.vertices.iter().enumerate() {
+        let shown = match vertex {
+            ENTRY => "entry",
+            EXIT => "exit",
+            _ => name,
+        };
+        if vertex != ENTRY && !raw.edges.iter().any(|edge| edge.to == vertex) {
+            let message = format!("no edge leads to vertex `{shown}`");
+            let mend = "add an edge that ends there, or remove the vertex";
+            mistakes.push(Mistake::new(message, span, "this vertex", mend));
+        }
+        if vertex != EXIT && !raw.edges.iter().any(|edge| edge.from == vertex) {
+            let message = format!("no edge leaves vertex `{shown}`");
+            let mend = "add an edge that begins there, or remove the vertex";
+            mistakes.push(Mistake::new(message, span, "this vertex", mend));
+        }
+    }
+    mistakes
+}
+
+/// A topological order, as the text has it where that leaves a choice; the entry comes first and
+/// the exit last.
+fn in_order(raw: &RawGraph) -> Result<Vec<usize>, Mistake> {
+    let count = raw.vertices.len();
+    let mut order = Vec::with_capacity(count);
+    let written = (0..count).filter(|&vertex| vertex != EXIT).chain([EXIT]);
+    let written: Vec<usize> = written.collect();
+    while order.len() < count {
+        let ready = |&&vertex: &&usize| {
+            !order.contains(&vertex)
+                && raw.edges.iter().all(|edge| edge.to != vertex || order.contains(&edge.from))
+        };
+        let Some(&next) = written.iter().find(ready) else {
+            let is_left = |edge: &&RawEdge| !order.contains(&edge.from);
+            let edge = raw.edges.iter().find(is_left);
+            let span = edge.map_or(0..0, |edge| edge.span.clone());
+            return Err(Mistake::new(
+                "the graph runs in a circle",
+                &span,
+                "this edge is part of it",
+                "loops are frames that contain themselves as their last component",
+            ));
+        };
+        order.push(next);
+    }
+    Ok(order)
+}
+
+#[cfg(test)]
+mod tests;

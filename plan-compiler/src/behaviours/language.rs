@@ -1,0 +1,221 @@
+//! From the tables of a mission file to [`Syntax`].
+
+mod components;
+mod inputs;
+
+use super::fields::{Fields, Report, Span, Spanned, Text, key_span};
+use super::syntax::{Behaviour, Literal, Rules, Syntax};
+use super::{DEFAULT_DORMANT, DEFAULT_DWELL_S, DEFAULT_HYSTERESIS, DEFAULT_UNCONDITIONAL};
+use crate::problem::{Problem, Source};
+use plan_format::limits;
+use plan_format::mission::{Inference, Label, SwitchPoint};
+use std::sync::Arc;
+use toml_edit::{Item, TableLike};
+
+/// The tables of a mission file that are read here.
+pub const TABLES: [&str; 5] = ["inputs", "facts", "actions", "frames", "behaviours"];
+
+/// Longest time that may be given, seconds.
+const MAX_TIME_S: f64 = 1e6;
+
+/// Reads what a mission file says about behaviours. The syntax holds whatever was understood.
+pub fn read(source: &Arc<Source>, file: &dyn TableLike, problems: &mut Vec<Problem>) -> Syntax {
+    let mut report = Report { source, problems };
+    let mut syntax = Syntax::default();
+    let is_there = TABLES.iter().any(|table| file.contains_key(table));
+    syntax.source = is_there.then(|| Arc::clone(source));
+    each(&mut report, file, "inputs", |report, name, item| {
+        syntax.inputs.extend(inputs::input(report, name, item));
+    });
+    each(&mut report, file, "facts", |report, name, item| {
+        syntax.facts.extend(inputs::fact(report, name, item));
+    });
+    each(&mut report, file, "actions", |report, name, item| {
+        syntax.actions.extend(components::action(report, name, item));
+    });
+    each(&mut report, file, "frames", |report, name, item| {
+        syntax.frames.extend(components::frame(report, name, item));
+    });
+    each(&mut report, file, "behaviours", |report, name, item| {
+        syntax.behaviours.extend(behaviour(report, name, item));
+    });
+    syntax
+}
+
+/// Calls `with` for every entry of a table whose name can be one.
+fn each(
+    report: &mut Report<'_>,
+    file: &dyn TableLike,
+    table: &str,
+    mut with: impl FnMut(&mut Report<'_>, Text, &Item),
+) {
+    let Some(item) = file.get(table) else { return };
+    let Some(entries) = item.as_table_like() else {
+        let span = item.span().unwrap_or_else(|| key_span(file, table));
+        report.wrong_type(table, item, &span, "a section", &format!("[{table}.NAME]"));
+        return;
+    };
+    for (raw, item) in entries.iter() {
+        if let Some(name) = name(report, raw, key_span(entries, raw)) {
+            with(report, name, item);
+        }
+    }
+}
+
+/// A name that fits the format and can be written in graphs and conditions.
+fn name(report: &mut Report<'_>, raw: &str, span: Span) -> Option<Text> {
+    let name = raw.trim();
+    let reason = if name.is_empty() {
+        "a name must not be empty".to_owned()
+    } else if name.len() > limits::MAX_NAME_BYTES {
+        format!("a name has at most {} bytes, this one {}", limits::MAX_NAME_BYTES, name.len())
+    } else if name.contains(|c: char| c.is_control() || matches!(c, '\'' | '"')) {
+        "a name holds no quotes and no control characters".to_owned()
+    } else if matches!(name, "entry" | "exit") || name.starts_with("not ") {
+        "this means something else in graphs and conditions".to_owned()
+    } else {
+        return Some(Spanned { value: name.to_owned(), span });
+    };
+    report.error(format!("`{raw}` cannot be a name"), &span, &reason, "choose another name");
+    None
+}
+
+const BEHAVIOUR: &[&str] = &[
+    "plan",
+    "criticality",
+    "inference",
+    "dormant",
+    "unconditional",
+    "hysteresis",
+    "dwell_s",
+    "switch",
+    "start_up",
+    "shut_down",
+    "resources",
+];
+
+fn behaviour(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Behaviour> {
+    let path = format!("behaviours.{}", name.as_str());
+    let example = "criticality = { fuel = \"PB PB PM PM NB NB NB\" }";
+    let fields = Fields::open(
+        report,
+        path,
+        item,
+        name.span.clone(),
+        BEHAVIOUR,
+        &format!("{{ {example} }}"),
+    )?;
+    let switch = [("earliest", SwitchPoint::Earliest), ("best", SwitchPoint::Best)];
+    let frame = |report: &mut Report<'_>, key| fields.text(report, key, "\"FRAME\"");
+    let level = |report: &mut Report<'_>, key: &str, default: f32| {
+        let given = fields.number(report, key, 0.0..=1.0, "");
+        let span = given.as_ref().map_or(fields.span.clone(), |given| given.span.clone());
+        Spanned { value: given.map_or(default, |given| given.value as f32), span }
+    };
+    let dormant = level(report, "dormant", DEFAULT_DORMANT);
+    let unconditional = level(report, "unconditional", DEFAULT_UNCONDITIONAL);
+    let hysteresis = level(report, "hysteresis", DEFAULT_HYSTERESIS).value;
+    let root = frame(report, "plan").unwrap_or_else(|| name.clone());
+    let start_up = frame(report, "start_up");
+    let shut_down = frame(report, "shut_down");
+    let dwell_ms =
+        milliseconds(report, &fields, "dwell_s").unwrap_or((DEFAULT_DWELL_S * 1e3) as u32);
+    let switch_point = fields.word(report, "switch", &switch).unwrap_or(SwitchPoint::Earliest);
+    let resources = fields.texts(report, "resources", "arm");
+    let Some(rules) = rules(report, &fields, "criticality") else {
+        if fields.item("criticality").is_none() {
+            let message = format!("behaviour `{}` has no criticality", name.as_str());
+            report.error(message, &name.span, "this behaviour", &format!("add {example}"));
+        }
+        return None;
+    };
+    Some(Behaviour {
+        name,
+        root,
+        start_up,
+        shut_down,
+        rules,
+        dormant,
+        unconditional,
+        hysteresis,
+        dwell_ms,
+        switch_point,
+        resources,
+    })
+}
+
+/// A rule base: a table of rows, one for each input. `inference` stands beside it.
+fn rules(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Option<Rules> {
+    let words = [("min", Inference::Min), ("product", Inference::Product)];
+    let inference = fields.word(report, "inference", &words).unwrap_or(Inference::Min);
+    let (item, span) = fields.item(key)?;
+    let Some(table) = item.as_table_like() else {
+        let example = format!("{key} = {{ fuel = \"PB PB PM PM NB NB NB\" }}");
+        let path = format!("{}.{key}", fields.path);
+        report.wrong_type(&path, item, &span, "a table of rules", &example);
+        return None;
+    };
+    let span = fields.key_span(key);
+    if table.is_empty() {
+        let message = format!("`{}.{key}` has no rule", fields.path);
+        let mend = "add a row for an input, for example fuel = \"PB PB PM PM NB NB NB\"";
+        report.error(message, &span, "an empty table decides nothing", mend);
+        return None;
+    }
+    let rows: Vec<Option<(Text, [Label; 7])>> = table
+        .iter()
+        .map(|(input, item)| {
+            let name = Spanned { value: input.trim().to_owned(), span: key_span(table, input) };
+            Some((name, row(report, input, item, key_span(table, input))?))
+        })
+        .collect();
+    Some(Rules { rows: rows.into_iter().collect::<Option<_>>()?, inference, span })
+}
+
+const LABELS: [&str; 7] = ["NB", "NM", "NS", "ZO", "PS", "PM", "PB"];
+
+/// Seven labels: what each of the input's labels means for the result.
+fn row(report: &mut Report<'_>, input: &str, item: &Item, key: Span) -> Option<[Label; 7]> {
+    let span = item.span().unwrap_or(key);
+    let mend =
+        format!("write {input} = \"PB PB PM PM NB NB NB\", for NB NM NS ZO PS PM PB in turn");
+    let Some(text) = item.as_str() else {
+        report.wrong_type(input, item, &span, "a row of seven labels", &mend[6..]);
+        return None;
+    };
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let unknown: Vec<&str> = words.iter().copied().filter(|word| !LABELS.contains(word)).collect();
+    if let Some(word) = unknown.first() {
+        let message = format!("`{word}` is not a label");
+        report.error(message, &span, "labels are NB NM NS ZO PS PM PB", &mend);
+        return None;
+    }
+    let labels = words.iter().filter_map(|word| LABELS.iter().position(|label| label == word));
+    let labels: Vec<Label> = labels.map(|index| Label::from_index(index as u8)).collect();
+    let count = labels.len();
+    let labels = <[Label; 7]>::try_from(labels).ok();
+    if labels.is_none() {
+        let message = format!("the row of `{input}` has {count} labels instead of seven");
+        report.error(message, &span, "one for each label of the input", &mend);
+    }
+    labels
+}
+
+/// Facts that shall hold, and with `not` before their name those that shall not.
+fn literals(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Vec<Literal> {
+    fields.texts(report, key, "on field").into_iter().map(literal).collect()
+}
+
+/// `on field`, or `not on field`.
+pub(super) fn literal(text: Text) -> Literal {
+    let is_negated = text.as_str().starts_with("not ");
+    let name = text.as_str().strip_prefix("not ").unwrap_or(text.as_str());
+    let name = name.trim().trim_matches(['\'', '"']).to_owned();
+    Literal { fact: Spanned { value: name, span: text.span }, is_negated }
+}
+
+/// A time in seconds, in milliseconds.
+fn milliseconds(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Option<u32> {
+    let seconds = fields.number(report, key, 0.0..=MAX_TIME_S, "s")?;
+    Some((seconds.value * 1e3).round() as u32)
+}

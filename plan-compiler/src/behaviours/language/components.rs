@@ -1,0 +1,270 @@
+//! Actions, frames and productions.
+
+use super::inputs::pair;
+use super::{MAX_TIME_S, literals, milliseconds, name, rules};
+use crate::behaviours::fields::{Fields, Report, Spanned, Text, key_span, part_of};
+use crate::behaviours::graph_text;
+use crate::behaviours::syntax::{Action, Description, Doing, Frame, Production};
+use crate::behaviours::{DEFAULT_THRESHOLD, DEFAULT_TIMEOUT_S};
+use crate::mission::nearest;
+use plan_format::limits::MAX_OUTPUTS;
+use toml_edit::{Item, Value};
+
+const ACTION: &[&str] = &[
+    "do",
+    "initial",
+    "transient",
+    "goal",
+    "add",
+    "delete",
+    "until",
+    "timeout_s",
+    "max_speed",
+    "min_distance",
+    "resources",
+];
+
+pub(super) fn action(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Action> {
+    let path = format!("actions.{}", name.as_str());
+    let example = "{ do = \"go-to 10, 20\" }";
+    let fields = Fields::open(report, path, item, name.span.clone(), ACTION, example)?;
+    let description = description(report, &fields);
+    let until = literals(report, &fields, "until");
+    let resources = fields.texts(report, "resources", "arm");
+    let Some((_, doing_span)) = fields.item("do") else {
+        let message = format!("action `{}` does nothing", name.as_str());
+        report.error(message, &name.span, "this action", &format!("add {}", &example[2..21]));
+        return None;
+    };
+    let text = fields.text(report, "do", "\"go-to 10, 20\"")?;
+    let kind = doing(report, &text)?;
+    let own_ms = match kind {
+        Doing::Hold { for_ms } | Doing::Wander { for_ms } => for_ms,
+        _ => 0,
+    };
+    let given = milliseconds(report, &fields, "timeout_s");
+    if given.is_some_and(|given| given <= own_ms) {
+        let span = fields.item("timeout_s").map_or(doing_span, |(_, span)| span);
+        let message = format!("action `{}` runs out of time before it is over", name.as_str());
+        let mend = "make timeout_s longer than what it does";
+        report.error(message, &span, "not above 0 and its own time", mend);
+        return None;
+    }
+    let timeout_ms = given.unwrap_or((DEFAULT_TIMEOUT_S * 1e3) as u32 + own_ms);
+    Some(Action { name, kind, description, until, timeout_ms, resources })
+}
+
+fn description(report: &mut Report<'_>, fields: &Fields<'_>) -> Description {
+    let max_speed = fields.number(report, "max_speed", 0.0..=50.0, "m/s");
+    let min_distance = fields.number(report, "min_distance", 0.0..=1e3, "m");
+    Description {
+        initial: literals(report, fields, "initial"),
+        transient: literals(report, fields, "transient"),
+        goal: literals(report, fields, "goal"),
+        add: fields.texts(report, "add", "ploughed"),
+        delete: fields.texts(report, "delete", "ploughed"),
+        max_speed_mps: max_speed.map(|speed| speed.value as f32),
+        min_distance_m: min_distance.map_or(0.0, |distance| distance.value as f32),
+    }
+}
+
+const VERBS: &[&str] = &["follow", "go-to", "hold", "wander", "signal", "set-output"];
+const DOING_MEND: &str = "write follow PLAN at 34:66, go-to X, Y, hold 5 s, wander 5 s, signal 3 or \
+    set-output 2 on";
+
+fn doing(report: &mut Report<'_>, text: &Text) -> Option<Doing> {
+    let (verb, rest) = text.as_str().split_once(' ').unwrap_or((text.as_str(), ""));
+    let rest = rest.trim();
+    let found = match verb {
+        "follow" if !rest.is_empty() => follow(rest, text),
+        "go-to" => pair(rest).map(Doing::GoTo),
+        "hold" => seconds(rest).map(|for_ms| Doing::Hold { for_ms }),
+        "wander" => seconds(rest).map(|for_ms| Doing::Wander { for_ms }),
+        "signal" => rest.parse().ok().map(|code| Doing::Signal { code }),
+        "set-output" => set_output(rest),
+        _ => None,
+    };
+    if found.is_none() {
+        let label = match nearest(verb, VERBS.iter().copied()) {
+            Some(meant) if meant != verb => format!("did you mean `{meant}`?"),
+            _ => "this cannot be done".into(),
+        };
+        report.error(
+            format!("`{}` is not an action", text.as_str()),
+            &text.span,
+            &label,
+            DOING_MEND,
+        );
+    }
+    found
+}
+
+/// `PLAN at 34:66`: the weights of reactive schemas and advice in percent.
+fn follow(rest: &str, text: &Text) -> Option<Doing> {
+    let (plan, gains) = rest.rsplit_once(" at ").unwrap_or((rest, "34:66"));
+    let (reactive, advice) = gains.split_once(':')?;
+    let percent = |text: &str| {
+        let number = text.trim().parse::<f32>().ok()?;
+        (0.0..=100.0).contains(&number).then_some(number / 100.0)
+    };
+    let plan = Spanned { value: plan.trim().to_owned(), span: text.span.clone() };
+    Some(Doing::Follow { plan, reactive: percent(reactive)?, advice: percent(advice)? })
+}
+
+/// `5 s`, in milliseconds.
+fn seconds(text: &str) -> Option<u32> {
+    let seconds: f64 = text.strip_suffix('s')?.trim().parse().ok()?;
+    (0.0..=MAX_TIME_S).contains(&seconds).then_some((seconds * 1e3).round() as u32)
+}
+
+fn set_output(rest: &str) -> Option<Doing> {
+    let (output, state) = rest.split_once(' ')?;
+    let output = output.parse::<u8>().ok().filter(|&output| usize::from(output) < MAX_OUTPUTS)?;
+    match state.trim() {
+        "on" => Some(Doing::SetOutput { output, is_on: true }),
+        "off" => Some(Doing::SetOutput { output, is_on: false }),
+        _ => None,
+    }
+}
+
+const FRAME: &[&str] = &[
+    "productions",
+    "threshold",
+    "initial",
+    "transient",
+    "goal",
+    "add",
+    "delete",
+    "max_speed",
+    "min_distance",
+];
+const FRAME_EXAMPLE: &str = "productions = [\"entry -> a -> b -> exit\"]";
+
+pub(super) fn frame(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Frame> {
+    let path = format!("frames.{}", name.as_str());
+    let example = format!("{{ {FRAME_EXAMPLE} }}");
+    let fields = Fields::open(report, path, item, name.span.clone(), FRAME, &example)?;
+    let description = description(report, &fields);
+    let given = fields.number(report, "threshold", 0.0..=1.0, "");
+    let threshold = Spanned {
+        span: given.as_ref().map_or(name.span.clone(), |given| given.span.clone()),
+        value: given.map_or(DEFAULT_THRESHOLD, |given| given.value as f32),
+    };
+    let mut productions = Vec::new();
+    let mut is_whole = true;
+    let found = fields.item("productions").map(|(item, _)| items(item)).unwrap_or_default();
+    for (number, item) in found.iter().enumerate() {
+        match production(report, &name, number, item) {
+            Some(production) => productions.push(production),
+            None => is_whole = false,
+        }
+    }
+    if found.is_empty() {
+        let message = format!("frame `{}` has no production", name.as_str());
+        report.error(
+            message,
+            &name.span,
+            "nobody can carry it out",
+            &format!("add {FRAME_EXAMPLE}"),
+        );
+    }
+    // A frame that lacks one of its ways would be looked at in vain.
+    (is_whole && !productions.is_empty()).then_some(Frame {
+        name,
+        description,
+        threshold,
+        productions,
+    })
+}
+
+/// The entries of a list, whichever way TOML has it; a text alone is a list of one.
+fn items(item: &Item) -> Vec<Item> {
+    match item {
+        Item::ArrayOfTables(tables) => tables.iter().cloned().map(Item::Table).collect(),
+        Item::Value(Value::Array(array)) => array.iter().cloned().map(Item::Value).collect(),
+        Item::Value(value) => vec![Item::Value(value.clone())],
+        _ => Vec::new(),
+    }
+}
+
+const PRODUCTION: &[&str] = &["name", "applicable", "inference", "graph", "protect", "work"];
+
+/// A table, or the text of the graph alone.
+fn production(
+    report: &mut Report<'_>,
+    frame: &Text,
+    number: usize,
+    item: &Item,
+) -> Option<Production> {
+    let span = item.span().unwrap_or_else(|| frame.span.clone());
+    if let Some(text) = item.as_str() {
+        let text = Spanned { value: text.to_owned(), span };
+        let graph = graph(report, &text)?;
+        return Some(Production {
+            name: frame.clone(),
+            rules: None,
+            graph,
+            text,
+            protect: Vec::new(),
+            work: Vec::new(),
+        });
+    }
+    let path = format!("frames.{}.productions[{number}]", frame.as_str());
+    let example = "{ graph = \"entry -> a -> b -> exit\" }";
+    let fields = Fields::open(report, path, item, span.clone(), PRODUCTION, example)?;
+    let own = fields
+        .text(report, "name", "\"NAME\"")
+        .and_then(|own| name(report, own.as_str(), own.span.clone()));
+    let rules = rules(report, &fields, "applicable");
+    let is_ruled = rules.is_some() || fields.item("applicable").is_none();
+    let protect = fields.texts(report, "protect", "on field from forward to back");
+    let work = work(report, &fields);
+    if fields.item("graph").is_none() {
+        let message = format!("`{}` has no graph", fields.path);
+        report.error(message, &span, "this production", "add graph = \"entry -> a -> b -> exit\"");
+    }
+    let text = fields.text(report, "graph", "\"entry -> a -> b -> exit\"")?;
+    let graph = graph(report, &text)?;
+    let name = own.unwrap_or_else(|| Spanned { value: frame.value.clone(), span });
+    is_ruled.then_some(Production { name, rules, graph, text, protect, work })
+}
+
+fn graph(report: &mut Report<'_>, text: &Text) -> Option<graph_text::Graph> {
+    match graph_text::parse(text.as_str()) {
+        Ok(mut graph) => {
+            for edge in &mut graph.edges {
+                edge.span = part_of(report.source, text, edge.span.clone());
+            }
+            Some(graph)
+        }
+        Err(mistakes) => {
+            for mistake in mistakes {
+                let span = part_of(report.source, text, mistake.span);
+                report.error(mistake.message, &span, &mistake.label, &mistake.mend);
+            }
+            None
+        }
+    }
+}
+
+/// `work = { forward = 10 }`
+fn work(report: &mut Report<'_>, fields: &Fields<'_>) -> Vec<(Text, u16)> {
+    let Some((item, _)) = fields.item("work") else { return Vec::new() };
+    let span = fields.key_span("work");
+    let Some(table) = item.as_table_like() else {
+        let path = format!("{}.work", fields.path);
+        report.wrong_type(&path, item, &span, "a table of numbers", "work = { forward = 10 }");
+        return Vec::new();
+    };
+    let known: Vec<&str> = table.iter().map(|(key, _)| key).collect();
+    let path = format!("{}.work", fields.path);
+    let Some(all) = Fields::open(report, path, item, span, &known, "{ forward = 10 }") else {
+        return Vec::new();
+    };
+    let cost = |report: &mut Report<'_>, key: &str| {
+        let number = all.number(report, key, 0.0..=65_535.0, "")?;
+        let name = Spanned { value: key.trim().to_owned(), span: key_span(table, key) };
+        Some((name, number.value.round() as u16))
+    };
+    known.iter().filter_map(|key| cost(report, key)).collect()
+}

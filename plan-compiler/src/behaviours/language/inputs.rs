@@ -1,0 +1,248 @@
+//! Inputs and facts.
+
+use super::{milliseconds, rules};
+use crate::behaviours::DEFAULT_MISSING_HOLD_S;
+use crate::behaviours::fields::{Fields, Report, Spanned, Text};
+use crate::behaviours::syntax::{Fact, FactSyntax, Input, InputSource};
+use crate::mission::nearest;
+use plan_format::limits::{MAX_CHANNELS, MAX_OUTPUTS};
+use robot_io::percepts::channel;
+use toml_edit::Item;
+
+const INPUT: &[&str] = &["source", "rules", "inference", "universe", "missing"];
+const SOURCES: &[&str] =
+    &["battery", "fuel", "link", "custom", "distance", "time", "cost-to-goal", "price", "output"];
+/// How many channels have a meaning of the user's.
+const CUSTOM_COUNT: u8 = MAX_CHANNELS as u8 - channel::CUSTOM;
+const SOURCES_MEND: &str = "write battery, fuel, link, custom N, distance X, Y, time, \
+    cost-to-goal PLAN, price PLAN/LAYER or output N";
+
+pub(super) fn input(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Input> {
+    let path = format!("inputs.{}", name.as_str());
+    let example = "{ source = \"fuel\", missing = { then = 0.0 } }";
+    let fields = Fields::open(report, path, item, name.span.clone(), INPUT, example)?;
+    let source = match (fields.item("source"), fields.item("rules")) {
+        (Some(_), None) => {
+            let text = fields.text(report, "source", "\"fuel\"");
+            text.and_then(|text| self::source(report, &text))
+        }
+        (None, Some(_)) => rules(report, &fields, "rules").map(InputSource::Rules),
+        (both, _) => {
+            let (message, mend) = match both {
+                Some(_) => ("has both a source and rules", "keep one of the two"),
+                None => ("has no source", "add source = \"fuel\", or rules about other inputs"),
+            };
+            let message = format!("input `{}` {message}", name.as_str());
+            report.error(message, &name.span, "this input", mend);
+            None
+        }
+    };
+    let universe = universe(report, &fields, source.as_ref(), &name);
+    let (hold_ms, missing) = missing(report, &fields, source.as_ref(), universe, &name);
+    Some(Input { name, source: source?, universe: universe?, hold_ms, missing })
+}
+
+fn universe(
+    report: &mut Report<'_>,
+    fields: &Fields<'_>,
+    source: Option<&InputSource>,
+    name: &Text,
+) -> Option<[f32; 2]> {
+    if let Some((_, span)) = fields.item("universe") {
+        let expected = "two finite numbers: what is wholly NB and what is wholly PB";
+        let ends = fields.numbers(report, "universe", expected, "universe = [0.0, 1.0]")?;
+        if ends[0].to_bits() == ends[1].to_bits() || !(ends[1] - ends[0]).is_normal() {
+            let message = format!("the universe of `{}` is a single value", name.as_str());
+            report.error(message, &span, "its ends are the same", "write universe = [0.0, 1.0]");
+            return None;
+        }
+        return Some(ends);
+    }
+    use InputSource::{Channel, Output, Rules};
+    match source {
+        Some(Channel(_) | Output(_) | Rules(_)) | None => Some([0.0, 1.0]),
+        Some(_) => {
+            let message = format!("input `{}` has no universe", name.as_str());
+            let mend = "add universe = [LOW, HIGH]: what is wholly NB and what is wholly PB";
+            report.error(message, &name.span, "this input has no natural ends", mend);
+            None
+        }
+    }
+}
+
+/// How long the last value is held, and what counts then. Whoever needs a value that may be
+/// missing says what that means.
+fn missing(
+    report: &mut Report<'_>,
+    fields: &Fields<'_>,
+    source: Option<&InputSource>,
+    universe: Option<[f32; 2]>,
+    name: &Text,
+) -> (u32, f32) {
+    use InputSource::{Output, Rules, Time};
+    let low = universe.map_or(0.0, |[low, _]| low);
+    let default_ms = (DEFAULT_MISSING_HOLD_S * 1e3) as u32;
+    let Some((item, _)) = fields.item("missing") else {
+        if !matches!(source, Some(Time | Output(_) | Rules(_)) | None) {
+            let message =
+                format!("input `{}` does not say what counts when it is missing", name.as_str());
+            let mend =
+                format!("add missing = {{ hold_s = {DEFAULT_MISSING_HOLD_S}, then = {low:?} }}");
+            report.error(message, &name.span, "its value may be missing", &mend);
+        }
+        return (default_ms, low);
+    };
+    let path = format!("{}.missing", fields.path);
+    let (span, example) = (fields.key_span("missing"), "missing = { hold_s = 2.0, then = 0.0 }");
+    let Some(policy) = Fields::open(report, path, item, span, &["hold_s", "then"], example) else {
+        return (default_ms, low);
+    };
+    if policy.item("then").is_none() {
+        let message = format!("`{}` has no `then`", policy.path);
+        let mend = format!("add then = {low:?}: what a missing value counts as");
+        report.error(message, &policy.span, "held, and then?", &mend);
+    }
+    let hold_ms = milliseconds(report, &policy, "hold_s").unwrap_or(default_ms);
+    let then = policy.number(report, "then", -1e9..=1e9, "");
+    (hold_ms, then.map_or(low, |then| then.value as f32))
+}
+
+fn source(report: &mut Report<'_>, text: &Text) -> Option<InputSource> {
+    let (word, rest) = text.as_str().split_once(' ').unwrap_or((text.as_str(), ""));
+    let rest = rest.trim();
+    let named = |name: &str| Spanned { value: name.to_owned(), span: text.span.clone() };
+    let found = match (word, rest) {
+        ("battery", "") => Some(InputSource::Channel(channel::BATTERY)),
+        ("fuel", "") => Some(InputSource::Channel(channel::FUEL)),
+        ("link", "") => Some(InputSource::Channel(channel::LINK)),
+        ("custom", number) => number
+            .parse::<u8>()
+            .ok()
+            .filter(|&number| (1..=CUSTOM_COUNT).contains(&number))
+            .map(|number| InputSource::Channel(channel::CUSTOM + number - 1)),
+        ("distance", place) => pair(place).map(InputSource::DistanceTo),
+        ("time", "") => Some(InputSource::Time),
+        ("cost-to-goal", plan) if !plan.is_empty() => Some(InputSource::CostToGoal(named(plan))),
+        ("price", both) => both
+            .split_once('/')
+            .map(|(plan, layer)| InputSource::Price(named(plan.trim()), named(layer.trim()))),
+        ("output", number) => number
+            .parse::<u8>()
+            .ok()
+            .filter(|&number| usize::from(number) < MAX_OUTPUTS)
+            .map(InputSource::Output),
+        _ => None,
+    };
+    if found.is_none() {
+        let label = match nearest(word, SOURCES.iter().copied()) {
+            Some(meant) if meant != word => format!("did you mean `{meant}`?"),
+            Some("custom") => format!("the number is 1 to {}", CUSTOM_COUNT),
+            Some("output") => format!("the number is 0 to {}", MAX_OUTPUTS - 1),
+            _ => "this source".into(),
+        };
+        let message = format!("`{}` is not a source of values", text.as_str());
+        report.error(message, &text.span, &label, SOURCES_MEND);
+    }
+    found
+}
+
+/// `X, Y`, metres.
+pub(super) fn pair(text: &str) -> Option<[f32; 2]> {
+    let (x, y) = text.split_once(',')?;
+    let both = [x.trim().parse::<f32>().ok()?, y.trim().parse::<f32>().ok()?];
+    both.iter().all(|number| number.is_finite()).then_some(both)
+}
+
+const FACT: &[&str] =
+    &["input", "at_least", "at_most", "near", "within", "inside", "no_progress", "for_s"];
+const FACT_MEND: &str = "write false or true for a symbol at the start, { inside = [W, S, E, N] }, \
+    { near = [X, Y], within = M }, { input = \"fuel\", at_least = 0.9 } or \
+    { no_progress = 0.5, for_s = 10 }";
+
+pub(super) fn fact(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Fact> {
+    if let Some(is_set) = item.as_bool() {
+        return Some(Fact { name, kind: FactSyntax::Symbol { is_set } });
+    }
+    let path = format!("facts.{}", name.as_str());
+    let fields = Fields::open(report, path, item, name.span.clone(), FACT, &FACT_MEND[6..])?;
+    let has = |key: &str| fields.item(key).is_some();
+    let kind = match (has("input"), has("near"), has("inside"), has("no_progress")) {
+        (true, false, false, false) => level(report, &fields),
+        (false, true, false, false) => near(report, &fields),
+        (false, false, true, false) => inside(report, &fields, &name),
+        (false, false, false, true) => no_progress(report, &fields),
+        (false, false, false, false) => {
+            let message = format!("fact `{}` says nothing", name.as_str());
+            report.error(message, &name.span, "this fact", FACT_MEND);
+            None
+        }
+        _ => {
+            let message = format!("fact `{}` says more than one thing", name.as_str());
+            report.error(message, &name.span, "this fact", "make it several facts");
+            None
+        }
+    };
+    Some(Fact { name, kind: kind? })
+}
+
+fn level(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<FactSyntax> {
+    let input = fields.text(report, "input", "\"fuel\"");
+    let low = fields.number(report, "at_least", -1e9..=1e9, "");
+    let high = fields.number(report, "at_most", -1e9..=1e9, "");
+    let value =
+        |end: &Option<Spanned<f64>>, open| end.as_ref().map_or(open, |end| end.value as f32);
+    let (low_m, high_m) = (value(&low, f32::NEG_INFINITY), value(&high, f32::INFINITY));
+    if fields.item("at_least").is_none() && fields.item("at_most").is_none() {
+        let message = format!("`{}` has neither `at_least` nor `at_most`", fields.path);
+        report.error(message, &fields.span, "always true", "add at_least = 0.9, for example");
+        return None;
+    }
+    if let (Some(low), Some(high)) = (&low, &high)
+        && low.value > high.value
+    {
+        let message = format!("`{}` never holds", fields.path);
+        report.error(message, &low.span, "above its `at_most`", "exchange the two numbers");
+        return None;
+    }
+    Some(FactSyntax::Level { input: input?, low: low_m, high: high_m })
+}
+
+fn near(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<FactSyntax> {
+    let example = "near = [12.5, 40.0]";
+    let at = fields.numbers(report, "near", "a place: two finite numbers", example);
+    let within = fields.number(report, "within", 0.01..=1e5, "m");
+    if fields.item("within").is_none() {
+        let message = format!("`{}` has no `within`", fields.path);
+        report.error(message, &fields.span, "how near?", "add within = 2.0, in metres");
+    }
+    Some(FactSyntax::Near { at: at?, radius_m: within?.value as f32 })
+}
+
+fn inside(report: &mut Report<'_>, fields: &Fields<'_>, name: &Text) -> Option<FactSyntax> {
+    let expected = "a rectangle: west, south, east, north";
+    let sides = fields.numbers(report, "inside", expected, "inside = [0, 0, 60, 40]")?;
+    let [west, south, east, north] = sides;
+    if west < east && south < north {
+        return Some(FactSyntax::Inside(sides));
+    }
+    let message = format!("the rectangle of `{}` is empty", name.as_str());
+    let span = fields.item("inside").map_or(fields.span.clone(), |(_, span)| span);
+    report.error(
+        message,
+        &span,
+        "west, south, east, north",
+        "let west be below east and south below north",
+    );
+    None
+}
+
+fn no_progress(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<FactSyntax> {
+    let distance = fields.number(report, "no_progress", 0.01..=1e5, "m");
+    let time = fields.number(report, "for_s", 0.1..=super::MAX_TIME_S, "s");
+    if fields.item("for_s").is_none() {
+        let message = format!("`{}` has no `for_s`", fields.path);
+        report.error(message, &fields.span, "for how long?", "add for_s = 10");
+    }
+    let within_ms = (time?.value * 1e3).round() as u32;
+    Some(FactSyntax::NoProgress { distance_m: distance?.value as f32, within_ms })
+}

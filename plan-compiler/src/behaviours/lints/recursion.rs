@@ -1,0 +1,129 @@
+//! Frames that contain themselves: only as the last thing, so that the robot's memory suffices.
+
+use super::Lints;
+use crate::behaviours::lower::effects::below;
+use plan_format::mission::{Description, MissionDraft, Production, Symbol};
+
+/// Whether an edge of a production is the last thing that its frame waits for: it leads to the exit
+/// and everything else comes before it.
+pub(super) fn is_last(draft: &MissionDraft, production: &Production, edge: usize) -> bool {
+    let first = usize::from(production.first_edge);
+    let edges = &draft.edges[first..first + usize::from(production.edges)];
+    let last = edges[edge];
+    let leads = |from: u8, to: u8| {
+        let mut reached = vec![false; usize::from(production.vertices)];
+        reached[usize::from(from)] = true;
+        for vertex in from..production.vertices {
+            if reached[usize::from(vertex)] {
+                let next = edges.iter().filter(|edge| edge.from == vertex);
+                next.for_each(|edge| reached[usize::from(edge.to)] = true);
+            }
+        }
+        reached[usize::from(to)]
+    };
+    last.to + 1 == production.vertices
+        && edges.iter().enumerate().all(|(other, before)| other == edge || leads(before.to, last.from))
+}
+
+/// Whether a frame can come to stand below another.
+pub(super) fn reaches(draft: &MissionDraft, from: usize, to: usize) -> bool {
+    let mut seen = vec![from];
+    let mut at = 0;
+    while at < seen.len() {
+        for symbol in below(draft, seen[at]) {
+            if let Symbol::Frame(index) = symbol {
+                let index = usize::from(index);
+                if index == to {
+                    return true;
+                }
+                if !seen.contains(&index) {
+                    seen.push(index);
+                }
+            }
+        }
+        at += 1;
+    }
+    false
+}
+
+/// As the robot's own crate has it: such a frame may be left out between a loop's head and its end.
+fn is_silent(description: &Description) -> bool {
+    description.transient.is_empty()
+        && description.goal.is_empty()
+        && description.add == 0
+        && description.delete == 0
+        && description.max_speed_mps.is_infinite()
+        && description.min_distance_m <= 0.0
+}
+
+impl Lints<'_> {
+    /// Says why a frame that contains itself would need ever more memory.
+    pub(super) fn recursion(&mut self) {
+        let syntax = self.syntax;
+        for (frame, written) in syntax.frames.iter().enumerate() {
+            let first = usize::from(self.draft.frames[frame].first);
+            for (number, production) in written.productions.iter().enumerate() {
+                let record = self.draft.productions[first + number];
+                for (index, edge) in production.graph.edges.iter().enumerate() {
+                    let at = usize::from(record.first_edge) + index;
+                    let Symbol::Frame(inner) = self.draft.edges[at].symbol else { continue };
+                    let inner = usize::from(inner);
+                    if inner == frame || reaches(self.draft, inner, frame) {
+                        if let Some((message, label, mend)) =
+                            self.why_it_grows(frame, &record, index, inner)
+                        {
+                            self.report.error(message, &edge.span, &label, mend);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn why_it_grows(
+        &self,
+        frame: usize,
+        production: &Production,
+        edge: usize,
+        inner: usize,
+    ) -> Option<(String, String, &'static str)> {
+        let draft = self.draft;
+        let name = |index: usize| self.syntax.frames[index].name.as_str();
+        let message = format!("`{}` contains itself, and would need ever more memory", name(frame));
+        if !is_last(draft, production, edge) {
+            let label = "not the last thing that is done".to_owned();
+            return Some((message, label, "move it to the end, alone, before `exit`"));
+        }
+        let record = draft.edges[usize::from(production.first_edge) + edge];
+        let first = usize::from(production.first_interval);
+        let intervals = &draft.intervals[first..first + usize::from(production.intervals)];
+        let spans = |from: u8, to: u8| from <= record.from && to >= record.to;
+        if let Some(interval) = intervals.iter().find(|i| spans(i.from, i.to)) {
+            let how = if interval.is_derived { "a derived" } else { "a" };
+            let label = format!("{how} protection interval reaches over it");
+            return Some((message, label, "let the interval end before it"));
+        }
+        // A frame in between keeps its place as long as it has something to say. The frame that the
+        // loop is entered by is its head and may say what it likes.
+        let is_head = |index: usize| self.is_entered_from_outside(index);
+        let description = usize::from(draft.frames[frame].description);
+        if inner != frame && !is_head(frame) && !is_silent(&draft.descriptions[description]) {
+            let label = format!("`{}` in between has a goal or constraints of its own", name(frame));
+            return Some((message, label, "move them to the frame at which the loop begins"));
+        }
+        None
+    }
+
+    /// Whether a behaviour or a frame outside its loop refers to a frame.
+    fn is_entered_from_outside(&self, frame: usize) -> bool {
+        let roots = self.draft.behaviours.iter().flat_map(|behaviour| {
+            [Some(behaviour.root), behaviour.start_up, behaviour.shut_down].into_iter().flatten()
+        });
+        roots.map(usize::from).any(|root| root == frame)
+            || (0..self.draft.frames.len()).any(|other| {
+                below(self.draft, other).contains(&Symbol::Frame(frame as u16))
+                    && !reaches(self.draft, frame, other)
+                    && other != frame
+            })
+    }
+}

@@ -1,0 +1,365 @@
+//! From syntax to the blob's tables: names become indices, limits are checked.
+
+mod components;
+pub(super) mod effects;
+mod intervals;
+
+use super::fields::{Report, Span, Text};
+use super::syntax::{FactSyntax, InputSource, Literal, Rules, Syntax};
+use crate::problem::{Problem, Severity};
+use plan_format::limits;
+use plan_format::mission::{
+    Behaviour, Condition, Fact, FactKind, Facts, Input, MissionDraft, Rule, RuleBase, Source,
+};
+
+/// The parallel plans that a mission may refer to by name.
+#[derive(Clone, Debug)]
+pub enum Plans {
+    /// These, each with the names of its layers.
+    Known(Vec<PlanNames>),
+    /// Whatever the mission names; its numbers are then good for nothing but drawing.
+    Any,
+}
+
+/// A parallel plan's name and those of its layers, in the blob's order.
+#[derive(Clone, Debug)]
+pub struct PlanNames {
+    /// The plan.
+    pub name: String,
+    /// Its layers.
+    pub layers: Vec<String>,
+}
+
+/// Turns syntax into the blob's tables; `None` after an error.
+pub fn lower(syntax: &Syntax, plans: &Plans, problems: &mut Vec<Problem>) -> Option<MissionDraft> {
+    let Some(source) = &syntax.source else { return Some(MissionDraft::default()) };
+    let before = problems.len();
+    let report = Report { source, problems };
+    let mut lowering = Lowering {
+        syntax,
+        plans,
+        report,
+        draft: MissionDraft::default(),
+        // `Any` numbers plans by the order in which they are named.
+        plans_named: Vec::new(),
+        resources: Vec::new(),
+    };
+    if lowering.counts_fit() {
+        lowering.facts();
+        lowering.inputs();
+        lowering.components();
+        effects::spread(&mut lowering.draft);
+        lowering.intervals();
+        lowering.behaviours();
+        lowering.tables_fit();
+    }
+    let draft = lowering.draft;
+    let has_error = problems[before..].iter().any(|problem| problem.severity == Severity::Error);
+    (!has_error).then_some(draft)
+}
+
+struct Lowering<'l> {
+    syntax: &'l Syntax,
+    plans: &'l Plans,
+    report: Report<'l>,
+    draft: MissionDraft,
+    plans_named: Vec<String>,
+    resources: Vec<String>,
+}
+
+impl Lowering<'_> {
+    /// Indices are small numbers; nothing is looked up before they are known to be.
+    fn counts_fit(&mut self) -> bool {
+        let syntax = self.syntax;
+        let spans = |texts: &mut dyn Iterator<Item = &Text>| -> Vec<Span> {
+            texts.map(|text| text.span.clone()).collect()
+        };
+        let tables = [
+            ("inputs", limits::MAX_INPUTS, spans(&mut syntax.inputs.iter().map(|i| &i.name))),
+            ("facts", limits::MAX_FACTS, spans(&mut syntax.facts.iter().map(|f| &f.name))),
+            ("actions", limits::MAX_ACTIONS, spans(&mut syntax.actions.iter().map(|a| &a.name))),
+            ("frames", limits::MAX_FRAMES, spans(&mut syntax.frames.iter().map(|f| &f.name))),
+            (
+                "behaviours",
+                limits::MAX_BEHAVIOURS,
+                spans(&mut syntax.behaviours.iter().map(|b| &b.name)),
+            ),
+        ];
+        let mut fit = true;
+        for (what, limit, spans) in tables {
+            if let Some(first) = spans.get(limit) {
+                fit = false;
+                let message = format!("the robot has room for {limit} {what}, not {}", spans.len());
+                self.report.error(message, first, "one too many", "leave some out");
+            }
+        }
+        for action in &syntax.actions {
+            if let Some(frame) =
+                syntax.frames.iter().find(|frame| frame.name.value == action.name.value)
+            {
+                fit = false;
+                let message = format!("`{}` is both an action and a frame", frame.name.as_str());
+                self.report.error(message, &frame.name.span, "this frame", "rename one of the two");
+            }
+        }
+        fit
+    }
+
+    /// What grows with the contents is counted at the end.
+    fn tables_fit(&mut self) {
+        let draft = &self.draft;
+        let tables = [
+            ("rules", draft.rules.len(), limits::MAX_RULES),
+            ("rule bases", draft.rule_bases.len(), limits::MAX_RULE_BASES),
+            ("different descriptions", draft.descriptions.len(), limits::MAX_DESCRIPTIONS),
+            ("productions", draft.productions.len(), limits::MAX_PRODUCTIONS),
+            ("components in all productions", draft.edges.len(), limits::MAX_EDGES),
+            ("protection intervals", draft.intervals.len(), limits::MAX_INTERVALS),
+        ];
+        for (what, count, limit) in tables {
+            if count > limit {
+                let message = format!("the robot has room for {limit} {what}, not {count}");
+                self.report.problems.push(
+                    Problem::error(message).mend("leave out what the mission can do without"),
+                );
+            }
+        }
+    }
+
+    fn facts(&mut self) {
+        for fact in &self.syntax.facts {
+            let kind = match &fact.kind {
+                FactSyntax::Symbol { is_set } => FactKind::Symbol { is_set: *is_set },
+                FactSyntax::Level { input, low, high } => FactKind::Level {
+                    input: self.input(input).unwrap_or(0),
+                    low: *low,
+                    high: *high,
+                },
+                &FactSyntax::Near { at: [x_m, y_m], radius_m } => {
+                    FactKind::Near { x_m, y_m, radius_m }
+                }
+                &FactSyntax::Inside([west_m, south_m, east_m, north_m]) => {
+                    FactKind::Inside { west_m, south_m, east_m, north_m }
+                }
+                &FactSyntax::NoProgress { distance_m, within_ms } => {
+                    FactKind::NoProgress { distance_m, within_ms }
+                }
+            };
+            let name = self.draft.name(fact.name.as_str());
+            self.draft.facts.push(Fact { name, kind });
+        }
+        let is_progress =
+            |fact: &&super::syntax::Fact| matches!(fact.kind, FactSyntax::NoProgress { .. });
+        let limit = behaviour::MAX_PROGRESS_FACTS;
+        if let Some(fact) = self.syntax.facts.iter().filter(is_progress).nth(limit) {
+            let message = format!("the robot watches its progress for {limit} facts at most");
+            self.report.error(message, &fact.name.span, "one too many", "leave some out");
+        }
+    }
+
+    /// Inputs, and the rule bases of those that are results of rules: each after those that it
+    /// builds on.
+    fn inputs(&mut self) {
+        let syntax = self.syntax;
+        let mut bases: Vec<Option<u16>> = vec![None; syntax.inputs.len()];
+        let mut is_derived: Vec<bool> = Vec::new();
+        for input in &syntax.inputs {
+            is_derived.push(matches!(input.source, InputSource::Rules(_)));
+        }
+        loop {
+            let mut has_grown = false;
+            for (index, input) in syntax.inputs.iter().enumerate() {
+                let InputSource::Rules(rules) = &input.source else { continue };
+                let waits = rules.rows.iter().any(|(name, _)| {
+                    let on = syntax.inputs.iter().position(|input| input.name.value == name.value);
+                    on.is_some_and(|on| is_derived[on] && bases[on].is_none())
+                });
+                if bases[index].is_none() && !waits {
+                    bases[index] = Some(self.rule_base(rules));
+                    has_grown = true;
+                }
+            }
+            if !has_grown {
+                break;
+            }
+        }
+        for (index, input) in syntax.inputs.iter().enumerate() {
+            let source = match &input.source {
+                InputSource::Channel(channel) => Source::Channel(*channel),
+                &InputSource::DistanceTo([x_m, y_m]) => Source::DistanceTo { x_m, y_m },
+                InputSource::Time => Source::Time,
+                InputSource::CostToGoal(plan) => Source::CostToGoal { plan: self.plan(plan) },
+                InputSource::Price(plan, layer) => {
+                    let (plan, layer) = self.layer(plan, layer);
+                    Source::PriceOfConstraint { plan, layer }
+                }
+                InputSource::Output(output) => Source::Output(*output),
+                InputSource::Rules(rules) => {
+                    if bases[index].is_none() {
+                        let message =
+                            format!("the rules of `{}` run in a circle", input.name.as_str());
+                        let mend = "let inputs that are results of rules build on others only";
+                        self.report.error(message, &rules.span, "depends on itself", mend);
+                    }
+                    Source::Rules(bases[index].unwrap_or(0))
+                }
+            };
+            let name = self.draft.name(input.name.as_str());
+            let [low, high] = input.universe;
+            let (hold_ms, missing) = (input.hold_ms, input.missing);
+            self.draft.inputs.push(Input { name, source, low, high, hold_ms, missing });
+        }
+    }
+
+    fn rule_base(&mut self, rules: &Rules) -> u16 {
+        let first = self.draft.rules.len() as u16;
+        for (name, labels) in &rules.rows {
+            let input = self.input(name).unwrap_or(0);
+            self.draft.rules.push(Rule { input, labels: *labels });
+        }
+        // Rows are of different inputs, of which there are few.
+        let count = rules.rows.len().min(usize::from(u8::MAX)) as u8;
+        self.draft.rule_bases.push(RuleBase { first, count, inference: rules.inference });
+        (self.draft.rule_bases.len() - 1) as u16
+    }
+
+    fn behaviours(&mut self) {
+        let syntax = self.syntax;
+        if syntax.behaviours.is_empty() && self.report.problems.is_empty() {
+            let message = "the mission has no behaviour: what it says about plans is never used";
+            self.report
+                .problems
+                .push(Problem::warning(message).mend("add a table [behaviours.NAME]"));
+        }
+        for behaviour in &syntax.behaviours {
+            let root = self.frame(&behaviour.root);
+            let start_up = behaviour.start_up.as_ref().map(|frame| self.frame(frame));
+            let shut_down = behaviour.shut_down.as_ref().map(|frame| self.frame(frame));
+            let frames = [Some(root), start_up, shut_down].into_iter().flatten();
+            let used = frames.filter_map(|frame| self.draft.frames.get(usize::from(frame)));
+            let used = used.fold(0, |used, frame| used | frame.resources);
+            let resources = used | self.resources(&behaviour.resources);
+            let rules = self.rule_base(&behaviour.rules);
+            let name = self.draft.name(behaviour.name.as_str());
+            self.draft.behaviours.push(Behaviour {
+                name,
+                root,
+                start_up,
+                shut_down,
+                rules,
+                dormant: behaviour.dormant.value,
+                unconditional: behaviour.unconditional.value,
+                hysteresis: behaviour.hysteresis,
+                dwell_ms: behaviour.dwell_ms,
+                switch_point: behaviour.switch_point,
+                resources,
+            });
+        }
+    }
+
+    fn input(&mut self, name: &Text) -> Option<u8> {
+        let names = self.syntax.inputs.iter().map(|input| input.name.as_str());
+        let found = names.clone().position(|known| known == name.as_str());
+        if found.is_none() {
+            self.report.unknown("input", name, names, "define it in [inputs]");
+        }
+        found.map(|index| index as u8)
+    }
+
+    fn frame(&mut self, name: &Text) -> u16 {
+        let names = self.syntax.frames.iter().map(|frame| frame.name.as_str());
+        let found = names.clone().position(|known| known == name.as_str());
+        if found.is_none() {
+            let how = format!("define it as [frames.\"{}\"]", name.as_str());
+            self.report.unknown("frame", name, names, &how);
+        }
+        found.unwrap_or(0) as u16
+    }
+
+    fn plan(&mut self, name: &Text) -> u16 {
+        match self.plans {
+            Plans::Known(plans) => {
+                let names = plans.iter().map(|plan| plan.name.as_str());
+                let found = names.clone().position(|known| known == name.as_str());
+                if found.is_none() {
+                    self.report.unknown("parallel plan", name, names, "add it to [goals]");
+                }
+                found.unwrap_or(0) as u16
+            }
+            Plans::Any => {
+                let found = self.plans_named.iter().position(|known| known == name.as_str());
+                found.unwrap_or_else(|| {
+                    self.plans_named.push(name.value.clone());
+                    self.plans_named.len() - 1
+                }) as u16
+            }
+        }
+    }
+
+    fn layer(&mut self, plan: &Text, layer: &Text) -> (u16, u8) {
+        let index = self.plan(plan);
+        let Plans::Known(plans) = self.plans else { return (index, 0) };
+        let known = plans.iter().find(|known| known.name == plan.value);
+        let Some(known) = known else { return (index, 0) };
+        let names = known.layers.iter().map(String::as_str);
+        let found = names.clone().position(|known| known == layer.as_str());
+        if found.is_none() {
+            let what = format!("layer of plan `{}` named", plan.as_str());
+            let how = format!("it has {}", known.layers.join(", "));
+            self.report.unknown(&what, layer, names, &how);
+        }
+        (index, found.unwrap_or(0) as u8)
+    }
+
+    /// The bit of a fact.
+    fn fact(&mut self, name: &Text) -> Facts {
+        let names = self.syntax.facts.iter().map(|fact| fact.name.as_str());
+        let found = names.clone().position(|known| known == name.as_str());
+        if found.is_none() {
+            self.report.unknown("fact", name, names, "define it in [facts]");
+        }
+        found.map_or(0, |index| 1 << index)
+    }
+
+    fn condition(&mut self, literals: &[Literal]) -> Condition {
+        let mut condition = Condition::default();
+        for literal in literals {
+            let fact = self.fact(&literal.fact);
+            let (wanted, unwanted) = match literal.is_negated {
+                false => (&mut condition.must, condition.must_not),
+                true => (&mut condition.must_not, condition.must),
+            };
+            *wanted |= fact;
+            if fact & unwanted != 0 {
+                let message = format!("`{}` shall both hold and not hold", literal.fact.as_str());
+                self.report.error(
+                    message,
+                    &literal.fact.span,
+                    "the second time",
+                    "remove one of the two",
+                );
+            }
+        }
+        condition
+    }
+
+    /// The bits of resources; names are numbered as they come.
+    fn resources(&mut self, names: &[Text]) -> u16 {
+        names.iter().fold(0, |bits, name| bits | self.resource(name.as_str(), &name.span))
+    }
+
+    fn resource(&mut self, name: &str, span: &Span) -> u16 {
+        let found = self.resources.iter().position(|known| known == name);
+        let index = found.unwrap_or_else(|| {
+            self.resources.push(name.to_owned());
+            self.resources.len() - 1
+        });
+        const BITS: usize = u16::BITS as usize;
+        if index == BITS {
+            let message = format!("the robot tells {BITS} resources apart, not more");
+            let mend = "`motion` and each output count too; give some the same name";
+            self.report.error(message, span, "one too many", mend);
+        }
+        1_u16.checked_shl(index as u32).unwrap_or(0)
+    }
+}

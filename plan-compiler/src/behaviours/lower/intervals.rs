@@ -1,0 +1,219 @@
+//! Protection intervals: those set by hand, and those derived from a single producer with a
+//! single consumer (H, "Plan Components").
+
+use super::{Lowering, effects};
+use crate::behaviours::fields::{Spanned, Text};
+use crate::behaviours::graph_text::Graph;
+use crate::behaviours::language::literal;
+use crate::behaviours::syntax::{self, Literal};
+use plan_format::mission::{Condition, Facts, Interval, MissionDraft, Symbol};
+
+impl Lowering<'_> {
+    /// The intervals of every production, those set by hand first.
+    pub(super) fn intervals(&mut self) {
+        let syntax = self.syntax;
+        let productions = syntax.frames.iter().flat_map(|frame| &frame.productions);
+        for (index, production) in productions.enumerate() {
+            let first = self.draft.intervals.len();
+            for text in &production.protect {
+                if let Some(interval) = self.by_hand(production, text) {
+                    self.draft.intervals.push(interval);
+                }
+            }
+            let derived = derived(&self.draft, index, &production.graph, first);
+            self.draft.intervals.extend(derived);
+            let count = self.draft.intervals.len() - first;
+            if let Some(record) = self.draft.productions.get_mut(index) {
+                record.first_interval = first as u16;
+                record.intervals = count.min(usize::from(u8::MAX)) as u8;
+            }
+        }
+    }
+
+    /// `on field and not stuck from forward to back`
+    fn by_hand(&mut self, production: &syntax::Production, text: &Text) -> Option<Interval> {
+        const MEND: &str = "write FACT from COMPONENT to COMPONENT, in quotes where names hold \
+            `from` or `to`";
+        let readings = self.readings(&production.graph, text);
+        let (literals, from, to) = match readings.as_slice() {
+            [reading] => reading.clone(),
+            [] => {
+                let label = self.why_unreadable(&production.graph, text);
+                let message = format!("`{}` is not a protection interval", text.as_str());
+                self.report.error(message, &text.span, &label, MEND);
+                return None;
+            }
+            _ => {
+                let message = format!("`{}` can be read in several ways", text.as_str());
+                self.report.error(message, &text.span, "ambiguous", MEND);
+                return None;
+            }
+        };
+        if from >= to || !production.graph.leads(from, to) {
+            let message = format!("`{}` protects nothing", text.as_str());
+            let mend = "let it begin at a component that comes before the one where it ends";
+            self.report.error(message, &text.span, "ends before it begins", mend);
+            return None;
+        }
+        let condition = self.condition(&literals);
+        Some(Interval { from, to, condition, is_derived: false })
+    }
+
+    /// Every way to part a text into facts, where they begin to hold and where they may end. Names
+    /// may hold the words that part them.
+    fn readings(&self, graph: &Graph, text: &Text) -> Vec<(Vec<Literal>, u8, u8)> {
+        let mut readings = Vec::new();
+        let whole = text.as_str();
+        for (at_from, _) in whole.match_indices(" from ") {
+            for (at_to, _) in whole.match_indices(" to ").filter(|(at, _)| *at >= at_from + 5) {
+                let Some(begins) = whole.get(at_from + 6..at_to) else { continue };
+                let ends = &whole[at_to + 4..];
+                let subject =
+                    Spanned { value: whole[..at_from].to_owned(), span: text.span.clone() };
+                if let (Some(literals), Some(from), Some(to)) =
+                    (self.subject(&subject), begin(graph, begins), end(graph, ends))
+                {
+                    readings.push((literals, from, to));
+                }
+            }
+        }
+        readings
+    }
+
+    /// Known facts, joined by `and`.
+    fn subject(&self, text: &Text) -> Option<Vec<Literal>> {
+        let one = |part: &str| {
+            let part = Spanned { value: part.trim().to_owned(), span: text.span.clone() };
+            let literal = literal(part);
+            let is_known = self.syntax.facts.iter().any(|f| f.name.value == literal.fact.value);
+            is_known.then_some(literal)
+        };
+        match one(text.as_str()) {
+            Some(literal) => Some(vec![literal]),
+            None => text.as_str().split(" and ").map(one).collect(),
+        }
+    }
+
+    fn why_unreadable(&self, graph: &Graph, text: &Text) -> String {
+        let Some((subject, rest)) = text.as_str().split_once(" from ") else {
+            return "it lacks `from`".into();
+        };
+        let Some((begins, ends)) = rest.rsplit_once(" to ") else { return "it lacks `to`".into() };
+        let subject = Spanned { value: subject.to_owned(), span: text.span.clone() };
+        if self.subject(&subject).is_none() {
+            format!("there is no fact `{}`", subject.as_str())
+        } else if begin(graph, begins).is_none() {
+            format!("`{begins}` is not part of this graph")
+        } else {
+            format!("`{ends}` is not part of this graph")
+        }
+    }
+}
+
+/// Where a component begins, the first of that name; or a vertex.
+fn begin(graph: &Graph, name: &str) -> Option<u8> {
+    let name = name.trim().trim_matches(['\'', '"']);
+    let all = graph.edges.iter().filter(|edge| edge.component == name);
+    all.map(|edge| edge.from).min().or_else(|| graph.vertex(name))
+}
+
+/// Where a component ends, the last of that name; or a vertex.
+fn end(graph: &Graph, name: &str) -> Option<u8> {
+    let name = name.trim().trim_matches(['\'', '"']);
+    let all = graph.edges.iter().filter(|edge| edge.component == name);
+    all.map(|edge| edge.to).max().or_else(|| graph.vertex(name))
+}
+
+/// Where exactly one component of a production surely brings a fact about and exactly one needs
+/// it, the fact is protected from the end of the one until the other begins, or until it ends if
+/// it needs the fact throughout. Not derived where a component that may run in between may itself
+/// destroy the fact, nor what is protected by hand already.
+fn derived(draft: &MissionDraft, index: usize, graph: &Graph, first: usize) -> Vec<Interval> {
+    let by_hand = draft.intervals.get(first..).unwrap_or(&[]);
+    let mut intervals: Vec<Interval> = Vec::new();
+    for bit in 0..draft.facts.len() {
+        for is_negated in [false, true] {
+            let fact: Facts = 1 << bit;
+            let Some((from, to)) = causal_link(draft, index, graph, fact, is_negated) else {
+                continue;
+            };
+            let covers = |interval: &Interval| {
+                let kept =
+                    if is_negated { interval.condition.must_not } else { interval.condition.must };
+                kept & fact != 0 && interval.from <= from && interval.to >= to
+            };
+            if by_hand.iter().any(covers) {
+                continue;
+            }
+            let same = intervals.iter_mut().find(|known| known.from == from && known.to == to);
+            let condition = match same {
+                Some(known) => &mut known.condition,
+                None => {
+                    let condition = Condition::default();
+                    intervals.push(Interval { from, to, condition, is_derived: true });
+                    match intervals.last_mut() {
+                        Some(last) => &mut last.condition,
+                        None => continue,
+                    }
+                }
+            };
+            if is_negated {
+                condition.must_not |= fact;
+            } else {
+                condition.must |= fact;
+            }
+        }
+    }
+    intervals
+}
+
+/// The vertices between which a fact has to be kept for the sake of its only consumer.
+fn causal_link(
+    draft: &MissionDraft,
+    index: usize,
+    graph: &Graph,
+    fact: Facts,
+    is_negated: bool,
+) -> Option<(u8, u8)> {
+    let production = draft.productions.get(index)?;
+    let first = usize::from(production.first_edge);
+    let edges = draft.edges.get(first..first + usize::from(production.edges))?;
+    // What brings it about and what destroys it; for the absence of a fact the other way round.
+    let turned = |(adds, deletes): (Facts, Facts)| {
+        let (for_it, against) = if is_negated { (deletes, adds) } else { (adds, deletes) };
+        (for_it & fact != 0, against & fact != 0)
+    };
+    let may = |symbol: Symbol| turned(effects::possible(draft, symbol));
+    let needs = |condition: Condition| {
+        fact & if is_negated { condition.must_not } else { condition.must } != 0
+    };
+    let description = |symbol: Symbol| {
+        let index = match symbol {
+            Symbol::Frame(index) => draft.frames.get(usize::from(index))?.description,
+            Symbol::Action(index) => draft.actions.get(usize::from(index))?.description,
+        };
+        draft.descriptions.get(usize::from(index))
+    };
+    let needed = |symbol: Symbol| {
+        description(symbol).is_some_and(|d| needs(d.initial) || needs(d.transient))
+    };
+    let mut producers = edges.iter().enumerate().filter(|(_, edge)| may(edge.symbol).0);
+    let mut consumers = edges.iter().enumerate().filter(|(_, edge)| needed(edge.symbol));
+    let ((p, producer), (c, consumer)) = (producers.next()?, consumers.next()?);
+    let is_single = producers.next().is_none() && consumers.next().is_none() && p != c;
+    let is_sure = turned(effects::sure(draft, producer.symbol)).0;
+    if !is_single || !is_sure || !graph.leads(producer.to, consumer.from) {
+        return None;
+    }
+    let throughout = description(consumer.symbol).is_some_and(|d| needs(d.transient));
+    let (from, to) = (producer.to, if throughout { consumer.to } else { consumer.from });
+    let comes_between = |at: usize| {
+        let edge = &edges[at];
+        at != p
+            && at != c
+            && !graph.leads(edge.to, producer.from)
+            && !graph.leads(consumer.to, edge.from)
+    };
+    let is_kept = (0..edges.len()).all(|at| !comes_between(at) || !may(edges[at].symbol).1);
+    (from < to && is_kept).then_some((from, to))
+}
