@@ -1,24 +1,83 @@
-//! Drives a mission in lockstep with the harness.
+//! The robot on real peripherals: GPS bytes come and telemetry goes on UART0, ticks are paced
+//! by a timer's interrupts, and the core sleeps in between.
 #![cfg_attr(target_os = "none", no_std, no_main)]
+#![allow(unsafe_code, reason = "interrupt handlers, in the module")]
 
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", machine = "mps2-an386"))]
+#[path = "../uart.rs"]
+mod uart;
+
+#[cfg(all(target_os = "none", machine = "mps2-an386"))]
+mod robot {
+    use super::uart::Uart;
+    use embassy_executor::Spawner;
+    use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+    use plan_format::Plan;
+    use robot_io::{CommandRecord, Operator, Percepts};
+    use runtime::time::{Pace, now_us};
+    use runtime::{FixSlot, Robot, Telemetry, control_task, gps_task, telemetry_task};
+    use static_cell::StaticCell;
+
+    struct UartRobot {
+        pace: Pace,
+        telemetry: &'static Telemetry<NoopRawMutex>,
+    }
+
+    impl Robot for UartRobot {
+        async fn wait(&mut self) -> Option<u64> {
+            Some(self.pace.next().await)
+        }
+
+        async fn sense(&mut self, percepts: &mut Percepts) {
+            percepts.operator = Operator { is_armed: true, ..Operator::default() };
+        }
+
+        async fn act(&mut self, record: &CommandRecord) {
+            self.telemetry.signal(*record);
+        }
+    }
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        static FIXES: StaticCell<FixSlot<NoopRawMutex>> = StaticCell::new();
+        static TELEMETRY: StaticCell<Telemetry<NoopRawMutex>> = StaticCell::new();
+        let plan = guest::plan::load();
+        let uart = Uart::start();
+        let fixes = &*FIXES.init(FixSlot::new());
+        let telemetry = &*TELEMETRY.init(Telemetry::new());
+        let init = |spawner: Spawner| {
+            spawner.spawn(gps(uart.reader(), fixes).unwrap());
+            spawner.spawn(control(plan, telemetry, fixes).unwrap());
+            spawner.spawn(link(uart, telemetry).unwrap());
+        };
+        guest::executor::run(init, cortex_m::asm::wfi)
+    }
+
+    #[embassy_executor::task]
+    async fn gps(reader: &'static super::uart::Received, fixes: &'static FixSlot<NoopRawMutex>) {
+        gps_task(reader, fixes, now_us).await;
+    }
+
+    #[embassy_executor::task]
+    async fn control(
+        plan: &'static Plan<'static>,
+        telemetry: &'static Telemetry<NoopRawMutex>,
+        fixes: &'static FixSlot<NoopRawMutex>,
+    ) {
+        let mut robot = UartRobot { pace: Pace::default(), telemetry };
+        control_task(*plan, &mut robot, fixes).await;
+    }
+
+    #[embassy_executor::task]
+    async fn link(uart: Uart, telemetry: &'static Telemetry<NoopRawMutex>) {
+        telemetry_task(uart, telemetry).await;
+    }
+}
+
+#[cfg(all(target_os = "none", not(machine = "mps2-an386")))]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let mut pipe = guest::pipe::Pipe::open().expect("pipes");
-    let mut b = [0u8; 1024];
-    let counter = guest::counter::Counter::start();
-    let mut n = 0u32;
-    while pipe.read(&mut b) {
-        let m = counter.mark();
-        n += 1;
-        let c = counter.since(m);
-        b[..4].copy_from_slice(&n.to_le_bytes());
-        b[4..8].copy_from_slice(&c.to_le_bytes());
-        b[8..12].copy_from_slice(&guest::plan::region()[..4]);
-        pipe.write(&b[..64]);
-    }
-    semihosting::eprintln!("stack_bytes {}", guest::stack::high_water_bytes());
-    semihosting::process::exit(0)
+    panic!("this image is for the mps2-an386 only");
 }
 
 #[cfg(not(target_os = "none"))]

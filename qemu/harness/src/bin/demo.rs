@@ -1,0 +1,139 @@
+//! `cargo demo`: a map in, a robot driven by its plan, in QEMU, and a picture of it.
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use clap::Parser;
+use harness::mission::{Changes, Scenario, Start};
+use harness::{Build, Machine, QemuPilot, setup};
+use indicatif::{ProgressBar, ProgressStyle};
+use plan_compiler::{output, render};
+use sim::{HostPilot, Outcome, Pilot, Point, Run, SensorSettings, SensorSuite};
+
+/// Compiles a map of a campus, boots the robot's firmware in QEMU, drives it to its goal and
+/// draws what happened. Sets up what is missing: Rust targets and QEMU.
+#[derive(Parser)]
+#[command(name = "cargo demo")]
+struct Arguments {
+    /// How much faster than real the drive is shown on a terminal; 0: as fast as it goes
+    #[arg(long, default_value_t = 20.0, value_name = "FACTOR")]
+    pace: f64,
+    /// Seed of the sensors' noise
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// Outside the south gate's end of the street, turned towards it.
+const START: Point = [200.5, 20.5];
+const HEADING_RAD: f64 = 3.0;
+
+fn main() -> ExitCode {
+    match demonstrate(&Arguments::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn demonstrate(arguments: &Arguments) -> Result<bool, String> {
+    let say = |error: &dyn std::error::Error| error.to_string();
+    let started = Instant::now();
+    let map = setup::root().join("tests/maps/campus.opar");
+    let scenario = Scenario::compile(&map, &Changes::default())?;
+    let took_ms = started.elapsed().as_millis();
+    println!("compiled   campus.opar: {} bytes of plans in {took_ms} ms", scenario.blob.len());
+
+    println!("setting up QEMU and the firmware");
+    let pilot = QemuPilot::boot(Machine::CortexM4F, Build::Release, &scenario.blob);
+    let mut pilot = pilot.map_err(|error| say(&error))?;
+    println!("booted     the firmware on an emulated Cortex-M4F");
+
+    let world = scenario.world();
+    let sensors = SensorSettings::USUAL;
+    let start =
+        Start { position: START, heading_rad: HEADING_RAD, seed: arguments.seed, sensors };
+    let run = scenario.run(&world, &start, &mut pilot)?;
+    let outcome = drive(run, &scenario, arguments.pace).map_err(|error| say(&error))?;
+    pilot.finish().map_err(|error| say(&error))?;
+
+    let host = scenario.run(&world, &start, HostPilot::new(scenario.plan()))?;
+    let host = host.finish().map_err(|error| say(&error))?;
+    let is_same = host.trace_hash == outcome.trace_hash;
+    summarise(&outcome, is_same);
+    let picture = draw(&scenario, &outcome)?;
+    println!("picture    {}", picture.display());
+    Ok(outcome.reached() && outcome.touches == 0 && is_same)
+}
+
+/// Runs to the end, and shows on a terminal how far it is.
+fn drive<P: Pilot>(
+    mut run: Run<'_, SensorSuite, P>,
+    scenario: &Scenario,
+    pace: f64,
+) -> Result<Outcome, sim::PilotError> {
+    let left_m = |at: Point| scenario.way_m(at).unwrap_or_default();
+    let way_m = left_m(run.body().position);
+    let bar = ProgressBar::new(way_m as u64);
+    let template = "driving    [{bar:40}] {msg}";
+    bar.set_style(ProgressStyle::with_template(template).expect("a sound template"));
+    let is_shown = std::io::stderr().is_terminal() && pace > 0.0;
+    let began = Instant::now();
+    while run.outcome().ending.is_none() {
+        let commands = run.step()?;
+        let (outcome, body) = (run.outcome(), run.body());
+        let left_m = left_m(body.position);
+        bar.set_position((way_m - left_m).max(0.0) as u64);
+        bar.set_message(format!(
+            "{:5.1} s  {left_m:5.1} m to go  {:3.1} m/s  {:?}",
+            outcome.time_s, commands.speed_mps, commands.reason
+        ));
+        if is_shown {
+            let due = Duration::from_secs_f64(outcome.time_s / pace);
+            std::thread::sleep(due.saturating_sub(began.elapsed()));
+        }
+    }
+    bar.finish_and_clear();
+    run.finish()
+}
+
+fn summarise(outcome: &Outcome, is_same: bool) {
+    let ending = outcome.ending.map_or_else(|| "unfinished".to_owned(), |e| format!("{e:?}"));
+    println!(
+        "drove      {ending}: {:.1} m in {:.1} s of its own time, {} ticks",
+        outcome.distance_m, outcome.time_s, outcome.ticks
+    );
+    println!("closest    {:.2} m to an obstacle, {} contacts", outcome.closest_m, outcome.touches);
+    println!("worst tick {} instructions", outcome.most_instructions);
+    let verdict = if is_same { "the same on this computer" } else { "NOT the same on this computer" };
+    println!("trace hash {:016x}, {verdict}", outcome.trace_hash);
+}
+
+/// Draws map, field and way, as SVG and PNG; returns the path of the PNG.
+fn draw(scenario: &Scenario, outcome: &Outcome) -> Result<PathBuf, String> {
+    let overlay = render::Overlay {
+        features: &scenario.map.features,
+        start: Some(START),
+        route: &outcome.route,
+    };
+    let svg = render::picture(
+        &scenario.plan(),
+        &scenario.parallel_plan(),
+        &scenario.layer(),
+        &overlay,
+    );
+    let png = render::png(&svg)?;
+    let folder = setup::target_folder().join("demo");
+    std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let write = |path: &Path, bytes: &[u8]| {
+        output::write_file(path, |out| out.write_all(bytes)).map_err(|problem| problem.message)
+    };
+    write(&folder.join("campus.svg"), svg.as_bytes())?;
+    let path = folder.join("campus.png");
+    write(&path, &png)?;
+    Ok(path)
+}

@@ -1,0 +1,193 @@
+//! A map and its mission, compiled and ready to be driven through.
+
+use std::path::Path;
+
+use math::Vec2;
+use plan_compiler::compile::{Input, Options, compile, has_errors};
+use plan_compiler::formats::{self, ReadOptions};
+use plan_compiler::map::Map;
+use plan_compiler::mission::{self, Mission, Named};
+use plan_compiler::problem::{self, Place, Problem, Source};
+use plan_compiler::source;
+use plan_format::grid::cost_metres;
+use plan_format::parameters::Gains;
+use plan_format::{Answer, Layer, ParallelPlan, Plan};
+use sim::{
+    Body, Chassis, Limits, Pilot, Point, Random, Run, SensorSettings, SensorSuite, Stream, World,
+};
+
+/// The mixes of the paper by their names in a mission file (W, section 4).
+pub const PRESETS: [(&str, Gains); 4] = [
+    ("100:0", Gains::REACTIVE_ONLY),
+    ("66:34", Gains::MOSTLY_REACTIVE),
+    ("34:66", Gains::MOSTLY_PLAN),
+    ("0:100", Gains::PLAN_ONLY),
+];
+
+/// What is to be different from the mission file.
+#[derive(Clone, Debug, Default)]
+pub struct Changes {
+    /// The parallel plan to follow.
+    pub plan: Option<String>,
+    /// The gains.
+    pub gains: Option<Gains>,
+}
+
+/// How a run begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// Where, metres.
+    pub position: Point,
+    /// Radians counter-clockwise from east.
+    pub heading_rad: f64,
+    /// Of everything that is drawn by chance.
+    pub seed: u64,
+    /// How good the sensors are.
+    pub sensors: SensorSettings,
+}
+
+/// A compiled mission.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// The map.
+    pub map: Map,
+    /// The plans, as a robot gets them.
+    pub blob: Vec<u8>,
+}
+
+impl Scenario {
+    /// Compiles a map, with the mission file beside it, or a mission file that names its map.
+    /// The error lists everything that is wrong, as `plan-compiler build` does.
+    pub fn compile(path: &Path, changes: &Changes) -> Result<Self, String> {
+        let mut problems = Vec::new();
+        let scenario = Self::read_and_compile(path, changes, &mut problems);
+        scenario.ok_or_else(|| problem::draw(&problems, false))
+    }
+
+    fn read_and_compile(
+        path: &Path,
+        changes: &Changes,
+        problems: &mut Vec<Problem>,
+    ) -> Option<Self> {
+        let is_mission = path.extension().is_some_and(|extension| extension == "toml");
+        let beside = path.with_extension("mission.toml");
+        let mut mission = match path {
+            path if is_mission => read_mission(path, problems)?,
+            _ if beside.exists() => read_mission(&beside, problems)?,
+            _ => Mission::default(),
+        };
+        let map_path = match (&mission.map, is_mission) {
+            (Some(map), true) => map.clone(),
+            (None, true) => {
+                let message = format!("{} does not name its map", path.display());
+                problems.push(Problem::error(message).mend("give the map's file instead"));
+                return None;
+            }
+            (_, false) => path.to_owned(),
+        };
+        if let Some(name) = &changes.plan {
+            mission.plan = Some(asked_for(name));
+        }
+        mission.parameters.gains = changes.gains.unwrap_or(mission.parameters.gains);
+        let (map, found) = formats::read(&map_path, &ReadOptions::default());
+        problems.extend(found);
+        let map = map.filter(|_| !has_errors(problems))?;
+        let options = Options::default();
+        let input = Input { map: &map, source: None, mission: &mission, options: &options };
+        let blob = compile(&input, &|_, _| (), problems)?;
+        Some(Self { map, blob })
+    }
+
+    /// The plans as a robot sees them.
+    pub fn plan(&self) -> Plan<'_> {
+        Plan::parse_exact(&self.blob).expect("the compiler reads back what it writes")
+    }
+
+    /// The parallel plan that the robot follows.
+    pub fn parallel_plan(&self) -> ParallelPlan<'_> {
+        let plan = self.plan();
+        plan.parallel_plan(plan.parameters().plan.into()).expect("a compiled blob has plans")
+    }
+
+    /// Its layer that has a route from most places.
+    pub fn layer(&self) -> Layer<'_> {
+        self.parallel_plan().layer(0).expect("a parallel plan has layers")
+    }
+
+    /// Length of the route from a point to the goal, metres; `None` where there is none.
+    pub fn way_m(&self, from: Point) -> Option<f64> {
+        let plan = self.plan();
+        let cell = plan.cell_at(Vec2::new(from[0] as f32, from[1] as f32))?;
+        match self.layer().look_up(cell) {
+            Answer::Move { cost, .. } => Some(cost_metres(cost, plan.grid().resolution_m)),
+            Answer::Goal => Some(0.0),
+            _ => None,
+        }
+    }
+
+    /// A place with a route where the body is clear of obstacles, drawn by chance; `None`
+    /// where many draws find none.
+    pub fn draw_start(&self, world: &World, seed: u64) -> Option<Point> {
+        const DRAWS: usize = 100_000;
+        let (plan, mut random) = (self.plan(), Random::new(seed, Stream::Start));
+        let grid = plan.grid();
+        let mut draw = |axis: usize, cells: u32| {
+            let low = grid.corner_m[axis];
+            random.between(low, low + f64::from(cells) * grid.resolution_m)
+        };
+        let radius_m = plan.parameters().vehicle.radius_m.into();
+        (0..DRAWS)
+            .map(|_| [draw(0, grid.columns), draw(1, grid.rows)])
+            .find(|&point| self.way_m(point).is_some() && world.is_clear(point, radius_m))
+    }
+
+    /// When a run ends: it has arrived where the robot believes the goal to be, which its
+    /// receiver puts up to three sigma off in almost all cases.
+    fn limits(&self, start: &Start) -> Limits {
+        let sigma_m = start.sensors.gps.map_or(0.0, |gps| gps.sigma_m);
+        let tolerance_m = f64::from(self.plan().parameters().schemas.goal_tolerance_m);
+        Limits {
+            goal_tolerance_m: tolerance_m + 0.2 + 3.0 * sigma_m,
+            ..Limits::to_goal(self.parallel_plan().goal_m())
+        }
+    }
+
+    /// What stands on the map.
+    pub fn world(&self) -> World {
+        World::of_map(&self.map)
+    }
+
+    /// A run before its first tick; an error says why there cannot be one.
+    pub fn run<'w, P: Pilot>(
+        &self,
+        world: &'w World,
+        start: &Start,
+        pilot: P,
+    ) -> Result<Run<'w, SensorSuite, P>, String> {
+        let reference = self.map.reference.as_ref();
+        let reference = reference.ok_or("the map does not say where on the globe it lies")?;
+        let vehicle = self.plan().parameters().vehicle;
+        let chassis = Chassis { radius_m: vehicle.radius_m.into(), ..Chassis::default() };
+        if !world.is_clear(start.position, chassis.radius_m) {
+            return Err(format!("at {:?} the body stands in an obstacle", start.position));
+        }
+        let sensors = SensorSuite::new(start.sensors, reference, start.seed);
+        let body = Body::new(chassis, start.position, start.heading_rad);
+        let limits = self.limits(start);
+        Ok(Run::new(world, body, sensors, pilot, limits))
+    }
+}
+
+fn read_mission(path: &Path, problems: &mut Vec<Problem>) -> Option<Mission> {
+    let (text, found) = source::read_text(path).map_err(|problem| problems.push(problem)).ok()?;
+    let (mission, mistakes) = mission::parse(&text);
+    problems.extend(found.into_iter().chain(mistakes));
+    if has_errors(problems) { None } else { Some(mission) }
+}
+
+/// A name that stands in no file.
+fn asked_for(name: &str) -> Named {
+    let source = Source { name: "--plan".to_owned(), text: name.to_owned() };
+    let place = Place { source: source.into(), span: 0..name.len(), label: "asked for".to_owned() };
+    Named { name: name.to_owned(), place }
+}
