@@ -1,6 +1,8 @@
 //! The command line, as `--help` teaches it.
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use plan_compiler::boards::{BOARDS, Board};
 use plan_compiler::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
 use plan_compiler::formats::{Format, OparOptions, ReadOptions};
 use plan_compiler::mission::{self, Goal, GoalAt};
@@ -13,6 +15,9 @@ Examples:
       found by itself.
   plan-compiler build yard.ovl --goal gate=12.5,40 --goal shed=-3,8 --resolution 0.5
       Compiles for two goals of your own, in cells of half a metre.
+  plan-compiler build campus.opar --board nrf52840-dk -o plans.hex
+      Refuses plans that do not fit the board, and writes them with their address for
+      flashing: .hex, or .uf2 for pico2.
   plan-compiler inspect plans.bin
       Says what a blob holds.
   plan-compiler query plans.bin --layer gate/physical --at 3,4
@@ -94,13 +99,20 @@ pub(crate) struct Build {
     /// The map, or a mission file that names it
     #[arg(value_name = "MAP|MISSION")]
     pub(crate) input: PathBuf,
-    /// The blob to write
+    /// The file to write: the blob itself, or by its name .hex (Intel HEX) or .uf2, which hold
+    /// the board's address and are for flashing only
     #[arg(long, short, default_value = "plans.bin", value_name = "FILE")]
     pub(crate) output: PathBuf,
     /// A goal in the map's metres, x east, y north; repeatable. Replaces all other goals
     #[arg(long = "goal", value_name = "NAME=X,Y", value_parser = goal, allow_hyphen_values = true)]
     pub(crate) goals: Vec<Goal>,
     #[command(flatten)]
+    /// Refuse plans that do not fit this board's plan region
+    #[arg(long, value_name = "NAME", value_parser = board())]
+    pub(crate) board: Option<&'static Board>,
+    /// Print the summary as JSON on standard output
+    #[arg(long)]
+    pub(crate) json: bool,
     pub(crate) map: MapOptions,
 }
 
@@ -298,6 +310,15 @@ fn pair(text: &str) -> Result<[f64; 2], String> {
 }
 
 /// A finite number; also what a line of standard input is made of.
+fn board() -> impl TypedValueParser<Value = &'static Board> {
+    let names = BOARDS.iter().map(|board| {
+        let (size, address) = (board.plan_bytes >> 10, board.plan_address);
+        PossibleValue::new(board.name).help(format!("{size} KiB at {address:#010x}"))
+    });
+    PossibleValuesParser::new(names)
+        .try_map(|name| Board::find(&name).ok_or("there is no such board"))
+}
+
 pub(crate) fn number(text: &str) -> Result<f64, String> {
     let number: f64 = text.trim().parse().map_err(|_| format!("`{text}` is not a number"))?;
     if number.is_finite() { Ok(number) } else { Err(format!("`{text}` is not a finite number")) }

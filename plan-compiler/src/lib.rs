@@ -6,9 +6,11 @@
 
 pub mod behaviours;
 pub mod bitmap;
+pub mod boards;
 pub mod compile;
 mod escape;
 pub mod formats;
+pub mod image;
 pub mod map;
 pub mod mission;
 pub mod output;

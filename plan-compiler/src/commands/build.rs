@@ -1,20 +1,25 @@
 //! `build`: map in, blob out.
 
+use super::description::{self, describe};
+use super::progress::with_progress;
 use super::{Failure, layers, parallel_plans, project, tell};
 use crate::cli::Build;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use plan_compiler::compile::{compile, pair};
+use plan_compiler::boards::Board;
+use plan_compiler::compile::{compile, has_errors, pair};
+use plan_compiler::image::Image;
 use plan_compiler::output;
 use plan_compiler::problem::Problem;
 use plan_format::Plan;
-use std::fmt::Write;
+use serde::Serialize;
+use std::fmt::Write as _;
 use std::fs;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 pub(super) fn run(args: &Build, quiet: bool) -> Result<(), Failure> {
     let started = Instant::now();
+    let image = Image::of(&args.output, args.board).map_err(Failure::Usage)?;
     let mut problems = Vec::new();
     let project = project::read(&args.input, &args.goals, &args.map, &mut problems)?;
     let compiled = project.and_then(|project| {
@@ -22,15 +27,47 @@ pub(super) fn run(args: &Build, quiet: bool) -> Result<(), Failure> {
         with_progress(quiet, |progress| compile(&project.input(), progress, &mut problems))
     });
     let Some(blob) = compiled else { return Err(Failure::Wrong(problems)) };
-    if let Err(problem) = output::write_file(&args.output, |out| out.write_all(&blob)) {
-        problems.push(problem);
+    problems.extend(args.board.and_then(|board| board.check(blob.len())));
+    if !has_errors(&problems) {
+        let file = image.encode(&blob);
+        problems.extend(output::write_file(&args.output, |out| out.write_all(&file)).err());
+    }
+    if has_errors(&problems) {
         return Err(Failure::Wrong(problems));
     }
     tell(&problems, quiet);
+    if args.json {
+        return Ok(print_json(args, &blob, started.elapsed())?);
+    }
     if !quiet {
-        crate::eprint(&summary(&args.output, &blob, started.elapsed()));
+        crate::eprint(&summary(args, image, &blob, started.elapsed()));
     }
     Ok(())
+}
+
+/// What `--json` prints: the file, what `inspect` says of the blob in it, and the time taken.
+#[derive(Serialize)]
+struct Built<'b> {
+    output: &'b Path,
+    board: Option<&'static str>,
+    time_ms: f64,
+    #[serde(flatten)]
+    blob: description::Blob<'b>,
+}
+
+fn print_json(args: &Build, blob: &[u8], took: Duration) -> io::Result<()> {
+    // The compiler has read it back already.
+    let plan = Plan::parse_exact(blob).map_err(io::Error::other)?;
+    let built = Built {
+        output: &args.output,
+        board: args.board.map(|board| board.name),
+        time_ms: took.as_secs_f64() * 1e3,
+        blob: describe(&plan, blob.len()),
+    };
+    let mut out = io::stdout().lock();
+    serde_json::to_writer_pretty(&mut out, &built)?;
+    writeln!(out)?;
+    out.flush()
 }
 
 /// A blob that replaced its own map would cost somebody a day.
@@ -42,36 +79,7 @@ fn check_output(output: &Path, inputs: &[PathBuf], problems: &mut Vec<Problem>) 
     }
 }
 
-/// Does `work`, and shows on a terminal how far it is once it takes longer than a second.
-fn with_progress<T>(quiet: bool, work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) -> T {
-    const PATIENCE: Duration = Duration::from_secs(1);
-    if quiet {
-        return work(&|_, _| {});
-    }
-    let bar = ProgressBar::with_draw_target(Some(1), ProgressDrawTarget::hidden());
-    let style = ProgressStyle::with_template("{spinner} layer {pos} of {len} {wide_bar} {elapsed}");
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    let (done, waiting) = mpsc::channel::<()>();
-    std::thread::scope(|scope| {
-        let shown = bar.clone();
-        scope.spawn(move || {
-            // Hidden by itself where standard error is no terminal.
-            if waiting.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
-                shown.set_draw_target(ProgressDrawTarget::stderr());
-                shown.enable_steady_tick(Duration::from_millis(100));
-            }
-        });
-        let result = work(&|layers_done, layers| {
-            bar.set_length(layers as u64);
-            bar.set_position(layers_done as u64);
-        });
-        drop(done);
-        bar.finish_and_clear();
-        result
-    })
-}
-
-fn summary(path: &Path, blob: &[u8], took: Duration) -> String {
+fn summary(args: &Build, image: Image, blob: &[u8], took: Duration) -> String {
     let mut text = String::new();
     // The compiler has read it back already; a summary is no reason to fail.
     let Ok(plan) = Plan::parse_exact(blob) else { return text };
@@ -80,7 +88,7 @@ fn summary(path: &Path, blob: &[u8], took: Duration) -> String {
     let _ = writeln!(
         text,
         "{}: {} bytes, {} x {} cells of {} m, {} ms",
-        path.display(),
+        args.output.display(),
         blob.len(),
         grid.columns,
         grid.rows,
@@ -101,5 +109,29 @@ fn summary(path: &Path, blob: &[u8], took: Duration) -> String {
             );
         }
     }
+    if let Some(board) = args.board {
+        let (part, whole) = (blob.len() as f64 / board.plan_bytes as f64, board.plan_bytes);
+        let _ = writeln!(
+            text,
+            "  {}: {:.1} % of its plan region of {whole} bytes; {}",
+            board.name,
+            100.0 * part,
+            flashing(&args.output, image, board)
+        );
+    }
     text
+}
+
+/// How the file gets onto the board.
+fn flashing(path: &Path, image: Image, board: &Board) -> String {
+    let (chip, path) = (board.chip, path.display());
+    let download = format!("flash it with probe-rs download --chip {chip} --verify");
+    match image {
+        Image::Raw => {
+            let address = board.plan_address;
+            format!("{download} --binary-format bin --base-address {address:#010x} {path}")
+        }
+        Image::Hex { .. } => format!("{download} --binary-format hex {path}"),
+        Image::Uf2 { .. } => "copy it to the drive that the board is in BOOTSEL mode".into(),
+    }
 }

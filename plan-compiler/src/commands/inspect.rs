@@ -1,11 +1,11 @@
 //! `inspect`: what a blob holds, for a person or as JSON.
 
+use super::description::{bytes_per_cell, describe, raw_bytes};
 use super::{Failure, layers, open, parallel_plans, read_blob};
 use crate::cli::Inspect;
 use plan_compiler::compile::{metres, pair};
 use plan_format::parameters::{OnTrouble, Selection, Steering};
-use plan_format::{Counts, FORMAT_VERSION, Layer, Plan};
-use serde::Serialize;
+use plan_format::{FORMAT_VERSION, Plan};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -22,72 +22,6 @@ pub(super) fn run(args: &Inspect) -> Result<(), Failure> {
     }
     out.flush()?;
     Ok(())
-}
-
-/// The whole of the JSON. Programs rely on these names.
-#[derive(Serialize)]
-struct Blob<'b> {
-    format_version: u16,
-    bytes: usize,
-    columns: u32,
-    rows: u32,
-    resolution_m: f64,
-    corner_m: [f64; 2],
-    origin: Option<Place>,
-    plans: Vec<Parallel<'b>>,
-}
-
-#[derive(Serialize)]
-struct Place {
-    lat_deg: f64,
-    lon_deg: f64,
-    at_m: [f64; 2],
-    heading_rad: f64,
-}
-
-#[derive(Serialize)]
-struct Parallel<'b> {
-    name: &'b str,
-    goal_m: [f64; 2],
-    layers: Vec<OneLayer<'b>>,
-}
-
-#[derive(Serialize)]
-struct OneLayer<'b> {
-    name: &'b str,
-    bytes: usize,
-    free: u32,
-    blocked: u32,
-    unreachable: u32,
-}
-
-fn describe<'b>(plan: &Plan<'b>, bytes: usize) -> Blob<'b> {
-    let grid = plan.grid();
-    let origin = plan.origin().map(|origin| Place {
-        lat_deg: origin.place.lat_deg(),
-        lon_deg: origin.place.lon_deg(),
-        at_m: origin.at_m,
-        heading_rad: origin.heading_rad,
-    });
-    let one_layer = |layer: Layer<'b>| {
-        let Counts { free, blocked, unreachable } = layer.counts();
-        OneLayer { name: layer.name(), bytes: layer.bytes(), free, blocked, unreachable }
-    };
-    let plans = parallel_plans(plan).map(|parallel| Parallel {
-        name: parallel.name(),
-        goal_m: parallel.goal_m(),
-        layers: layers(parallel).map(one_layer).collect(),
-    });
-    Blob {
-        format_version: FORMAT_VERSION,
-        bytes,
-        columns: grid.columns,
-        rows: grid.rows,
-        resolution_m: grid.resolution_m,
-        corner_m: grid.corner_m,
-        origin,
-        plans: plans.collect(),
-    }
 }
 
 fn write_text(out: &mut dyn Write, path: &Path, plan: &Plan<'_>, bytes: usize) -> io::Result<()> {
@@ -116,15 +50,27 @@ fn write_text(out: &mut dyn Write, path: &Path, plan: &Plan<'_>, bytes: usize) -
             let counts = layer.counts();
             writeln!(
                 out,
-                "    layer {}/{}: {} cells with a route, {} without, {} blocked; {} bytes",
+                "    layer {}/{}: {} cells with a route, {} without, {} blocked; {} bytes, {:.3} a \
+                 cell",
                 parallel.name(),
                 layer.name(),
                 counts.free,
                 counts.unreachable,
                 counts.blocked,
-                layer.bytes()
+                layer.bytes(),
+                bytes_per_cell(grid, layer.bytes())
             )?;
         }
+    }
+    let count: usize = parallel_plans(plan).map(|parallel| parallel.layer_count()).sum();
+    if count > 0 {
+        let raw = raw_bytes(grid) * count as u64;
+        writeln!(
+            out,
+            "  raw     {raw} bytes would the layers take with 4 bits of direction and 32 of cost a \
+             cell, {:.1} times the file",
+            raw as f64 / bytes as f64
+        )?;
     }
     Ok(())
 }

@@ -1,16 +1,19 @@
 //! One file a command: each reads files, calls the library, prints.
 
 mod build;
+mod description;
 mod explain;
 mod export;
 mod inspect;
 mod project;
+mod progress;
 mod query;
 mod render;
 mod verify;
 
 use crate::cli::{Cli, Command, LayerName};
 use plan_compiler::mission::nearest;
+use plan_compiler::image;
 use plan_compiler::problem::{Problem, draw};
 use plan_compiler::source;
 use plan_format::{Layer, ParallelPlan, Plan};
@@ -71,6 +74,11 @@ fn open<'b>(path: &Path, bytes: &'b [u8]) -> Result<Plan<'b>, Failure> {
         let name = path.display();
         Problem::error(format!("{name} is refused: {error}"))
             .mend("name a blob that `plan-compiler build MAP -o plans.bin` wrote, or build it anew")
+        if let Some(kind) = image::wrapped(bytes) {
+            return Problem::error(format!("{name} is {kind}, which is for flashing only"))
+                .mend("name the blob itself: `plan-compiler build MAP -o plans.bin` writes it")
+                .into();
+        }
             .into()
     })
 }

@@ -1,0 +1,100 @@
+//! What a blob holds, as programs read it.
+
+use super::{layers, parallel_plans};
+use plan_format::{Counts, FORMAT_VERSION, Grid, Layer, Plan};
+use serde::Serialize;
+
+/// The whole of the JSON. Programs rely on these names.
+#[derive(Serialize)]
+pub(super) struct Blob<'b> {
+    format_version: u16,
+    bytes: usize,
+    columns: u32,
+    rows: u32,
+    resolution_m: f64,
+    corner_m: [f64; 2],
+    origin: Option<Place>,
+    /// What all layers would take unpacked.
+    raw_bytes: u64,
+    plans: Vec<Parallel<'b>>,
+}
+
+#[derive(Serialize)]
+struct Place {
+    lat_deg: f64,
+    lon_deg: f64,
+    at_m: [f64; 2],
+    heading_rad: f64,
+}
+
+#[derive(Serialize)]
+struct Parallel<'b> {
+    name: &'b str,
+    goal_m: [f64; 2],
+    layers: Vec<OneLayer<'b>>,
+}
+
+#[derive(Serialize)]
+struct OneLayer<'b> {
+    name: &'b str,
+    bytes: usize,
+    bytes_per_cell: f64,
+    raw_bytes: u64,
+    free: u32,
+    blocked: u32,
+    unreachable: u32,
+}
+
+/// Bits of a cell without packing: a direction of four and a cost of 32.
+const RAW_BITS: u64 = 4 + 32;
+
+/// Bytes of a layer without packing.
+pub(super) fn raw_bytes(grid: &Grid) -> u64 {
+    (grid.cells() as u64 * RAW_BITS).div_ceil(8)
+}
+
+/// Bytes of a layer for each of its cells.
+pub(super) fn bytes_per_cell(grid: &Grid, bytes: usize) -> f64 {
+    bytes as f64 / grid.cells().max(1) as f64
+}
+
+/// Describes a blob of so many bytes.
+pub(super) fn describe<'b>(plan: &Plan<'b>, bytes: usize) -> Blob<'b> {
+    let grid = plan.grid();
+    let origin = plan.origin().map(|origin| Place {
+        lat_deg: origin.place.lat_deg(),
+        lon_deg: origin.place.lon_deg(),
+        at_m: origin.at_m,
+        heading_rad: origin.heading_rad,
+    });
+    let one_layer = |layer: Layer<'b>| {
+        let Counts { free, blocked, unreachable } = layer.counts();
+        OneLayer {
+            name: layer.name(),
+            bytes: layer.bytes(),
+            bytes_per_cell: bytes_per_cell(grid, layer.bytes()),
+            raw_bytes: raw_bytes(grid),
+            free,
+            blocked,
+            unreachable,
+        }
+    };
+    let plans = parallel_plans(plan).map(|parallel| Parallel {
+        name: parallel.name(),
+        goal_m: parallel.goal_m(),
+        layers: layers(parallel).map(one_layer).collect(),
+    });
+    let plans: Vec<Parallel<'b>> = plans.collect();
+    let layers: usize = plans.iter().map(|plan| plan.layers.len()).sum();
+    Blob {
+        format_version: FORMAT_VERSION,
+        bytes,
+        columns: grid.columns,
+        rows: grid.rows,
+        resolution_m: grid.resolution_m,
+        corner_m: grid.corner_m,
+        origin,
+        raw_bytes: raw_bytes(grid) * layers as u64,
+        plans,
+    }
+}
