@@ -26,6 +26,8 @@ Examples:
       Writes the cost to the goal of every cell as a NumPy array.
   plan-compiler render plans.bin --layer gate/physical -o field.png
       Draws obstacles, bands of cost and the advice.
+  plan-compiler graph plough.mission.toml -o plough.svg
+      Draws behaviours and their plans as graphs.
   plan-compiler verify plans.bin --map yard.ovl
       Proves every cell of every layer anew.
 
@@ -79,6 +81,8 @@ pub(crate) enum Command {
     Export(Export),
     /// Draw a layer as SVG or PNG
     Render(Render),
+    /// Draw behaviours and their plans as graphs: DOT, SVG or PNG
+    Graph(Graph),
     /// Prove every cell of every layer anew
     Verify(Verify),
     /// Say why the robot did what it did in one tick of a recorded mission
@@ -200,6 +204,16 @@ pub(crate) struct Render {
     pub(crate) map: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) reading: Reading,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Graph {
+    /// A mission file, or a blob
+    #[arg(value_name = "MISSION|PLANS")]
+    pub(crate) input: PathBuf,
+    /// The file to write: .dot, .svg or .png
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: PathBuf,
 }
 
 #[derive(Debug, Args)]

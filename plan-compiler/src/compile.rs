@@ -143,7 +143,8 @@ fn plan_names(goals: &[Placed], levels: &[Level]) -> Plans {
         let names = goal.levels.iter().filter_map(|&level| levels.get(level));
         names.map(|level| level.name.clone()).collect()
     };
-    let plans = goals.iter().map(|goal| PlanNames { name: goal.name.clone(), layers: layers(goal) });
+    let plans =
+        goals.iter().map(|goal| PlanNames { name: goal.name.clone(), layers: layers(goal) });
     Plans::Known(plans.collect())
 }
 

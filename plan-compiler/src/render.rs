@@ -8,7 +8,7 @@
 //! Deliberately absent: maps in the background, colours of the user's own.
 
 mod cells;
-mod label;
+pub(crate) mod label;
 
 use crate::map::{Feature, Point, Role, Shape};
 use cells::Sampled;

@@ -1,1 +1,163 @@
-//! Draw.
+//! Behaviours and their plans as graphs: DOT for other tools, and a picture of our own (H41).
+//!
+//! Drawn is what the blob holds, so that a mission file and a blob give the same picture. Layout
+//! and letters are our own: neither Graphviz nor a font needs to be found.
+
+mod dot;
+mod picture;
+
+pub use dot::dot;
+pub use picture::picture;
+
+use plan_format::mission::{
+    Action, ActionKind, Behaviour, Condition, Facts, Frame, Label, Mission, Production, Source,
+    Symbol,
+};
+
+/// What a mission is drawn from.
+#[derive(Clone, Copy)]
+pub struct Drawn<'d> {
+    /// The mission.
+    pub mission: Mission<'d>,
+    /// The names of the parallel plans that actions follow, where they are known.
+    pub plans: &'d [String],
+}
+
+/// The seven columns of every table.
+const LABELS: [&str; 7] = ["NB", "NM", "NS", "ZO", "PS", "PM", "PB"];
+
+impl<'d> Drawn<'d> {
+    /// What an edge carries.
+    fn symbol(&self, symbol: Symbol) -> &'d str {
+        let name = match symbol {
+            Symbol::Frame(index) => {
+                self.mission.frames().get(usize::from(index)).map(|frame| frame.name)
+            }
+            Symbol::Action(index) => {
+                self.mission.actions().get(usize::from(index)).map(|action| action.name)
+            }
+        };
+        name.map_or("", |name| self.mission.name(name))
+    }
+
+    fn frame(&self, index: u16) -> &'d str {
+        self.symbol(Symbol::Frame(index))
+    }
+
+    /// The rows of a rule base: each input with its seven labels.
+    fn rows(&self, rules: u16) -> Vec<(&'d str, [Label; 7])> {
+        let Some(base) = self.mission.rule_bases().get(usize::from(rules)) else {
+            return Vec::new();
+        };
+        let rules = self.mission.rules_of(&base);
+        let input = |index: u8| self.mission.inputs().get(usize::from(index));
+        rules
+            .map(|rule| {
+                (input(rule.input).map_or("", |input| self.mission.name(input.name)), rule.labels)
+            })
+            .collect()
+    }
+
+    /// Inputs that are results of rules, with their rules.
+    fn derived_inputs(&self) -> impl Iterator<Item = (&'d str, u16)> + '_ {
+        self.mission.inputs().iter().filter_map(|input| match input.source {
+            Source::Rules(rules) => Some((self.mission.name(input.name), rules)),
+            _ => None,
+        })
+    }
+
+    /// `on field, not stuck`
+    fn condition(&self, condition: Condition) -> String {
+        let names = |facts: Facts, prefix: &'static str| {
+            self.mission
+                .facts()
+                .iter()
+                .enumerate()
+                .filter(move |(bit, _)| facts & 1 << bit != 0)
+                .map(move |(_, fact)| format!("{prefix}{}", self.mission.name(fact.name)))
+        };
+        let all: Vec<String> =
+            names(condition.must, "").chain(names(condition.must_not, "not ")).collect();
+        all.join(", ")
+    }
+
+    /// What an action does, as the mission file has it.
+    fn doing(&self, action: &Action) -> String {
+        match action.kind {
+            ActionKind::Follow { plan, reactive, advice, .. } => {
+                let number = plan.to_string();
+                let plan = self.plans.get(usize::from(plan)).unwrap_or(&number);
+                format!("follow {plan} at {:.0}:{:.0}", reactive * 100.0, advice * 100.0)
+            }
+            ActionKind::GoTo { x_m, y_m } => format!("go-to {x_m}, {y_m}"),
+            ActionKind::Hold { for_ms } => format!("hold {} s", f64::from(for_ms) / 1e3),
+            ActionKind::Wander { for_ms } => format!("wander {} s", f64::from(for_ms) / 1e3),
+            ActionKind::Signal { code } => format!("signal {code}"),
+            ActionKind::SetOutput { output, is_on } => {
+                format!("set-output {output} {}", if is_on { "on" } else { "off" })
+            }
+        }
+    }
+
+    /// What a component does, needs, keeps and brings about, a line each.
+    fn details(&self, symbol: Symbol) -> String {
+        let mut lines = Vec::new();
+        if let Symbol::Action(index) = symbol
+            && let Some(action) = self.mission.actions().get(usize::from(index))
+        {
+            lines.push(self.doing(&action));
+            if !action.until.is_empty() {
+                lines.push(format!("until {}", self.condition(action.until)));
+            }
+        }
+        if let Some(description) = self.mission.description(symbol) {
+            let change = |must| Condition { must, must_not: 0 };
+            for (what, condition) in [
+                ("initial", description.initial),
+                ("transient", description.transient),
+                ("goal", description.goal),
+                ("add", change(description.add)),
+                ("delete", change(description.delete)),
+            ] {
+                if !condition.is_empty() {
+                    lines.push(format!("{what} {}", self.condition(condition)));
+                }
+            }
+        }
+        lines.join("\n")
+    }
+
+    /// When a behaviour is engaged and left, in words.
+    fn policy(&self, behaviour: &Behaviour) -> Vec<String> {
+        let mut lines = vec![format!("plan {}", self.frame(behaviour.root))];
+        if let Some(frame) = behaviour.start_up {
+            lines.push(format!("start-up {}", self.frame(frame)));
+        }
+        if let Some(frame) = behaviour.shut_down {
+            lines.push(format!("shut-down {}", self.frame(frame)));
+        }
+        lines.push(format!(
+            "dormant to {:.3}, at once from {:.3}",
+            behaviour.dormant, behaviour.unconditional
+        ));
+        let (dwell_s, hysteresis) = (f64::from(behaviour.dwell_ms) / 1e3, behaviour.hysteresis);
+        lines.push(format!("hysteresis {hysteresis}, dwell {dwell_s} s"));
+        lines
+    }
+
+    /// A frame's name with what it asks of its productions.
+    fn frame_title(&self, frame: &Frame) -> String {
+        let name = self.mission.name(frame.name);
+        let has_rules = self.mission.productions_of(frame).any(|p| p.rules.is_some());
+        if has_rules { format!("{name}, from {:.3}", frame.threshold) } else { name.to_owned() }
+    }
+
+    /// A production's name, if it says more than its frame's.
+    fn production_title(&self, frame: &Frame, production: &Production) -> &'d str {
+        let name = self.mission.name(production.name);
+        if name == self.mission.name(frame.name) { "" } else { name }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,116 @@
-//! Lints.
-use super::Syntax;
+//! What would go wrong on the robot, found before it drives.
+//!
+//! Rule bases are evaluated by the robot's own crate in every situation that their labels tell
+//! apart ([`situations`]), and plans are carried out by its own crates in every way that actions
+//! can end ([`waits`]). Where there is too much to look through, that is said instead.
+//!
+//! What is certain to go wrong is an error; what is probably not meant is a warning.
+
+mod budget;
+mod interruptions;
+mod recursion;
+mod shut_out;
+mod situations;
+mod thresholds;
+mod unused;
+mod waits;
+
+pub use budget::Need;
+pub use waits::Wait;
+
+use super::fields::Report;
+use super::syntax::Syntax;
+use crate::compile::has_errors;
 use crate::problem::Problem;
-use plan_format::mission::MissionDraft;
-/// x
-pub fn check(_: &Syntax, _: &MissionDraft, _: &mut Vec<Problem>) {}
+use plan_format::mission::{MissionDraft, Symbol};
+use situations::Situations;
+
+/// What is known of a mission before it runs.
+#[derive(Clone, Debug, Default)]
+pub struct Analysis {
+    /// What every behaviour's plans may need at once, by index.
+    pub needs: Vec<Need>,
+    /// For each behaviour, by index, the longest wait for its turn; `None` where there is no other
+    /// in its way.
+    pub waits: Vec<Option<Wait>>,
+}
+
+/// Looks through a mission that has been lowered without an error.
+pub fn check(syntax: &Syntax, draft: &MissionDraft, problems: &mut Vec<Problem>) -> Analysis {
+    let Some(source) = &syntax.source else { return Analysis::default() };
+    let before = problems.len();
+    let report = Report { source, problems };
+    let mut lints = Lints { syntax, draft, report, situations: Situations::explore(draft) };
+    lints.thresholds();
+    lints.recursion();
+    lints.side_by_side();
+    if has_errors(&lints.report.problems[before..]) {
+        return Analysis::default();
+    }
+    lints.budget();
+    lints.unused();
+    if lints.situations.is_none() {
+        let message = "too many inputs for all their combinations to be looked through";
+        let mend = "nothing is known of behaviours that never run or interrupt each other; \
+            derive inputs from others by rules to keep their number small";
+        lints.report.problems.push(Problem::note(message).mend(mend));
+    }
+    lints.reach();
+    lints.interruptions();
+    lints.shut_out();
+    let waits = lints.waits();
+    Analysis { needs: budget::needs(draft).unwrap_or_default(), waits }
+}
+
+struct Lints<'l> {
+    syntax: &'l Syntax,
+    draft: &'l MissionDraft,
+    report: Report<'l>,
+    /// `None` where there are too many.
+    situations: Option<Situations>,
+}
+
+impl Lints<'_> {
+    /// A situation in words.
+    fn describe(&self, situation: usize) -> String {
+        let names: Vec<&str> = self.syntax.inputs.iter().map(|i| i.name.as_str()).collect();
+        let situations = self.situations.as_ref();
+        situations.map_or(String::new(), |all| all.describe(situation, self.draft, &names))
+    }
+
+    /// The name of a behaviour.
+    fn name(&self, behaviour: usize) -> &str {
+        self.syntax.behaviours.get(behaviour).map_or("", |behaviour| behaviour.name.as_str())
+    }
+
+    /// The name of what an edge carries.
+    fn symbol(&self, symbol: Symbol) -> &str {
+        match symbol {
+            Symbol::Frame(index) => self.syntax.frames.get(usize::from(index)).map(|f| &f.name),
+            Symbol::Action(index) => self.syntax.actions.get(usize::from(index)).map(|a| &a.name),
+        }
+        .map_or("", |name| name.as_str())
+    }
+
+    /// Whether two behaviours cannot run together.
+    fn conflict(&self, a: usize, b: usize) -> bool {
+        let resources = |index: usize| self.draft.behaviours[index].resources;
+        a != b && resources(a) & resources(b) != 0
+    }
+
+    /// A situation in which one behaviour takes over from another conditionally, if there is one;
+    /// where situations are not known there may always be.
+    fn takes_over(&self, from: usize, by: usize) -> Option<Option<usize>> {
+        let Some(situations) = &self.situations else { return Some(None) };
+        let (old, new) = (&self.draft.behaviours[from], &self.draft.behaviours[by]);
+        (0..situations.count())
+            .find(|&situation| {
+                let of = |rules| situations.result(situation, rules);
+                let (old_value, new_value) = (of(old.rules), of(new.rules));
+                let is_dormant = old_value <= old.dormant;
+                let weight = if is_dormant { 0.0 } else { old_value + old.hysteresis };
+                new_value > new.dormant && new_value > weight
+            })
+            .map(Some)
+    }
+}

@@ -4,6 +4,7 @@ mod build;
 mod description;
 mod explain;
 mod export;
+mod graph;
 mod inspect;
 mod project;
 mod progress;
@@ -51,6 +52,7 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Query(args) => query::run(args),
         Command::Export(args) => export::run(args),
         Command::Render(args) => render::run(args, cli.quiet),
+        Command::Graph(args) => graph::run(args, cli.quiet),
         Command::Verify(args) => verify::run(args, cli.quiet),
         Command::Explain(args) => explain::run(args),
     }

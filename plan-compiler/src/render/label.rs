@@ -9,8 +9,13 @@ const PIXEL: f64 = 1.5;
 /// Pixels along a glyph's side.
 const GLYPH: usize = 8;
 
+/// How far the next letter stands, pixels.
+pub(crate) fn advance_px() -> f64 {
+    GLYPH as f64 * PIXEL
+}
+
 /// A line of text with its upper left corner at (x, y), pixels.
-pub(super) fn label(x: f64, y: f64, text: &str, colour: &str) -> Path {
+pub(crate) fn label(x: f64, y: f64, text: &str, colour: &str) -> Path {
     let mut path = String::new();
     for (index, character) in text.chars().enumerate() {
         for (row, bits) in glyph(character).into_iter().enumerate() {

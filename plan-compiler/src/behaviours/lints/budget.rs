@@ -16,56 +16,74 @@ pub struct Need {
     pub depth: usize,
 }
 
-/// What every behaviour's plans may need at once, by index.
-pub(super) fn needs(draft: &MissionDraft) -> Vec<Need> {
-    let mut known = HashMap::new();
-    let need = |frame: u16, known: &mut HashMap<usize, Need>| of_frame(draft, frame.into(), known);
-    draft
-        .behaviours
-        .iter()
-        .map(|behaviour| {
-            let root = need(behaviour.root, &mut known);
-            let activities = [behaviour.start_up, behaviour.shut_down].into_iter().flatten();
-            activities.fold(root, |all, frame| {
-                let activity = need(frame, &mut known);
-                Need {
-                    components: all.components.max(root.components + activity.components),
-                    depth: all.depth.max(activity.depth),
-                }
-            })
-        })
-        .collect()
+/// What every behaviour's plans may need at once, by index; `None` where frames refer to each other
+/// in more ways than can be looked through.
+pub(super) fn needs(draft: &MissionDraft) -> Option<Vec<Need>> {
+    let mut search =
+        Search { draft, known: HashMap::new(), above: Vec::new(), steps_left: 200_000 };
+    let behaviours = draft.behaviours.iter().map(|behaviour| {
+        let root = search.of_frame(behaviour.root.into())?;
+        let mut all = root;
+        for frame in [behaviour.start_up, behaviour.shut_down].into_iter().flatten() {
+            let activity = search.of_frame(frame.into())?;
+            // An activity runs while the behaviour's own plan sleeps.
+            all.components = all.components.max(root.components + activity.components);
+            all.depth = all.depth.max(activity.depth);
+        }
+        Some(all)
+    });
+    behaviours.collect()
 }
 
-/// A frame that contains itself does so as the last thing and takes its own place, so the inner one
-/// counts as a single component.
-fn of_frame(draft: &MissionDraft, frame: usize, known: &mut HashMap<usize, Need>) -> Need {
-    if let Some(need) = known.get(&frame) {
-        return *need;
+struct Search<'s> {
+    draft: &'s MissionDraft,
+    /// Of frames that are not part of a loop.
+    known: HashMap<usize, Need>,
+    /// The frames that the one looked at lies in.
+    above: Vec<usize>,
+    steps_left: usize,
+}
+
+impl Search<'_> {
+    /// A frame that contains itself does so as the last thing and takes its own place, so the inner
+    /// one counts as a single component. Deeper than the robot can go nothing is counted.
+    fn of_frame(&mut self, frame: usize) -> Option<Need> {
+        const SINGLE: Need = Need { components: 1, depth: 1 };
+        if self.above.contains(&frame) || self.above.len() > limits::MAX_DEPTH {
+            return Some(SINGLE);
+        }
+        if let Some(need) = self.known.get(&frame) {
+            return Some(*need);
+        }
+        self.steps_left = self.steps_left.checked_sub(1)?;
+        let draft = self.draft;
+        let record = draft.frames[frame];
+        let first = usize::from(record.first);
+        let mut need = SINGLE;
+        self.above.push(frame);
+        for production in &draft.productions[first..first + usize::from(record.count)] {
+            let edges = usize::from(production.first_edge);
+            let edges = &draft.edges[edges..edges + usize::from(production.edges)];
+            let parts = edges.iter().map(|edge| match edge.symbol {
+                Symbol::Frame(inner) => self.of_frame(inner.into()),
+                Symbol::Action(_) => Some(SINGLE),
+            });
+            let parts: Vec<Need> = parts.collect::<Option<_>>()?;
+            let deepest = parts.iter().map(|part| part.depth).max().unwrap_or(0);
+            need.depth = need.depth.max(1 + deepest);
+            need.components = need.components.max(1 + most_at_once(draft, production, &parts));
+        }
+        self.above.pop();
+        if !reaches(draft, frame, frame) && !self.is_in_loop(frame) {
+            self.known.insert(frame, need);
+        }
+        Some(need)
     }
-    // Where a loop leads back here, this is what is found.
-    known.insert(frame, Need { components: 1, depth: 1 });
-    let record = draft.frames[frame];
-    let first = usize::from(record.first);
-    let mut need = Need { components: 1, depth: 1 };
-    for production in &draft.productions[first..first + usize::from(record.count)] {
-        let edges = usize::from(production.first_edge);
-        let edges = &draft.edges[edges..edges + usize::from(production.edges)];
-        let parts: Vec<Need> = edges
-            .iter()
-            .map(|edge| match edge.symbol {
-                Symbol::Frame(inner) if !reaches(draft, inner.into(), frame) => {
-                    of_frame(draft, inner.into(), known)
-                }
-                _ => Need { components: 1, depth: 1 },
-            })
-            .collect();
-        let deepest = parts.iter().map(|part| part.depth).max().unwrap_or(0);
-        need.depth = need.depth.max(1 + deepest);
-        need.components = need.components.max(1 + most_at_once(draft, production, &parts));
+
+    /// Whether what is found of a frame depends on those above it.
+    fn is_in_loop(&self, frame: usize) -> bool {
+        self.above.iter().any(|&above| reaches(self.draft, frame, above))
     }
-    known.insert(frame, need);
-    need
 }
 
 /// The most components of a production that live at once: those that wait, and those that are
@@ -102,7 +120,13 @@ fn most_at_once(draft: &MissionDraft, production: &Production, parts: &[Need]) -
 impl Lints<'_> {
     /// Refuses what the robot has no room for.
     pub(super) fn budget(&mut self) {
-        let needs = needs(self.draft);
+        let Some(needs) = needs(self.draft) else {
+            let message = "the frames contain each other in too many ways to be looked through";
+            self.report
+                .problems
+                .push(Problem::error(message).mend("let fewer frames contain each other"));
+            return;
+        };
         for (behaviour, need) in self.syntax.behaviours.iter().zip(&needs) {
             if need.depth > limits::MAX_DEPTH {
                 let message = format!(

@@ -10,19 +10,27 @@ pub(super) fn is_last(draft: &MissionDraft, production: &Production, edge: usize
     let first = usize::from(production.first_edge);
     let edges = &draft.edges[first..first + usize::from(production.edges)];
     let last = edges[edge];
-    let leads = |from: u8, to: u8| {
-        let mut reached = vec![false; usize::from(production.vertices)];
-        reached[usize::from(from)] = true;
-        for vertex in from..production.vertices {
-            if reached[usize::from(vertex)] {
-                let next = edges.iter().filter(|edge| edge.from == vertex);
-                next.for_each(|edge| reached[usize::from(edge.to)] = true);
-            }
-        }
-        reached[usize::from(to)]
-    };
     last.to + 1 == production.vertices
-        && edges.iter().enumerate().all(|(other, before)| other == edge || leads(before.to, last.from))
+        && edges
+            .iter()
+            .enumerate()
+            .all(|(other, before)| other == edge || leads(draft, production, before.to, last.from))
+}
+
+/// Whether a way leads from one vertex of a production to another, or they are the same.
+pub(super) fn leads(draft: &MissionDraft, production: &Production, from: u8, to: u8) -> bool {
+    let first = usize::from(production.first_edge);
+    let edges = &draft.edges[first..first + usize::from(production.edges)];
+    let mut reached = vec![false; usize::from(production.vertices)];
+    reached[usize::from(from)] = true;
+    // Edges lead upwards, so vertices in order see all that reaches them first.
+    for vertex in from..production.vertices {
+        if reached[usize::from(vertex)] {
+            let next = edges.iter().filter(|edge| edge.from == vertex);
+            next.for_each(|edge| reached[usize::from(edge.to)] = true);
+        }
+    }
+    reached[usize::from(to)]
 }
 
 /// Whether a frame can come to stand below another.
@@ -108,7 +116,8 @@ impl Lints<'_> {
         let is_head = |index: usize| self.is_entered_from_outside(index);
         let description = usize::from(draft.frames[frame].description);
         if inner != frame && !is_head(frame) && !is_silent(&draft.descriptions[description]) {
-            let label = format!("`{}` in between has a goal or constraints of its own", name(frame));
+            let label =
+                format!("`{}` in between has a goal or constraints of its own", name(frame));
             return Some((message, label, "move them to the frame at which the loop begins"));
         }
         None

@@ -23,8 +23,9 @@ impl Situations {
     /// Explores; `None` where there are too many combinations.
     pub(crate) fn explore(draft: &MissionDraft) -> Option<Self> {
         let used = |index: usize| draft.rules.iter().any(|rule| usize::from(rule.input) == index);
-        let is_primary =
-            |index: &usize| !matches!(draft.inputs[*index].source, Source::Rules(_)) && used(*index);
+        let is_primary = |index: &usize| {
+            !matches!(draft.inputs[*index].source, Source::Rules(_)) && used(*index)
+        };
         let inputs: Vec<usize> = (0..draft.inputs.len()).filter(is_primary).collect();
         let fits = |steps: usize| {
             let count = (0..inputs.len()).try_fold(1_usize, |count, _| count.checked_mul(steps));
@@ -77,7 +78,12 @@ impl Situations {
     }
 
     /// A situation for a reader: `fuel NB, load between ZO and PS`.
-    pub(crate) fn describe(&self, situation: usize, draft: &MissionDraft, names: &[&str]) -> String {
+    pub(crate) fn describe(
+        &self,
+        situation: usize,
+        draft: &MissionDraft,
+        names: &[&str],
+    ) -> String {
         let mut rest = situation;
         let mut parts = Vec::new();
         for &input in &self.inputs {

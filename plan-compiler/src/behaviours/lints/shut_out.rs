@@ -1,0 +1,159 @@
+//! Protection intervals that pile up until a critical behaviour cannot be engaged (H35).
+
+use super::Lints;
+use super::recursion::leads;
+use plan_format::limits::MAX_DEPTH;
+use plan_format::mission::{Condition, Interval, MissionDraft, Symbol};
+use std::collections::HashSet;
+
+/// What a behaviour protects while it sleeps, and where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Held {
+    frame: usize,
+    /// Index of the production.
+    production: usize,
+    vertex: u8,
+    must: u64,
+    must_not: u64,
+}
+
+impl Lints<'_> {
+    /// A sleeping behaviour keeps what it protects protected. Where a second one can interrupt it
+    /// there and a third would violate it, the third is shut out until it is critical enough to be
+    /// engaged unconditionally; all three are named, and where.
+    pub(super) fn shut_out(&mut self) {
+        let count = self.draft.behaviours.len();
+        for sleeper in 0..count {
+            let held = held_at_points(self.draft, self.draft.behaviours[sleeper].root.into());
+            for victim in (0..count).filter(|&victim| victim != sleeper) {
+                if let Some((by, held)) = self.witness(sleeper, victim, &held) {
+                    self.report_shut_out(sleeper, by, victim, held);
+                }
+            }
+        }
+    }
+
+    fn witness(&self, sleeper: usize, victim: usize, held: &[Held]) -> Option<(usize, Held)> {
+        let violates = |behaviour: usize, held: &Held| {
+            let (adds, deletes) = effects(self.draft, behaviour);
+            held.must & deletes != 0 || held.must_not & adds != 0
+        };
+        let held = held.iter().find_map(|held| {
+            let interrupts = |&by: &usize| {
+                by != victim
+                    && self.conflict(sleeper, by)
+                    && !violates(by, held)
+                    && self.takes_over(sleeper, by).is_some()
+            };
+            let by = (0..self.draft.behaviours.len()).find(interrupts)?;
+            violates(victim, held).then_some((by, *held))
+        })?;
+        // Someone who never wants the robot is not shut out.
+        self.takes_over(held.0, victim).map(|_| held)
+    }
+
+    fn report_shut_out(&mut self, sleeper: usize, by: usize, victim: usize, held: Held) {
+        let facts = self.facts_of(held, victim);
+        let edges = self.draft.productions[held.production];
+        let after = self.draft.edges.iter().skip(edges.first_edge.into()).take(edges.edges.into());
+        let after: Vec<&str> = after
+            .filter(|edge| edge.to == held.vertex)
+            .map(|edge| self.symbol(edge.symbol))
+            .collect();
+        let record = &self.draft.behaviours[victim];
+        let highest = self.situations.as_ref().map(|situations| situations.range(record.rules).1);
+        let resolved = match highest {
+            Some(highest) if highest < record.unconditional => format!(
+                "and never becomes critical enough to be engaged at once ({:.3} of {:.3})",
+                highest, record.unconditional
+            ),
+            _ => format!("until its criticality is {:.3}", record.unconditional),
+        };
+        let message = format!("behaviour `{}` can be shut out {resolved}", self.name(victim));
+        let label = format!(
+            "when `{}` interrupts `{}` after `{}`, that one still protects `{facts}`",
+            self.name(by),
+            self.name(sleeper),
+            after.join("` and `")
+        );
+        let mend =
+            "end the protection interval before that point, or restore in a shut_down activity";
+        let span = self.syntax.behaviours[victim].name.span.clone();
+        self.report.warning(message, &span, &label, mend);
+    }
+
+    /// The names of the facts that are protected and would be violated.
+    fn facts_of(&self, held: Held, victim: usize) -> String {
+        let (adds, deletes) = effects(self.draft, victim);
+        let bits = held.must & deletes | held.must_not & adds;
+        let names = self.syntax.facts.iter().enumerate();
+        let names =
+            names.filter(|(bit, _)| bits & 1 << bit != 0).map(|(_, fact)| fact.name.as_str());
+        names.collect::<Vec<&str>>().join("`, `")
+    }
+}
+
+/// What a behaviour's plans may do to facts.
+pub(super) fn effects(draft: &MissionDraft, behaviour: usize) -> (u64, u64) {
+    let behaviour = &draft.behaviours[behaviour];
+    let frames = [Some(behaviour.root), behaviour.start_up, behaviour.shut_down];
+    frames.into_iter().flatten().fold((0, 0), |(adds, deletes), frame| {
+        let frame = &draft.frames[usize::from(frame)];
+        (adds | frame.may_add, deletes | frame.may_delete)
+    })
+}
+
+/// Everything that may be protected at some point of a plan, below a root frame.
+fn held_at_points(draft: &MissionDraft, root: usize) -> Vec<Held> {
+    let mut found = Vec::new();
+    let mut seen = HashSet::new();
+    let mut waiting = vec![(root, Condition::default(), 0)];
+    while let Some((frame, outer, depth)) = waiting.pop() {
+        if depth > MAX_DEPTH || !seen.insert((frame, outer.must, outer.must_not)) {
+            continue;
+        }
+        let first = usize::from(draft.frames[frame].first);
+        for production in first..first + usize::from(draft.frames[frame].count) {
+            for vertex in 1..draft.productions[production].vertices.saturating_sub(1) {
+                let held = protected(draft, production, vertex, vertex, outer);
+                if !held.is_empty() {
+                    let (must, must_not) = (held.must, held.must_not);
+                    found.push(Held { frame, production, vertex, must, must_not });
+                }
+            }
+            let record = draft.productions[production];
+            let edges = draft.edges.iter().skip(record.first_edge.into()).take(record.edges.into());
+            for edge in edges {
+                if let Symbol::Frame(inner) = edge.symbol {
+                    let held = protected(draft, production, edge.from, edge.to, outer);
+                    waiting.push((inner.into(), held, depth + 1));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// What may be protected at a vertex, where both ends are the same, or along an edge: what frames
+/// above protect, and every interval that has not surely ended before and does not surely begin
+/// after.
+fn protected(
+    draft: &MissionDraft,
+    production: usize,
+    from: u8,
+    to: u8,
+    outer: Condition,
+) -> Condition {
+    let record = &draft.productions[production];
+    let first = usize::from(record.first_interval);
+    let all = &draft.intervals[first..first + usize::from(record.intervals)];
+    let may_hold = |interval: &&Interval| {
+        let begins_here = from == to && from == interval.from;
+        let begins_later = leads(draft, record, to, interval.from) && !begins_here;
+        !begins_later && !leads(draft, record, interval.to, from)
+    };
+    all.iter().filter(may_hold).fold(outer, |held, interval| Condition {
+        must: held.must | interval.condition.must,
+        must_not: held.must_not | interval.condition.must_not,
+    })
+}

@@ -1,0 +1,186 @@
+//! Thresholds that no criticality can reach, behaviours that never run and never end, productions
+//! that are never applicable.
+
+use super::Lints;
+use super::recursion::is_last;
+use plan_format::mission::Symbol;
+
+/// The lowest and the highest result of any rule base: the centres of gravity of NB and PB alone.
+const REACH: (f32, f32) = (1.0 / 18.0, 17.0 / 18.0);
+/// Above this, min clipping between NB and NM dips below what NB alone gives.
+const UNEVEN: f32 = 0.935;
+
+impl Lints<'_> {
+    /// Thresholds that lie outside of what rules can result in.
+    pub(super) fn thresholds(&mut self) {
+        let syntax = self.syntax;
+        for behaviour in &syntax.behaviours {
+            for (what, threshold) in
+                [("dormant", &behaviour.dormant), ("unconditional", &behaviour.unconditional)]
+            {
+                self.threshold(what, threshold.value, &threshold.span);
+            }
+            if behaviour.dormant.value >= behaviour.unconditional.value {
+                let message =
+                    format!("behaviour `{}` is never just active", behaviour.name.as_str());
+                let mend = "let `dormant` be below `unconditional`";
+                self.report.error(
+                    message,
+                    &behaviour.dormant.span,
+                    "not below `unconditional`",
+                    mend,
+                );
+            }
+        }
+        for frame in &syntax.frames {
+            // Where a way has no table it is wholly applicable, whatever the threshold.
+            if frame.productions.iter().any(|production| production.rules.is_some()) {
+                self.threshold("threshold", frame.threshold.value, &frame.threshold.span);
+            }
+        }
+    }
+
+    fn threshold(&mut self, what: &str, value: f32, span: &crate::behaviours::Span) {
+        let (low, high) = REACH;
+        if value < low || value > high {
+            let message = format!("`{what}` is out of reach: rules result in 1/18 to 17/18");
+            let label = format!("{value} lies outside 0.0556 to 0.9444");
+            self.report.error(message, span, &label, "choose a value in between");
+        } else if value > UNEVEN {
+            let message = format!("`{what}` is in the range where results are uneven");
+            let mend = "with min clipping PB next to PM results in 0.936; choose 0.935 or less";
+            self.report.warning(message, span, "above 0.935", mend);
+        }
+    }
+
+    /// What never runs, never ends and is never applicable, as far as situations are known.
+    pub(super) fn reach(&mut self) {
+        self.never_applicable();
+        for behaviour in 0..self.syntax.behaviours.len() {
+            self.never_runs(behaviour);
+            self.never_ends(behaviour);
+        }
+    }
+
+    fn never_applicable(&mut self) {
+        let syntax = self.syntax;
+        let Some(situations) = &self.situations else { return };
+        let mut found = Vec::new();
+        for (frame, record) in syntax.frames.iter().zip(&self.draft.frames) {
+            for (number, production) in frame.productions.iter().enumerate() {
+                let index = usize::from(record.first) + number;
+                let Some(rules) = self.draft.productions[index].rules else { continue };
+                let (_, highest) = situations.range(rules);
+                if highest < record.threshold {
+                    found.push((frame, production, highest));
+                }
+            }
+        }
+        for (frame, production, highest) in found {
+            let message = format!(
+                "production `{}` of `{}` is never applicable: {highest:.3} at most",
+                production.name.as_str(),
+                frame.name.as_str()
+            );
+            let label = format!("below the threshold {} everywhere", frame.threshold.value);
+            let span = production.rules.as_ref().map_or(&production.name.span, |rules| &rules.span);
+            self.report.warning(message, span, &label, "lower the threshold, or change the table");
+        }
+    }
+
+    fn never_runs(&mut self, index: usize) {
+        let syntax = self.syntax;
+        let behaviour = &syntax.behaviours[index];
+        let record = &self.draft.behaviours[index];
+        let Some(situations) = &self.situations else { return };
+        let (_, highest) = situations.range(record.rules);
+        if highest <= record.dormant {
+            let message = format!("behaviour `{}` can never run", behaviour.name.as_str());
+            let label = format!("always dormant: its criticality is {highest:.3} at most");
+            let mend =
+                format!("lower `dormant`, which is {:.3}, or change the table", record.dormant);
+            self.report.error(message, &behaviour.rules.span, &label, &mend);
+            return;
+        }
+        let is_first = |situation: usize| {
+            let value = situations.result(situation, record.rules);
+            let is_beaten = |other: usize| {
+                let rival = &self.draft.behaviours[other];
+                let rival_value = situations.result(situation, rival.rules);
+                // Among equals the first one of the file comes first.
+                let is_above =
+                    rival_value > value || rival_value.total_cmp(&value).is_eq() && other < index;
+                self.conflict(index, other) && rival_value > rival.dormant && is_above
+            };
+            value > record.dormant && !(0..self.draft.behaviours.len()).any(is_beaten)
+        };
+        if !(0..situations.count()).any(is_first) {
+            let message = format!(
+                "behaviour `{}` never comes first: another that needs the same is always more critical",
+                behaviour.name.as_str()
+            );
+            let label = "more critical than this one is always another";
+            let mend = "change the table, or let the other become dormant";
+            self.report.warning(message, &behaviour.rules.span, label, mend);
+        }
+    }
+
+    /// A plan ends if some way through it does, or if it is a loop that comes to be inapplicable.
+    fn never_ends(&mut self, index: usize) {
+        let draft = self.draft;
+        let mut ends = vec![false; draft.frames.len()];
+        loop {
+            let before = ends.clone();
+            for frame in 0..draft.frames.len() {
+                ends[frame] = ends[frame] || self.may_end(frame, &before);
+            }
+            if ends == before {
+                break;
+            }
+        }
+        let root = usize::from(draft.behaviours[index].root);
+        if !ends[root] {
+            let behaviour = &self.syntax.behaviours[index];
+            let message = format!(
+                "behaviour `{}` never ends by itself, only by interruption or failure",
+                behaviour.name.as_str()
+            );
+            let mend = "give the loop's productions an applicability that ends it, or let another way \
+                out of it be applicable";
+            let label = "its loop is always applicable";
+            self.report.warning(message, &behaviour.root.span, label, mend);
+        }
+    }
+
+    fn may_end(&self, frame: usize, ends: &[bool]) -> bool {
+        let draft = self.draft;
+        let record = &draft.frames[frame];
+        let first = usize::from(record.first);
+        let mut is_loop = false;
+        let mut always = false;
+        for production in &draft.productions[first..first + usize::from(record.count)] {
+            let edges = usize::from(production.first_edge);
+            let symbols = draft.edges[edges..edges + usize::from(production.edges)].iter();
+            let all_end = symbols.clone().all(|edge| match edge.symbol {
+                Symbol::Frame(inner) => ends[usize::from(inner)],
+                Symbol::Action(_) => true,
+            });
+            if all_end {
+                return true;
+            }
+            is_loop |= symbols.enumerate().any(|(number, edge)| {
+                matches!(edge.symbol, Symbol::Frame(inner)
+                    if super::recursion::reaches(draft, inner.into(), frame) || usize::from(inner) == frame)
+                    && is_last(draft, production, number)
+            });
+            let lowest = match (production.rules, &self.situations) {
+                (Some(rules), Some(situations)) => situations.range(rules).0,
+                // Where situations are not known there may be one that ends it.
+                (Some(_), None) => 0.0,
+                (None, _) => 1.0,
+            };
+            always |= lowest >= record.threshold;
+        }
+        is_loop && !always
+    }
+}

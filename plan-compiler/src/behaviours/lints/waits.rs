@@ -1,0 +1,110 @@
+//! How long a behaviour may have to wait for its turn: the bound on starvation.
+//!
+//! Every plan is carried out by the robot's own crates in every way that its actions can end, until
+//! no new state comes up. The longest way through these states that meets no vertex at which the
+//! waiting behaviour could be engaged is the bound, each action taking as long as it may. It holds
+//! for the most critical behaviour, as long as it is that and not shut out by a sleeping one.
+
+mod states;
+
+use super::Lints;
+use super::shut_out::effects;
+use crate::problem::Problem;
+use states::States;
+use std::fmt;
+
+/// The longest wait of a behaviour for its turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wait {
+    /// The behaviour that it waits for, by index.
+    pub behind: usize,
+    /// How long.
+    pub bound: Bound,
+}
+
+/// A bound on time, from the least to the greatest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Bound {
+    /// Milliseconds.
+    Within(u64),
+    /// Too many states to be looked through.
+    Unknown,
+    /// None: there is a loop without a point of interruption.
+    None,
+}
+
+impl Bound {
+    fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Within(a), Self::Within(b)) => Self::Within(a.saturating_add(b)),
+            _ => self.max(other),
+        }
+    }
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Within(ms) => write!(f, "{:.1} s", *ms as f64 / 1e3),
+            Self::Unknown => f.write_str("an unknown time (too many states)"),
+            Self::None => f.write_str("for ever"),
+        }
+    }
+}
+
+impl Lints<'_> {
+    /// The longest wait of each behaviour, and what is to be said of it.
+    pub(super) fn waits(&mut self) -> Vec<Option<Wait>> {
+        let draft = self.draft;
+        let count = draft.behaviours.len();
+        let of_frame = |frame: u16| States::explore(draft, frame);
+        let plans: Vec<States> = draft.behaviours.iter().map(|b| of_frame(b.root)).collect();
+        let whole = |frame: Option<u16>| {
+            frame.map_or(Bound::Within(0), |frame| of_frame(frame).longest(|_| false))
+        };
+        let activities: Vec<(Bound, Bound)> =
+            draft.behaviours.iter().map(|b| (whole(b.start_up), whole(b.shut_down))).collect();
+        let behind = |waiting: usize, other: usize| {
+            let (adds, deletes) = effects(draft, waiting);
+            let (start_up, shut_down) = activities[other];
+            let dwell = Bound::Within(draft.behaviours[other].dwell_ms.into());
+            let point =
+                plans[other].longest(|held| held.must & deletes == 0 && held.must_not & adds == 0);
+            dwell.max(start_up).and(point).and(shut_down)
+        };
+        let waits: Vec<Option<Wait>> = (0..count)
+            .map(|waiting| {
+                (0..count)
+                    .filter(|&other| self.conflict(waiting, other))
+                    .filter(|&other| self.takes_over(other, waiting).is_some())
+                    .map(|other| Wait { behind: other, bound: behind(waiting, other) })
+                    .max_by_key(|wait| wait.bound)
+            })
+            .collect();
+        self.report_waits(&waits);
+        waits
+    }
+
+    fn report_waits(&mut self, waits: &[Option<Wait>]) {
+        let mut bounds = Vec::new();
+        for (waiting, wait) in waits.iter().enumerate() {
+            let Some(Wait { behind, bound }) = *wait else { continue };
+            let (name, other) = (self.name(waiting), self.name(behind));
+            if bound == Bound::None {
+                let message = format!("behaviour `{name}` may wait for `{other}` for ever");
+                let label = format!("no point of `{other}` lets it in");
+                let mend = "end a protection interval, or a loop, of the other earlier";
+                let span = self.syntax.behaviours[waiting].name.span.clone();
+                self.report.warning(message, &span, &label, mend);
+            } else {
+                bounds.push(format!("`{name}` {bound} (behind `{other}`)"));
+            }
+        }
+        if !bounds.is_empty() {
+            let message = format!("the longest waits of the most critical: {}", bounds.join(", "));
+            let mend = "shorter with smaller timeout_s and dwell_s, and more points without \
+                protection intervals";
+            self.report.problems.push(Problem::note(message).mend(mend));
+        }
+    }
+}

@@ -1,0 +1,266 @@
+//! All states that a plan can come to, by the robot's own crates.
+
+use super::Bound;
+use grammar::{Choice, Ended, Event, Forest, Id};
+use monitor::{Entry, Grid};
+use plan_format::limits::MAX_DEPTH;
+use plan_format::mission::{
+    ActionKind, Condition, Life, Mission, MissionDraft, Production, Symbol,
+};
+use std::collections::HashMap;
+
+/// States of one plan that are looked through, at most.
+const MAX_STATES: usize = 3_000;
+/// What the robot may need on top for each end of an action, milliseconds: some ticks for taking
+/// its steps.
+const EVENT_MS: u64 = 500;
+/// The only plan in the forest belongs to this behaviour.
+const OWNER: u8 = 0;
+
+/// The states of one plan in which actions run, and how it goes on from each.
+pub(super) struct States {
+    /// For each state the ways on.
+    ways: Vec<Vec<Way>>,
+    is_complete: bool,
+}
+
+/// One action ends.
+struct Way {
+    /// How long that takes at most, milliseconds.
+    time_ms: u64,
+    /// What is protected at the vertex that is reached; `None` where none is, after a failure.
+    held: Option<Condition>,
+    /// The states that may come next; without any the plan has ended.
+    next: Vec<usize>,
+}
+
+/// A plan as it is.
+#[derive(Clone, Default)]
+struct Plan {
+    forest: Forest,
+    grid: Grid,
+}
+
+impl States {
+    /// Carries a frame out in every way.
+    pub(super) fn explore(draft: &MissionDraft, frame: u16) -> Self {
+        let mut states = Self { ways: Vec::new(), is_complete: true };
+        let Ok(bytes) = draft.write() else { return Self { is_complete: false, ..states } };
+        let Ok(mission) = Mission::parse(&bytes) else {
+            return Self { is_complete: false, ..states };
+        };
+        let mut plan = Plan::default();
+        plan.change(|forest, tell| forest.plant(OWNER, frame, tell));
+        let mut known = HashMap::new();
+        let mut waiting: Vec<(usize, Plan)> = Vec::new();
+        states.add(&mission, plan, &mut known, &mut waiting);
+        while let Some((index, plan)) = waiting.pop() {
+            let running = plan.running(&mission);
+            let time_ms = running.iter().map(|&(_, time_ms)| time_ms).min().unwrap_or(0) + EVENT_MS;
+            let mut ways = Vec::new();
+            for (id, _) in running {
+                for has_failed in [false, true] {
+                    let mut after = plan.clone();
+                    let held = after.end(&mission, id, has_failed);
+                    let next = states.add(&mission, after, &mut known, &mut waiting);
+                    ways.push(Way { time_ms, held, next });
+                }
+            }
+            states.ways[index] = ways;
+            if !states.is_complete {
+                break;
+            }
+        }
+        states
+    }
+
+    /// The states in which actions run that a plan comes to at once; new ones are still to be
+    /// looked at.
+    fn add(
+        &mut self,
+        mission: &Mission<'_>,
+        plan: Plan,
+        known: &mut HashMap<String, usize>,
+        waiting: &mut Vec<(usize, Plan)>,
+    ) -> Vec<usize> {
+        let mut next = Vec::new();
+        for settled in plan.settle(mission, &mut self.is_complete) {
+            let key = format!("{:?}", settled.forest);
+            let index = *known.entry(key).or_insert_with(|| {
+                self.ways.push(Vec::new());
+                waiting.push((self.ways.len() - 1, settled));
+                self.ways.len() - 1
+            });
+            next.push(index);
+        }
+        self.is_complete &= self.ways.len() <= MAX_STATES;
+        next
+    }
+
+    /// The longest time from any state to the end of the plan, or to a vertex at which what is
+    /// protected leaves `is_free`.
+    pub(super) fn longest(&self, is_free: impl Fn(Condition) -> bool) -> Bound {
+        if !self.is_complete {
+            return Bound::Unknown;
+        }
+        // The longest way in a graph without circles: states are settled when all after them are.
+        let mut longest: Vec<Option<u64>> = vec![None; self.ways.len()];
+        let mut left = self.ways.len();
+        while left > 0 {
+            let before = left;
+            for (state, ways) in self.ways.iter().enumerate().rev() {
+                if longest[state].is_some() {
+                    continue;
+                }
+                let time = |way: &Way| {
+                    if way.next.is_empty() || way.held.is_some_and(&is_free) {
+                        return Some(way.time_ms);
+                    }
+                    let after =
+                        way.next.iter().try_fold(0, |most, &next| Some(longest[next]?.max(most)));
+                    after.map(|after: u64| after.saturating_add(way.time_ms))
+                };
+                let most = ways.iter().try_fold(0, |most, way| Some(time(way)?.max(most)));
+                if most.is_some() {
+                    longest[state] = most;
+                    left -= 1;
+                }
+            }
+            if left == before {
+                return Bound::None;
+            }
+        }
+        Bound::Within(longest.into_iter().flatten().max().unwrap_or(0))
+    }
+}
+
+impl Plan {
+    fn change<T>(&mut self, act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T) -> T {
+        let Self { forest, grid } = self;
+        act(forest, &mut |event| match event {
+            Event::Planned { id, component } => grid.planned(
+                id,
+                Entry {
+                    symbol: component.symbol,
+                    owner: component.owner,
+                    parent: component.parent,
+                    edge: component.edge,
+                    from: component.from,
+                    to: component.to,
+                    life: component.life,
+                    production: component.production,
+                    finished: 0,
+                },
+            ),
+            Event::Decomposed { id, production } => grid.decomposed(id, production),
+            Event::CameRound { id } => grid.came_round(id),
+            Event::Became { id, life } => grid.became(id, life),
+            Event::Deleted { id } => grid.deleted(id),
+        })
+    }
+
+    /// The actions that run, and how long each may, milliseconds.
+    fn running(&self, mission: &Mission<'_>) -> Vec<(Id, u64)> {
+        let running = self.forest.iter().filter_map(|(id, component)| match component.symbol {
+            Symbol::Action(index) if component.life == Life::Started => {
+                let action = mission.actions().get(usize::from(index))?;
+                let own_ms = match action.kind {
+                    ActionKind::Hold { for_ms } | ActionKind::Wander { for_ms } => for_ms,
+                    ActionKind::Signal { .. } | ActionKind::SetOutput { .. }
+                        if action.until.is_empty() =>
+                    {
+                        0
+                    }
+                    _ => action.timeout_ms,
+                };
+                Some((id, u64::from(own_ms.min(action.timeout_ms))))
+            }
+            _ => None,
+        });
+        running.collect()
+    }
+
+    /// Ends an action. Returns what is protected at the vertex that is reached then, if one is.
+    fn end(&mut self, mission: &Mission<'_>, id: Id, has_failed: bool) -> Option<Condition> {
+        if has_failed {
+            self.change(|forest, tell| forest.fail(id, tell));
+            return None;
+        }
+        self.complete(mission, id);
+        let mut held = Condition::default();
+        self.grid.held(mission, OWNER, 0, &mut |interval| {
+            held.must |= interval.condition.must;
+            held.must_not |= interval.condition.must_not;
+        });
+        Some(held)
+    }
+
+    fn complete(&mut self, mission: &Mission<'_>, id: Id) {
+        let mut id = id;
+        for _ in 0..=MAX_DEPTH {
+            match self.change(|forest, tell| forest.finish(mission, id, tell)) {
+                Ended::Completes(frame) => id = frame,
+                _ => return,
+            }
+        }
+    }
+
+    /// Every state that it comes to by decomposing what is scheduled and starting actions, whatever
+    /// is applicable. A plan that has ended comes to none.
+    fn settle(self, mission: &Mission<'_>, is_complete: &mut bool) -> Vec<Self> {
+        /// Decompositions without an action in between are few; a mission that fails for ever in
+        /// no time is cut off here.
+        const MAX_TRIES: usize = 2_000;
+        let (mut settled, mut open) = (Vec::new(), vec![self]);
+        for _ in 0..MAX_TRIES {
+            let Some(mut plan) = open.pop() else { return settled };
+            let Some(id) = plan.forest.scheduled(OWNER) else {
+                if !plan.forest.is_empty() {
+                    settled.push(plan);
+                }
+                continue;
+            };
+            match plan.forest.get(id).map(|component| component.symbol) {
+                Some(Symbol::Frame(frame)) => plan.choices(mission, id, frame, &mut open),
+                _ => {
+                    plan.change(|forest, tell| forest.start(id, tell));
+                    open.push(plan);
+                }
+            }
+        }
+        *is_complete = false;
+        settled
+    }
+
+    /// One plan for each production that a frame may choose, and one for the case that none is
+    /// applicable.
+    fn choices(&self, mission: &Mission<'_>, id: Id, frame: u16, open: &mut Vec<Self>) {
+        let Some(frame) = mission.frames().get(usize::from(frame)) else { return };
+        let decompose = |plan: &mut Self, value: &mut dyn FnMut(u16, &Production) -> f32| {
+            plan.change(|forest, tell| forest.decompose(mission, id, value, tell))
+        };
+        for chosen in frame.first..frame.first.saturating_add(frame.count.into()) {
+            let mut plan = self.clone();
+            let wanted = &mut |index, _: &Production| if index == chosen { 1.0 } else { -1.0 };
+            match decompose(&mut plan, wanted) {
+                (_, Choice::Production(_)) => open.push(plan),
+                (id, Choice::NoRoom | Choice::TooDeep) => {
+                    plan.change(|forest, tell| forest.fail(id, tell));
+                    open.push(plan);
+                }
+                _ => {}
+            }
+        }
+        let mut plan = self.clone();
+        // What has no table is always applicable.
+        let none = &mut |_, production: &Production| production.rules.map_or(1.0, |_| -1.0);
+        match decompose(&mut plan, none) {
+            (id, Choice::LoopEnded) => plan.complete(mission, id),
+            (id, Choice::NothingApplicable) => {
+                plan.change(|forest, tell| forest.fail(id, tell));
+            }
+            _ => return,
+        }
+        open.push(plan);
+    }
+}

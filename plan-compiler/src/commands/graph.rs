@@ -1,0 +1,69 @@
+//! `graph`: behaviours and their plans as graphs.
+
+use super::{Failure, open, parallel_plans, read_blob, tell};
+use crate::cli::Graph;
+use plan_compiler::behaviours::draw::{Drawn, dot, picture};
+use plan_compiler::behaviours::{self, Plans};
+use plan_compiler::compile::has_errors;
+use plan_compiler::problem::Problem;
+use plan_compiler::render::png;
+use plan_compiler::{mission, output, source};
+use plan_format::mission::Mission;
+use std::path::Path;
+
+pub(super) fn run(args: &Graph, quiet: bool) -> Result<(), Failure> {
+    let extension = args.output.extension().and_then(|extension| extension.to_str());
+    let draw: fn(&Drawn<'_>) -> Result<Vec<u8>, String> =
+        match extension.map(str::to_ascii_lowercase).as_deref() {
+            Some("dot" | "gv") => |drawn| Ok(dot(drawn).into_bytes()),
+            Some("svg") => |drawn| Ok(picture(drawn).into_bytes()),
+            Some("png") => |drawn| png(&picture(drawn)),
+            _ => {
+                let message = "the output's name must end in .dot, .svg or .png";
+                return Err(Failure::Usage(message.into()));
+            }
+        };
+    let is_mission = args.input.extension().is_some_and(|extension| extension == "toml");
+    let bytes = if is_mission {
+        let section = of_mission(&args.input, quiet)?;
+        let mission = Mission::parse(&section)
+            .map_err(|error| Problem::error(format!("the mission cannot be run: {error}")))?;
+        drawn(args, &Drawn { mission, plans: &[] }, draw)?
+    } else {
+        let blob = read_blob(&args.input)?;
+        let plan = open(&args.input, &blob)?;
+        let plans: Vec<String> = parallel_plans(&plan).map(|plan| plan.name().to_owned()).collect();
+        drawn(args, &Drawn { mission: plan.mission(), plans: &plans }, draw)?
+    };
+    Ok(output::write_file(&args.output, |out| out.write_all(&bytes))?)
+}
+
+fn drawn(
+    args: &Graph,
+    drawn: &Drawn<'_>,
+    draw: fn(&Drawn<'_>) -> Result<Vec<u8>, String>,
+) -> Result<Vec<u8>, Failure> {
+    if drawn.mission.frames().is_empty() {
+        let message = format!("{} has no behaviours", args.input.display());
+        let mend = "behaviours stand in a mission file; BEHAVIOURS.md says how";
+        return Err(Problem::error(message).mend(mend).into());
+    }
+    draw(drawn).map_err(|reason| {
+        Problem::error(format!("cannot draw {}: {reason}", args.output.display())).into()
+    })
+}
+
+/// The mission section as a build would have it, without its map: whatever plans it names are taken
+/// for granted.
+fn of_mission(path: &Path, quiet: bool) -> Result<Vec<u8>, Failure> {
+    let (text, mut problems) = source::read_text(path)?;
+    let (mission, mistakes) = mission::parse(&text);
+    problems.extend(mistakes);
+    let draft = behaviours::compile(&mission.behaviours, &Plans::Any, &mut problems);
+    let section = match draft {
+        Some(draft) if !has_errors(&problems) => draft.write(),
+        _ => return Err(Failure::Wrong(problems)),
+    };
+    tell(&problems, quiet);
+    section.map_err(|error| Problem::error(format!("the mission cannot be run: {error}")).into())
+}
