@@ -26,6 +26,8 @@ Examples:
       Writes the cost to the goal of every cell as a NumPy array.
   plan-compiler render plans.bin --layer gate/physical -o field.png
       Draws obstacles, bands of cost and the advice.
+  plan-compiler render plans.bin --layer gate/physical --layers --route 3,4 -o ways.png
+      Draws all layers of plan gate side by side, in each the way from a point.
   plan-compiler graph plough.mission.toml -o plough.svg
       Draws behaviours and their plans as graphs.
   plan-compiler verify plans.bin --map yard.ovl
@@ -85,6 +87,10 @@ pub(crate) enum Command {
     Graph(Graph),
     /// Prove every cell of every layer anew
     Verify(Verify),
+    /// Print what a shell needs to complete the command line
+    Completions(Completions),
+    /// Print the manual page, of the program or of one of its commands
+    Man(Man),
     /// Say why the robot did what it did in one tick of a recorded mission
     Explain(Explain),
 }
@@ -107,16 +113,16 @@ pub(crate) struct Build {
     /// the board's address and are for flashing only
     #[arg(long, short, default_value = "plans.bin", value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// A goal in the map's metres, x east, y north; repeatable. Replaces all other goals
-    #[arg(long = "goal", value_name = "NAME=X,Y", value_parser = goal, allow_hyphen_values = true)]
-    pub(crate) goals: Vec<Goal>,
-    #[command(flatten)]
     /// Refuse plans that do not fit this board's plan region
     #[arg(long, value_name = "NAME", value_parser = board())]
     pub(crate) board: Option<&'static Board>,
     /// Print the summary as JSON on standard output
     #[arg(long)]
     pub(crate) json: bool,
+    /// A goal in the map's metres, x east, y north; repeatable. Replaces all other goals
+    #[arg(long = "goal", value_name = "NAME=X,Y", value_parser = goal, allow_hyphen_values = true)]
+    pub(crate) goals: Vec<Goal>,
+    #[command(flatten)]
     pub(crate) map: MapOptions,
 }
 
@@ -194,8 +200,16 @@ pub(crate) struct Render {
     #[arg(value_name = "PLANS")]
     pub(crate) plans: PathBuf,
     /// The layer, as `inspect` names it
-    #[arg(long, value_name = "PLAN/LAYER")]
-    pub(crate) layer: LayerName,
+    #[arg(long, value_name = "PLAN/LAYER", required_unless_present = "layers")]
+    pub(crate) layer: Option<LayerName>,
+    /// Draw all layers of a plan side by side: of the plan that --layer names, otherwise of the
+    /// one that the robot follows
+    #[arg(long)]
+    pub(crate) layers: bool,
+    /// Draw the way from this point to the goal that a robot takes which follows the advice
+    /// alone; in the map's metres, x east, y north
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
+    pub(crate) route: Option<[f64; 2]>,
     /// The file to write: .svg or .png
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: PathBuf,
@@ -221,12 +235,37 @@ pub(crate) struct Verify {
     /// The blob
     #[arg(value_name = "PLANS")]
     pub(crate) plans: PathBuf,
+    /// Print what was proved as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
     /// Also compare the blocked cells with those of this map, or of a mission that names it.
     /// The options are those that the blob was built with
     #[arg(long = "map", value_name = "MAP|MISSION")]
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) map: MapOptions,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  plan-compiler completions bash > ~/.local/share/bash-completion/completions/plan-compiler
+  plan-compiler completions zsh > ~/.zfunc/_plan-compiler
+  plan-compiler completions fish > ~/.config/fish/completions/plan-compiler.fish")]
+pub(crate) struct Completions {
+    /// The shell
+    pub(crate) shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  plan-compiler man > ~/.local/share/man/man1/plan-compiler.1
+  plan-compiler man build | man -l -")]
+pub(crate) struct Man {
+    /// Of this command only
+    #[arg(value_name = "COMMAND")]
+    pub(crate) command: Option<String>,
 }
 
 /// What a map file itself leaves open.
@@ -310,6 +349,15 @@ impl std::str::FromStr for LayerName {
     }
 }
 
+fn board() -> impl TypedValueParser<Value = &'static Board> {
+    let names = BOARDS.iter().map(|board| {
+        let (size, address) = (board.plan_bytes >> 10, board.plan_address);
+        PossibleValue::new(board.name).help(format!("{size} KiB at {address:#010x}"))
+    });
+    PossibleValuesParser::new(names)
+        .try_map(|name| Board::find(&name).ok_or("there is no such board"))
+}
+
 fn goal(text: &str) -> Result<Goal, String> {
     let example = "write NAME=X,Y, for example gate=12.5,-40";
     let (name, at) = text.rsplit_once('=').ok_or(example)?;
@@ -324,15 +372,6 @@ fn pair(text: &str) -> Result<[f64; 2], String> {
 }
 
 /// A finite number; also what a line of standard input is made of.
-fn board() -> impl TypedValueParser<Value = &'static Board> {
-    let names = BOARDS.iter().map(|board| {
-        let (size, address) = (board.plan_bytes >> 10, board.plan_address);
-        PossibleValue::new(board.name).help(format!("{size} KiB at {address:#010x}"))
-    });
-    PossibleValuesParser::new(names)
-        .try_map(|name| Board::find(&name).ok_or("there is no such board"))
-}
-
 pub(crate) fn number(text: &str) -> Result<f64, String> {
     let number: f64 = text.trim().parse().map_err(|_| format!("`{text}` is not a number"))?;
     if number.is_finite() { Ok(number) } else { Err(format!("`{text}` is not a finite number")) }

@@ -17,6 +17,7 @@ pub mod output;
 pub mod problem;
 pub mod raster;
 pub mod render;
+pub mod route;
 pub mod search;
 pub mod source;
 pub mod trace;

@@ -30,8 +30,23 @@ pub struct Overlay<'a> {
     pub route: &'a [Point],
 }
 
+/// One of several layers that are drawn side by side.
+#[derive(Clone, Copy, Debug)]
+pub struct Panel<'a> {
+    /// The plan that the layer belongs to.
+    pub parallel: ParallelPlan<'a>,
+    /// The layer.
+    pub layer: Layer<'a>,
+    /// What is drawn over its cells.
+    pub overlay: Overlay<'a>,
+}
+
 /// The longer side of the map in the picture, at most, pixels.
 const SIDE_PX: u32 = 1200;
+/// The same where layers are drawn side by side.
+const SIDE_OF_PANEL_PX: u32 = 800;
+/// Panels in a row.
+const ACROSS: usize = 4;
 /// A cell is never drawn larger, pixels.
 const MAX_CELL_PX: u32 = 32;
 /// White space around the map, pixels.
@@ -59,28 +74,48 @@ pub fn picture(
     layer: &Layer<'_>,
     overlay: &Overlay<'_>,
 ) -> String {
-    let grid = plan.grid();
-    let view = View::new(grid);
-    let sampled = Sampled::new(grid, layer, view.cells_per_sample);
+    side_by_side(plan, &[Panel { parallel: *parallel, layer: *layer, overlay: *overlay }])
+}
+
+/// Several layers as one SVG, in rows of at most four.
+pub fn side_by_side(plan: &Plan<'_>, panels: &[Panel<'_>]) -> String {
+    let view = View::new(plan.grid(), if panels.len() > 1 { SIDE_OF_PANEL_PX } else { SIDE_PX });
+    let (width, height) = view.size_px();
+    let names: Vec<String> = panels.iter().map(name).collect();
+    let (across, down) = (panels.len().min(ACROSS), panels.len().div_ceil(ACROSS));
+    let (total_width, total_height) = (width * across as f64, height * down as f64);
+    let white = Rectangle::new().set("width", total_width).set("height", total_height);
+    let mut document = Document::new()
+        .set("viewBox", (0, 0, total_width, total_height))
+        .set("width", total_width)
+        .set("height", total_height)
+        .add(Title::new(names.join(", ")))
+        .add(white.set("fill", "#ffffff"));
+    for (index, panel) in panels.iter().enumerate() {
+        let (x, y) = ((index % ACROSS) as f64 * width, (index / ACROSS) as f64 * height);
+        let drawn = draw(panel, &view).set("transform", format!("translate({x} {y})"));
+        document = document.add(drawn);
+    }
+    document.to_string()
+}
+
+fn name(panel: &Panel<'_>) -> String {
+    format!("{}/{}", panel.parallel.name(), panel.layer.name())
+}
+
+/// One layer with its footer, from the upper left corner.
+fn draw(panel: &Panel<'_>, view: &View) -> Group {
+    let Panel { parallel, layer, overlay } = panel;
+    let sampled = Sampled::new(&view.grid, layer, view.cells_per_sample);
     let blocked = if overlay.features.is_empty() { BLOCKED } else { GROWN };
-    let name = format!("{}/{}", parallel.name(), layer.name());
     let map = Group::new()
         .set("transform", view.transform())
         .add(sampled.draw(NO_ROUTE, blocked))
-        .add(shapes(overlay.features, &view))
-        .add(arrows(grid, layer, &view))
-        .add(track(overlay, &view))
-        .add(goal(parallel.goal_m(), &view));
-    let (width, height) = view.size_px();
-    Document::new()
-        .set("viewBox", (0, 0, width, height))
-        .set("width", width)
-        .set("height", height)
-        .add(Title::new(name.clone()))
-        .add(Rectangle::new().set("width", width).set("height", height).set("fill", "#ffffff"))
-        .add(map)
-        .add(footer(&name, sampled.band_m(), &view))
-        .to_string()
+        .add(shapes(overlay.features, view))
+        .add(arrows(layer, view))
+        .add(track(overlay, view))
+        .add(goal(parallel.goal_m(), view));
+    Group::new().add(map).add(footer(&name(panel), sampled.band_m(), view))
 }
 
 /// A picture as PNG; the message of the rasteriser where that fails.
@@ -105,11 +140,12 @@ struct View {
 }
 
 impl View {
-    fn new(grid: &Grid) -> Self {
+    /// The longer side of the map takes at most `side_px`.
+    fn new(grid: &Grid, side_px: u32) -> Self {
         let side = grid.columns.max(grid.rows).max(1);
-        let cells_per_sample = side.div_ceil(SIDE_PX);
+        let cells_per_sample = side.div_ceil(side_px);
         // Whole pixels, so that cells of one size are drawn alike.
-        let sample_px = (SIDE_PX / side.div_ceil(cells_per_sample)).clamp(1, MAX_CELL_PX);
+        let sample_px = (side_px / side.div_ceil(cells_per_sample)).clamp(1, MAX_CELL_PX);
         let cell_px = f64::from(sample_px) / f64::from(cells_per_sample);
         Self { grid: *grid, cells_per_sample, cell_px }
     }
@@ -203,7 +239,8 @@ fn line(points: &[Point], view: &View, path: &mut String) {
 }
 
 /// The advice of every cell that the thinning keeps.
-fn arrows(grid: &Grid, layer: &Layer<'_>, view: &View) -> Path {
+fn arrows(layer: &Layer<'_>, view: &View) -> Path {
+    let grid = &view.grid;
     let every = (f64::from(ARROW_PX) / view.cell_px).ceil().max(1.0) as u32;
     // Shaft and head relative to the shaft's length.
     let length = 0.72 * f64::from(every);
@@ -305,7 +342,8 @@ mod tests {
     use crate::mission::Mission;
 
     fn sampled_sides(columns: u32, rows: u32) -> (u32, f64) {
-        let view = View::new(&Grid { columns, rows, resolution_m: 0.5, corner_m: [-5.0, 7.0] });
+        let grid = Grid { columns, rows, resolution_m: 0.5, corner_m: [-5.0, 7.0] };
+        let view = View::new(&grid, SIDE_PX);
         (view.cells_per_sample, view.cell_px)
     }
 
@@ -346,7 +384,7 @@ mod tests {
         let svg = picture(&plan, &parallel, &parallel.layer(0).unwrap(), overlay);
         let png = png(&svg).unwrap();
         let pixels = resvg::tiny_skia::Pixmap::decode_png(&png).unwrap();
-        let view = View::new(plan.grid());
+        let view = View::new(plan.grid(), SIDE_PX);
         let [x, y] = view.place(at).map(|cells| cells * view.cell_px);
         let y = view.map_px(view.grid.rows) - y;
         let pixel = pixels.pixel((MARGIN_PX + x) as u32, (MARGIN_PX + y) as u32).unwrap();

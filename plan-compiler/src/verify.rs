@@ -17,6 +17,7 @@
 //! Deliberately absent: the compiler's search.
 
 use crate::bitmap::Bitmap;
+use crate::compile::Progress;
 use crate::search::Corners;
 use plan_format::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
 use plan_format::field::{advised, escape, is_blocked};
@@ -55,9 +56,11 @@ pub struct Violation {
 /// Violations of one layer that are listed.
 const LISTED: usize = 3;
 
-/// Proves every cell of every layer.
-pub fn verify(plan: &Plan<'_>) -> Report {
+/// Proves every cell of every layer; `progress` hears of layers done and layers to do.
+pub fn verify(plan: &Plan<'_>, progress: Progress<'_>) -> Report {
     let grid = plan.grid();
+    let all = parallel_plans(plan).map(|parallel| parallel.layer_count()).sum();
+    progress(0, all);
     let mut report = Report { cuts_corners: cuts_corners(plan), ..Report::default() };
     let corners = if report.cuts_corners { Corners::Allow } else { Corners::Forbid };
     for parallel in parallel_plans(plan) {
@@ -74,6 +77,7 @@ pub fn verify(plan: &Plan<'_>) -> Report {
             report.layers += 1;
             report.cells += grid.cells();
             lower = Some(blocked);
+            progress(report.layers, all);
         }
     }
     report

@@ -34,120 +34,171 @@ impl Effects {
     }
 }
 
-/// A behaviour in the order of the tick, and how much it weighs.
+/// A behaviour that wants the robot, or has it.
 #[derive(Clone, Copy)]
 struct Claim {
     index: usize,
-    behaviour: Behaviour,
+    resources: u16,
+    is_engaged: bool,
+    is_urgent: bool,
     weight: f32,
+}
+
+impl Claim {
+    /// Whether it goes before another that comes later in the mission.
+    fn outranks(&self, other: &Self) -> bool {
+        if self.is_urgent != other.is_urgent {
+            return self.is_urgent;
+        }
+        // Among equals, whoever has the robot keeps it.
+        self.weight > other.weight
+            || self.weight == other.weight && (self.is_engaged || !other.is_engaged)
+    }
+}
+
+/// What came of a claim.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Outcome {
+    /// It is engaged, or the next to be.
+    Holds,
+    /// It has to stand back until others have given up what they protect.
+    StandsBack,
 }
 
 impl Behaviours {
     /// Engages the most critical behaviours whose resources do not conflict, each as soon as those
     /// in its way can be interrupted.
-    pub(crate) fn engage(
-        &mut self,
-        mission: &Mission<'_>,
-        now_us: u64,
-        facts: Facts,
-        report: &mut Report,
-    ) {
-        self.plans.pending = 0;
+    pub(crate) fn engage(&mut self, mission: &Mission<'_>, report: &mut Report) {
+        self.plans.awaited = 0;
         let mut taken = 0;
-        for claim in self.claims(mission, now_us) {
-            let is_engaged = self.status(claim.index).is_engaged();
-            if !is_engaged && taken & claim.behaviour.resources == 0 {
-                self.claim(mission, &claim, now_us, facts, report);
+        for claim in self.claims(mission) {
+            let outcome = if claim.is_engaged {
+                Outcome::Holds
+            } else if taken & claim.resources != 0 {
+                // Who is ahead of it may last; meanwhile the rest of what it needs is not idle.
+                Outcome::StandsBack
+            } else {
+                self.claim(mission, &claim, report)
+            };
+            if outcome == Outcome::Holds {
+                taken |= claim.resources;
             }
-            // Engaged or waiting for its turn: what weighs less does not get in between.
-            taken |= claim.behaviour.resources;
         }
     }
 
     /// Everyone who wants the robot, the weightiest first, among equals by index.
-    fn claims(&self, mission: &Mission<'_>, now_us: u64) -> Vec<Claim, MAX_BEHAVIOURS> {
+    fn claims(&self, mission: &Mission<'_>) -> Vec<Claim, MAX_BEHAVIOURS> {
         let mut claims: Vec<Claim, MAX_BEHAVIOURS> = Vec::new();
-        for (index, behaviour) in mission.behaviours().iter().enumerate() {
-            let status = self.status(index);
-            let is_dormant = status.criticality <= behaviour.dormant;
-            let weight = match (status.is_engaged(), is_dormant) {
-                (true, false) => status.criticality + behaviour.hysteresis,
-                (true, true) => 0.0,
-                (false, false) if now_us >= status.rests_until_us => status.criticality,
-                (false, _) => continue,
+        for ((index, status), behaviour) in
+            self.statuses.iter().enumerate().zip(mission.behaviours().iter())
+        {
+            let is_engaged = status.is_engaged();
+            if !is_engaged && (status.is_dormant || self.now_us < status.rests_until_us) {
+                continue;
+            }
+            let hysteresis = if is_engaged { behaviour.hysteresis } else { 0.0 };
+            let weight = status.criticality + hysteresis;
+            let claim = Claim {
+                index,
+                resources: behaviour.resources,
+                is_engaged,
+                is_urgent: !status.is_dormant && weight >= behaviour.unconditional,
+                weight: if status.is_dormant { 0.0 } else { weight },
             };
-            let at = claims.iter().position(|other| other.weight < weight).unwrap_or(claims.len());
+            let at = claims.iter().position(|other| !other.outranks(&claim));
             // There are as many places as behaviours.
-            let _ = claims.insert(at, Claim { index, behaviour, weight });
+            let _ = claims.insert(at.unwrap_or(claims.len()), claim);
         }
         claims
     }
 
     /// One behaviour wants the robot and nobody weightier is in its way.
-    fn claim(
-        &mut self,
-        mission: &Mission<'_>,
-        claim: &Claim,
-        now_us: u64,
-        facts: Facts,
-        report: &mut Report,
-    ) {
-        let in_the_way: Vec<usize, MAX_BEHAVIOURS> = mission
-            .behaviours()
-            .iter()
-            .enumerate()
-            .filter(|&(other, ref behaviour)| {
-                other != claim.index
-                    && self.status(other).is_engaged()
-                    && behaviour.resources & claim.behaviour.resources != 0
-            })
-            .map(|(other, _)| other)
-            .collect();
-        let is_unconditional =
-            self.status(claim.index).criticality >= claim.behaviour.unconditional;
-        if !is_unconditional && !self.may_be_engaged(mission, claim, &in_the_way, now_us, report) {
-            return;
+    fn claim(&mut self, mission: &Mission<'_>, claim: &Claim, report: &mut Report) -> Outcome {
+        let Some(behaviour) = mission.behaviours().get(claim.index) else {
+            return Outcome::StandsBack;
+        };
+        let in_the_way = self.in_the_way(mission, claim);
+        let effects = Effects::of(mission, &behaviour);
+        if self.is_excluded(claim, mission, effects, in_the_way, report) {
+            return Outcome::StandsBack;
         }
-        let mut must_wait = false;
-        for &other in &in_the_way {
-            must_wait |= self.interrupt(mission, other, claim.index, is_unconditional, report);
+        if !claim.is_urgent {
+            self.plans.awaited |= in_the_way;
+        }
+        let yielding = if claim.is_urgent {
+            in_the_way
+        } else {
+            self.yielding(mission, claim, effects, in_the_way, report)
+        };
+        let mut must_wait = yielding != in_the_way;
+        for other in bits(yielding) {
+            must_wait |= self.interrupt(mission, other, claim, report);
         }
         if !must_wait {
-            self.begin(mission, claim.index, &claim.behaviour, now_us, facts, report);
+            self.begin(mission, claim.index, &behaviour, report);
         }
+        Outcome::Holds
     }
 
-    /// Whether a behaviour may be engaged conditionally now: all that are in its way are at a
-    /// suitable point, and nothing that anybody protects would suffer.
-    fn may_be_engaged(
-        &mut self,
-        mission: &Mission<'_>,
+    /// The engaged behaviours that need what a claim needs, one bit each.
+    fn in_the_way(&self, mission: &Mission<'_>, claim: &Claim) -> u16 {
+        let all = self.statuses.iter().enumerate().zip(mission.behaviours().iter());
+        all.filter(|((index, status), behaviour)| {
+            *index != claim.index
+                && status.is_engaged()
+                && behaviour.resources & claim.resources != 0
+        })
+        .fold(0, |set, ((index, _), _)| set | behaviour_bit(index))
+    }
+
+    /// Whether somebody who is not in the way protects what would suffer. That holds for what is
+    /// urgent, too, but does not keep it out.
+    fn is_excluded(
+        &self,
         claim: &Claim,
-        in_the_way: &[usize],
-        now_us: u64,
+        mission: &Mission<'_>,
+        effects: Effects,
+        in_the_way: u16,
         report: &mut Report,
     ) -> bool {
-        let effects = Effects::of(mission, &claim.behaviour);
-        let mut may = true;
-        for (other, behaviour) in mission.behaviours().iter().enumerate() {
-            let refusal = if in_the_way.contains(&other) {
-                self.plans.pending |= behaviour_bit(other);
-                self.keeps_the_robot(mission, other, &behaviour, effects, now_us)
-            } else if other == claim.index {
-                None
+        let mut is_excluded = false;
+        for (index, status) in self.statuses.iter().enumerate() {
+            let is_concerned = status.is_engaged() || status.is_holding();
+            let stands_aside = index == claim.index || in_the_way & behaviour_bit(index) != 0;
+            if stands_aside || !is_concerned || !self.endangers_held(mission, index, effects) {
+                continue;
+            }
+            let (behaviour, by) = (claim.index as u8, index as u8);
+            if claim.is_urgent {
+                report.note(Decision::Overruled { behaviour: by, by: behaviour });
             } else {
-                self.is_endangered(mission, other, effects)
-            };
-            if let Some(why) = refusal {
-                report.note(Decision::Refused {
-                    behaviour: claim.index as u8,
-                    by: other as u8,
-                    why,
-                });
-                may = false;
+                report.note(Decision::Refused { behaviour, by, why: Refusal::Excluded });
+                is_excluded = true;
             }
         }
-        may
+        is_excluded
+    }
+
+    /// Those in the way that can be interrupted now, one bit each; the others' reasons are noted.
+    fn yielding(
+        &self,
+        mission: &Mission<'_>,
+        claim: &Claim,
+        effects: Effects,
+        in_the_way: u16,
+        report: &mut Report,
+    ) -> u16 {
+        let mut yielding = in_the_way;
+        let mut is_soon = true;
+        for other in bits(in_the_way) {
+            let Some(why) = self.keeps_the_robot(mission, other, effects) else { continue };
+            let (behaviour, by) = (claim.index as u8, other as u8);
+            report.note(Decision::Refused { behaviour, by, why });
+            yielding &= !behaviour_bit(other);
+            is_soon &= matches!(why, Refusal::NoPointYet | Refusal::ShuttingDown);
+        }
+        // Nobody sleeps in vain while another takes its time.
+        if is_soon { yielding } else { 0 }
     }
 
     /// Why an engaged behaviour does not yield to another now.
@@ -155,19 +206,18 @@ impl Behaviours {
         &self,
         mission: &Mission<'_>,
         index: usize,
-        behaviour: &Behaviour,
         effects: Effects,
-        now_us: u64,
     ) -> Option<Refusal> {
+        let behaviour = mission.behaviours().get(index)?;
         let status = self.status(index);
-        let ran_us = now_us.saturating_sub(status.engaged_us);
+        let ran_us = self.now_us.saturating_sub(status.engaged_us);
         match status.phase {
             Phase::ShuttingDown => return Some(Refusal::ShuttingDown),
             Phase::StartingUp => return Some(Refusal::NoPointYet),
             _ if ran_us < u64::from(behaviour.dwell_ms) * 1_000 => return Some(Refusal::Dwell),
             _ => {}
         }
-        if !self.is_at_point(index) || self.endangers_held(mission, index, effects) {
+        if self.is_acting(index) || self.endangers_held(mission, index, effects) {
             return Some(Refusal::NoPointYet);
         }
         let is_better_ahead = behaviour.switch_point == SwitchPoint::Best && {
@@ -180,35 +230,21 @@ impl Behaviours {
         is_better_ahead.then_some(Refusal::BetterPointAhead)
     }
 
-    /// Whether a behaviour that is not in the way holds something that would suffer.
-    fn is_endangered(
-        &self,
-        mission: &Mission<'_>,
-        index: usize,
-        effects: Effects,
-    ) -> Option<Refusal> {
-        let status = self.status(index);
-        let is_holding =
-            status.is_engaged() || status.phase == Phase::Sleeping && status.is_holding;
-        (is_holding && self.endangers_held(mission, index, effects)).then_some(Refusal::Excluded)
-    }
-
+    /// Whether a behaviour's plan, or the activity that prepares it, protects what would suffer.
     fn endangers_held(&self, mission: &Mission<'_>, index: usize, effects: Effects) -> bool {
         let mut is_endangered = false;
-        self.plans.grid.held(mission, index as Owner, 0, &mut |held: Held| {
-            is_endangered |= effects.endanger(held.condition);
-        });
+        for owner in [index as Owner, index as Owner + ACTIVITY] {
+            self.plans.grid.held(mission, owner, 0, &mut |held: Held| {
+                is_endangered |= effects.endanger(held.condition);
+            });
+        }
         is_endangered
     }
 
-    /// A vertex of its plan was just reached, or none of its actions runs.
-    fn is_at_point(&self, index: usize) -> bool {
-        let is_running = self.plans.forest.iter().any(|(_, component)| {
-            usize::from(component.owner) == index
-                && component.life == Life::Started
-                && matches!(component.symbol, Symbol::Action(_))
-        });
-        self.plans.reached & behaviour_bit(index) != 0 || !is_running
+    /// Whether some action of a behaviour's plan runs: it is between vertices.
+    fn is_acting(&self, index: usize) -> bool {
+        let mut all = self.plans.forest.iter();
+        all.any(|(_, component)| usize::from(component.owner) == index && component.is_running())
     }
 
     /// Puts an engaged behaviour to sleep for another. Returns whether that one has to wait for its
@@ -217,17 +253,20 @@ impl Behaviours {
         &mut self,
         mission: &Mission<'_>,
         index: usize,
-        by: usize,
-        is_unconditional: bool,
+        by: &Claim,
         report: &mut Report,
     ) -> bool {
-        let (owner, phase) = (index as Owner, self.status(index).phase);
-        let shut_down = mission.behaviours().get(index).and_then(|behaviour| behaviour.shut_down);
+        let (owner, status) = (index as Owner, self.status(index));
+        let lost_work =
+            if by.is_urgent { self.work_under_way(mission, owner) } else { status.lost_work };
+        let behaviour = mission.behaviours().get(index);
         self.plans.change(|forest, tell| {
             forest.uproot(owner + ACTIVITY, tell);
             forest.suspend(owner, tell);
         });
-        let shut_down = shut_down.filter(|_| !is_unconditional && phase == Phase::Active);
+        let shut_down = behaviour
+            .and_then(|behaviour| behaviour.shut_down)
+            .filter(|_| !by.is_urgent && status.phase == Phase::Active);
         let waits = shut_down.is_some_and(|frame| {
             self.plans.change(|forest, tell| forest.plant(owner + ACTIVITY, frame, tell)).is_some()
         });
@@ -241,11 +280,29 @@ impl Behaviours {
             },
         );
         if let Some(status) = self.statuses.get_mut(index) {
-            status.is_holding = !is_unconditional;
+            status.holds = !by.is_urgent;
         }
-        let (behaviour, by) = (index as u8, by as u8);
-        report.note(Decision::Interrupted { behaviour, by, is_unconditional });
+        report.note(Decision::Interrupted {
+            behaviour: index as u8,
+            by: by.index as u8,
+            is_unconditional: by.is_urgent,
+            lost_work,
+        });
         waits
+    }
+
+    /// What the mission says that the actions which run now cost to do again.
+    fn work_under_way(&self, mission: &Mission<'_>, owner: Owner) -> u16 {
+        let forest = &self.plans.forest;
+        let running = forest.iter().filter(|(_, c)| c.owner == owner && c.is_running());
+        running.fold(0, |sum, (_, component)| {
+            let production = component.parent.and_then(|id| forest.production_of(mission, id));
+            let edge = production.and_then(|production| {
+                let first = usize::from(production.first_edge);
+                mission.edges().get(first + usize::from(component.edge))
+            });
+            edge.map_or(sum, |edge| edge.work.saturating_add(sum))
+        })
     }
 
     /// Engages a behaviour: its start-up activity first, if it has one.
@@ -254,78 +311,62 @@ impl Behaviours {
         mission: &Mission<'_>,
         index: usize,
         behaviour: &Behaviour,
-        now_us: u64,
-        facts: Facts,
         report: &mut Report,
     ) {
+        let now_us = self.now_us;
         if let Some(status) = self.statuses.get_mut(index) {
             status.engaged_us = now_us;
-            status.is_holding = false;
+            status.holds = false;
         }
+        let Some(frame) = behaviour.start_up else {
+            return self.begin_work(mission, index, report);
+        };
         let owner = index as Owner + ACTIVITY;
-        if let Some(frame) = behaviour.start_up
-            && self.plans.change(|forest, tell| forest.plant(owner, frame, tell)).is_some()
-        {
+        if self.plans.change(|forest, tell| forest.plant(owner, frame, tell)).is_some() {
             self.set_phase(index, Phase::StartingUp);
-            report.note(Decision::Engaged { behaviour: index as u8 });
-            return;
+            report.note(Decision::Prepared { behaviour: index as u8 });
+        } else {
+            self.fail_behaviour(index, report);
         }
-        self.begin_work(mission, index, now_us, facts, report);
     }
 
     /// Takes up a behaviour's own plan: the one that sleeps, or a new one.
-    pub(crate) fn begin_work(
-        &mut self,
-        mission: &Mission<'_>,
-        index: usize,
-        now_us: u64,
-        facts: Facts,
-        report: &mut Report,
-    ) {
+    pub(crate) fn begin_work(&mut self, mission: &Mission<'_>, index: usize, report: &mut Report) {
         let (owner, behaviour) = (index as Owner, index as u8);
         if self.plans.forest.root(owner).is_some() {
             self.plans.change(|forest, tell| forest.resume(owner, tell));
             self.set_phase(index, Phase::Active);
             report.note(Decision::Resumed { behaviour });
-            self.mend_deviations(mission, owner, facts, report);
+            self.mend_deviations(mission, owner, report);
             return;
         }
         let root = mission.behaviours().get(index).map_or(0, |behaviour| behaviour.root);
         if self.plans.change(|forest, tell| forest.plant(owner, root, tell)).is_some() {
             self.set_phase(index, Phase::Active);
+            if let Some(status) = self.statuses.get_mut(index) {
+                status.lost_work = 0;
+            }
             report.note(Decision::Engaged { behaviour });
         } else {
-            self.fail_behaviour(index, now_us, report);
+            self.fail_behaviour(index, report);
         }
     }
 
     /// A plan that has just woken is compared with the world; where they differ, the outermost frame
     /// concerned begins anew.
-    fn mend_deviations(
-        &mut self,
-        mission: &Mission<'_>,
-        owner: Owner,
-        facts: Facts,
-        report: &mut Report,
-    ) {
+    fn mend_deviations(&mut self, mission: &Mission<'_>, owner: Owner, report: &mut Report) {
         // Each round gives up at least one level.
         for _ in 0..MAX_DEPTH {
-            let Some((signal, frame)) = self.outermost_deviation(mission, owner, facts) else {
-                return;
-            };
+            let Some((signal, frame)) = self.outermost_deviation(mission, owner) else { return };
             report.note(Decision::Conflict(signal));
             self.plans.change(|forest, tell| forest.begin_anew(frame, tell));
         }
     }
 
     /// The deviation nearest to the root, and the frame that has to begin anew for it.
-    fn outermost_deviation(
-        &self,
-        mission: &Mission<'_>,
-        owner: Owner,
-        facts: Facts,
-    ) -> Option<(Signal, u8)> {
+    fn outermost_deviation(&self, mission: &Mission<'_>, owner: Owner) -> Option<(Signal, u8)> {
         let grid = &self.plans.grid;
+        let facts = self.facts();
         let mut found: Option<(usize, Signal, u8)> = None;
         let mut consider = |signal: Signal| {
             let Signal::Evident { id, what, .. } = signal else { return };
@@ -349,8 +390,9 @@ impl Behaviours {
     }
 
     /// A behaviour has given up: its plans are gone, and it rests.
-    pub(crate) fn fail_behaviour(&mut self, index: usize, now_us: u64, report: &mut Report) {
+    pub(crate) fn fail_behaviour(&mut self, index: usize, report: &mut Report) {
         let owner = index as Owner;
+        let now_us = self.now_us;
         self.plans.change(|forest, tell| {
             forest.uproot(owner, tell);
             forest.uproot(owner + ACTIVITY, tell);
@@ -358,7 +400,6 @@ impl Behaviours {
         self.set_phase(index, Phase::Idle);
         if let Some(status) = self.statuses.get_mut(index) {
             status.rests_until_us = now_us.saturating_add(crate::REST_US);
-            status.is_holding = false;
         }
         report.note(Decision::Failed { behaviour: index as u8 });
     }
@@ -372,4 +413,9 @@ impl Behaviours {
     pub(crate) fn status(&self, index: usize) -> crate::Status {
         self.statuses.get(index).copied().unwrap_or_default()
     }
+}
+
+/// The indices in a set of behaviours.
+fn bits(set: u16) -> impl Iterator<Item = usize> {
+    (0..MAX_BEHAVIOURS).filter(move |&index| set & behaviour_bit(index) != 0)
 }

@@ -39,6 +39,12 @@ pub(crate) struct Senses {
     last: [Option<(f32, u64)>; MAX_INPUTS],
     /// The results of the rule bases in this tick.
     results: [f32; MAX_RULE_BASES],
+    /// Facts that hold by what is sensed in this tick.
+    sensed: Facts,
+    /// Facts that are symbols instead.
+    symbolic: Facts,
+    /// Facts about progress.
+    about_progress: Facts,
     /// Where the robot was when it last came far enough, and when, for each progress fact by its
     /// number among them.
     anchors: [Option<(Vec2, u64)>; MAX_PROGRESS_FACTS],
@@ -52,6 +58,9 @@ impl Default for Senses {
         Self {
             last: [None; MAX_INPUTS],
             results: [0.5; MAX_RULE_BASES],
+            sensed: 0,
+            symbolic: 0,
+            about_progress: 0,
             anchors: [None; MAX_PROGRESS_FACTS],
         }
     }
@@ -62,11 +71,17 @@ impl Senses {
     pub(crate) fn result(&self, rules: u16) -> f32 {
         self.results.get(usize::from(rules)).copied().unwrap_or(0.0)
     }
+
+    /// Progress counts from here and now.
+    pub(crate) fn forget_progress(&mut self) {
+        self.anchors = [None; MAX_PROGRESS_FACTS];
+        self.sensed &= !self.about_progress;
+    }
 }
 
 impl Behaviours {
-    /// Takes in what is seen, evaluates every rule base in order and returns the facts.
-    pub(crate) fn sense(&mut self, mission: &Mission<'_>, seen: &Observations<'_>) -> Facts {
+    /// Takes in what is seen, and evaluates every rule base in order and every fact.
+    pub(crate) fn sense(&mut self, mission: &Mission<'_>, seen: &Observations<'_>) {
         for (index, input) in mission.inputs().iter().enumerate() {
             if !matches!(input.source, Source::Rules(_)) {
                 self.take_in(index, &input, seen);
@@ -83,7 +98,7 @@ impl Behaviours {
             }
         }
         self.track_progress(mission, seen);
-        self.facts(mission, seen)
+        self.sense_facts(mission, seen);
     }
 
     /// The criticality of every behaviour is the result of its rule base.
@@ -92,17 +107,26 @@ impl Behaviours {
         for ((behaviour, status), noted) in behaviours.zip(&mut report.criticalities) {
             let result = self.senses.results.get(usize::from(behaviour.rules));
             status.criticality = result.copied().unwrap_or(0.0);
+            status.is_dormant = status.criticality <= behaviour.dormant;
             *noted = status.criticality;
         }
     }
 
-    /// The facts that hold now.
-    pub(crate) fn facts(&self, mission: &Mission<'_>, seen: &Observations<'_>) -> Facts {
-        let mut progress = 0;
-        (0..).zip(mission.facts().iter()).fold(0, |facts, (index, fact)| {
+    /// The facts that hold now. Symbols may change within a tick, what is sensed does not.
+    pub(crate) fn facts(&self) -> Facts {
+        self.senses.sensed | self.symbols & self.senses.symbolic
+    }
+
+    fn sense_facts(&mut self, mission: &Mission<'_>, seen: &Observations<'_>) {
+        let (mut sensed, mut symbolic, mut about_progress) = (0, 0, 0);
+        let mut anchors = self.senses.anchors.iter();
+        for (index, fact) in (0..).zip(mission.facts().iter()) {
             let bit = fact_bit(index);
             let holds = match fact.kind {
-                FactKind::Symbol { .. } => self.symbols & bit != 0,
+                FactKind::Symbol { .. } => {
+                    symbolic |= bit;
+                    false
+                }
                 FactKind::Level { input, low, high } => {
                     let value = self.value_of(mission, usize::from(input), seen.time_us);
                     (low..=high).contains(&value)
@@ -116,13 +140,15 @@ impl Behaviours {
                     })
                 }
                 FactKind::NoProgress { within_ms, .. } => {
-                    let anchor = self.senses.anchors.get(progress).copied().flatten();
-                    progress += 1;
-                    anchor.is_some_and(|(_, since)| is_over(since, within_ms, seen.time_us))
+                    about_progress |= bit;
+                    let anchor = anchors.next().copied().flatten();
+                    anchor.is_some_and(|(_, since)| is_over(since, within_ms, self.now_us))
                 }
             };
-            if holds { facts | bit } else { facts }
-        })
+            sensed |= if holds { bit } else { 0 };
+        }
+        (self.senses.sensed, self.senses.symbolic) = (sensed, symbolic);
+        self.senses.about_progress = about_progress;
     }
 
     fn take_in(&mut self, index: usize, input: &Input, seen: &Observations<'_>) {
@@ -176,7 +202,7 @@ impl Behaviours {
             let is_far =
                 anchor.is_none_or(|(from, _)| vector::length(position - from) >= distance_m);
             if is_far {
-                *anchor = Some((position, seen.time_us));
+                *anchor = Some((position, self.now_us));
             }
         }
     }

@@ -6,28 +6,41 @@
 //! protected would suffer, or at once if it is critical enough (Hasemann, "Behaviour Control
 //! System"). What runs is decomposed and watched, and its atomic actions are handed to the tick.
 //!
-//! Order of a step: inputs and facts -> criticalities -> who is engaged -> plans (check, decompose,
-//! start, finish). One file each: [`inputs`], [`engage`], [`run`].
+//! Order of a step: inputs, facts and criticalities -> what is violated and what has ended -> who is
+//! engaged -> plans are decomposed and actions started. One file each: [`inputs`], [`watch`],
+//! [`engage`], [`run`].
 //!
 //! Decisions where the paper is silent:
 //! - A missing input counts as its last value for the time that the mission gives it, then as the
 //!   value that the mission names (H46).
-//! - A dormant behaviour cannot be engaged and yields to every other, but one that is active is not
-//!   cut off in the middle of its plan: a robot that has just refuelled still drives back.
-//! - Another behaviour is engaged conditionally only if it is more critical by the active one's
-//!   hysteresis and the active one has run for its minimum dwell; so two behaviours cannot chatter
-//!   (H32). Unconditional switching knows neither.
-//! - A behaviour is interrupted conditionally at a vertex of its plan. With `best`, the point is the
-//!   one of least lost work among those without interference; it may never be later than the
-//!   plan's end (H37).
-//! - The intervals that sleeping behaviours hold are respected too. If they alone keep a behaviour
-//!   out, the report names the behaviour that excludes it; only unconditional switching resolves it
-//!   (H35).
+//! - A behaviour from its unconditional threshold on outranks all that are below theirs; among
+//!   equals in that the criticality decides, to which an engaged behaviour may add its hysteresis.
+//!   So neither two calm behaviours nor two urgent ones chatter (H32). A behaviour yields
+//!   conditionally only after its minimum dwell; unconditional switching knows no dwell.
+//! - A dormant behaviour cannot be engaged, yields to every other and protects nothing while it
+//!   sleeps; but one that is active is not cut off in the middle of its plan: a robot that has just
+//!   refuelled still drives back.
+//! - A behaviour is interrupted conditionally where none of its actions runs: at a vertex of its
+//!   plan, with parallel branches where they join or happen to stand at vertices together. With
+//!   `best`, the point is the one of least lost work among those without interference; it may never
+//!   be later than the plan's end (H37).
+//! - Where several behaviours are in the way of one, each yields at its own point and sleeps until
+//!   the last has yielded; waiting for a common point could last for ever.
+//! - The intervals that sleeping behaviours hold are respected too. If they keep a behaviour out,
+//!   the report names the one that excludes it, and its resources are for the others meanwhile, so
+//!   that the excluding one can go on and give its interval up. Unconditional switching overrules
+//!   it, and names the victim (H35).
 //! - Behaviours that share no resource run together (H31). Start-up activities run before a
 //!   behaviour is engaged or resumed, shut-down activities before it sleeps after a conditional
-//!   switch (H34); a failed shut-down does not keep the other behaviour waiting.
+//!   switch (H34). A failed start-up fails the behaviour; a failed shut-down does not keep the other
+//!   one waiting.
 //! - On waking, what a plan assumes is checked: the deviating frame begins anew at its level, since
 //!   not its choice but the world was to blame (H28).
+//! - Effects take place when a component ends and its goal holds, both or neither.
+//! - An output is part of the world: it stays as it was set when its action, plan or behaviour ends,
+//!   fails or is interrupted. A behaviour that must find a tool lifted lifts it in its start-up.
+//! - Progress is counted anew for every action that drives: waiting is not being stuck.
+//! - While nothing may move ([`Behaviours::pause`]) no time passes for actions, dwell and rest.
 //! - A behaviour that has failed rests for [`REST_US`] before it is considered again.
 //!
 //! Invariants: constant memory; at most `MAX_STEPS` plan steps for each behaviour and tick; no call
@@ -38,7 +51,9 @@ mod engage;
 mod inputs;
 mod report;
 mod run;
+mod watch;
 
+pub use grammar::Choice;
 pub use inputs::{MAX_PROGRESS_FACTS, Observations, World};
 pub use report::{Decision, MAX_DECISIONS, Refusal, Report};
 pub use run::{MAX_RUNNING, Running, RunningAction};
@@ -77,12 +92,14 @@ pub enum Phase {
 pub(crate) struct Status {
     pub(crate) phase: Phase,
     pub(crate) criticality: f32,
-    /// When it was engaged, microseconds.
+    /// Whether that is too little to be considered.
+    pub(crate) is_dormant: bool,
+    /// When it was engaged.
     pub(crate) engaged_us: u64,
-    /// Not considered before, microseconds.
+    /// Not considered before.
     pub(crate) rests_until_us: u64,
-    /// Whether its protection intervals are held against others while it sleeps.
-    pub(crate) is_holding: bool,
+    /// Whether it was put to sleep at a point: what it protects is as its plan wants it.
+    pub(crate) holds: bool,
     /// What it costs to interrupt it at the vertex that it reached last.
     pub(crate) lost_work: u16,
 }
@@ -92,11 +109,20 @@ impl Status {
     pub(crate) fn is_engaged(&self) -> bool {
         matches!(self.phase, Phase::StartingUp | Phase::Active | Phase::ShuttingDown)
     }
+
+    /// Whether it sleeps and what it protects is held against others.
+    pub(crate) fn is_holding(&self) -> bool {
+        self.phase == Phase::Sleeping && self.holds && !self.is_dormant
+    }
 }
 
 /// The state of the behaviour control system. Plain data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Behaviours {
+    /// Time that has passed without pauses, microseconds: the clock of everything but inputs.
+    pub(crate) now_us: u64,
+    /// When the last step or pause was, on the clock of the observations.
+    pub(crate) seen_us: Option<u64>,
     pub(crate) plans: Plans,
     pub(crate) statuses: [Status; MAX_BEHAVIOURS],
     pub(crate) senses: Senses,
@@ -104,10 +130,10 @@ pub struct Behaviours {
     pub(crate) symbols: Facts,
     /// Digital outputs, one bit each.
     pub(crate) outputs: u16,
-    /// When each running action was started, microseconds.
+    /// When each running action was started.
     pub(crate) started_us: [u64; MAX_COMPONENTS],
-    /// Whose doubts are looked at in the next tick.
-    pub(crate) next_doubt: u8,
+    /// The component whose doubts were looked at last.
+    pub(crate) last_doubt: u8,
 }
 
 /// The live plans and the grid that hears of every change in them.
@@ -115,10 +141,10 @@ pub struct Behaviours {
 pub(crate) struct Plans {
     pub(crate) forest: Forest,
     pub(crate) grid: Grid,
-    /// Behaviours that reached a vertex in the last tick that they ran in, one bit each.
+    /// Behaviours that have reached a vertex since they were last carried on, one bit each.
     pub(crate) reached: u16,
     /// Behaviours that somebody waits for, one bit each.
-    pub(crate) pending: u16,
+    pub(crate) awaited: u16,
 }
 
 impl Behaviours {
@@ -130,13 +156,15 @@ impl Behaviours {
                 _ => symbols,
             });
         Self {
+            now_us: 0,
+            seen_us: None,
             plans: Plans::default(),
             statuses: [Status::default(); MAX_BEHAVIOURS],
             senses: Senses::default(),
             symbols,
             outputs: 0,
             started_us: [0; MAX_COMPONENTS],
-            next_doubt: 0,
+            last_doubt: 0,
         }
     }
 
@@ -144,12 +172,22 @@ impl Behaviours {
     /// atomic actions that run, and why.
     pub fn step(&mut self, mission: &Mission<'_>, seen: &Observations<'_>) -> (Running, Report) {
         let mut report = Report::default();
-        let facts = self.sense(mission, seen);
+        let passed_us = seen.time_us.saturating_sub(self.seen_us.unwrap_or(seen.time_us));
+        self.now_us = self.now_us.saturating_add(passed_us);
+        self.seen_us = Some(seen.time_us);
+        self.sense(mission, seen);
         self.infer_criticalities(mission, &mut report);
-        self.engage(mission, seen.time_us, facts, &mut report);
+        self.watch(mission, seen, &mut report);
+        self.engage(mission, &mut report);
         let running = self.run(mission, seen, &mut report);
-        report.facts = self.facts(mission, seen);
+        report.facts = self.facts();
         (running, report)
+    }
+
+    /// A tick in which nothing is done since nothing may move: plans wait as they are, and the time
+    /// until the next step does not count. `time_us` on the clock of the observations.
+    pub fn pause(&mut self, time_us: u64) {
+        self.seen_us = Some(time_us);
     }
 
     /// What a behaviour is doing.
@@ -212,4 +250,3 @@ pub(crate) fn fact_bit(index: u32) -> Facts {
 pub(crate) fn behaviour_bit(index: usize) -> u16 {
     u32::try_from(index).ok().and_then(|index| 1_u16.checked_shl(index)).unwrap_or(0)
 }
-

@@ -1,5 +1,6 @@
 //! What was decided in a tick, and why: the raw material of every explanation.
 
+use grammar::Choice;
 use heapless::Vec;
 use monitor::Signal;
 use plan_format::limits::MAX_BEHAVIOURS;
@@ -32,6 +33,11 @@ impl Report {
 /// One decision. Behaviours, frames and productions by their index in the mission.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Decision {
+    /// A behaviour's start-up activity begins.
+    Prepared {
+        /// Which.
+        behaviour: u8,
+    },
     /// A behaviour was engaged with a new plan.
     Engaged {
         /// Which.
@@ -50,6 +56,17 @@ pub enum Decision {
         by: u8,
         /// At once, or at a switching point.
         is_unconditional: bool,
+        /// What the mission says that this costs: at a point, the work of what leads to it; at
+        /// once, that of the actions that ran (H38).
+        lost_work: u16,
+    },
+    /// What a behaviour protects has to stand back behind another that is engaged
+    /// unconditionally.
+    Overruled {
+        /// Which.
+        behaviour: u8,
+        /// By whom.
+        by: u8,
     },
     /// A behaviour that is more critical, or conflicts with nobody, has to wait.
     Refused {
@@ -66,6 +83,13 @@ pub enum Decision {
         production: u16,
         /// Its applicability.
         applicability: f32,
+    },
+    /// A frame was not decomposed, and has failed.
+    NotDecomposed {
+        /// The frame.
+        frame: u16,
+        /// Why.
+        why: Choice,
     },
     /// A behaviour has done its work.
     Finished {
@@ -91,11 +115,11 @@ pub enum Decision {
 pub enum Refusal {
     /// The other has not run for its minimum dwell.
     Dwell,
-    /// The next points of the other's plan are protected, or have not been reached.
+    /// The other is at no point of its plan where nothing protected would suffer.
     NoPointYet,
     /// The other waits for a better point.
     BetterPointAhead,
-    /// The other is asleep and holds a protection interval that this one may violate.
+    /// The other is not in the way, but holds a protection interval that this one may violate.
     Excluded,
     /// The other is shutting down.
     ShuttingDown,

@@ -77,6 +77,7 @@ pub fn behave(
         return (Wish { motion: Motion::Follow(target), ..wish }, Report::default());
     }
     if !percepts.operator.is_armed || percepts.operator.is_emergency_stop {
+        behaviours.pause(percepts.time_us);
         return (wish, Report::default());
     }
     let seen = Observations {

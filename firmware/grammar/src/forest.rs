@@ -39,6 +39,13 @@ pub struct Component {
     was: Life,
 }
 
+impl Component {
+    /// Whether it is an atomic action that is being carried out.
+    pub fn is_running(&self) -> bool {
+        self.life == Life::Started && matches!(self.symbol, Symbol::Action(_))
+    }
+}
+
 /// What happened in a live plan, in order; the situation grid lives on these messages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {

@@ -2,7 +2,7 @@
 
 use super::Failure;
 use crate::cli::Explain;
-use behaviour::{Behaviours, Decision, Phase, Refusal};
+use behaviour::{Behaviours, Choice, Decision, Phase, Refusal};
 use controller::{Blend, Explanation, State};
 use math::Vec2;
 use monitor::{Doubt, Signal, Violation};
@@ -155,9 +155,18 @@ fn decided(mission: &Mission<'_>, decision: &Decision) -> String {
     match *decision {
         Decision::Engaged { behaviour: who } => format!("{} is engaged", behaviour(who)),
         Decision::Resumed { behaviour: who } => format!("{} is resumed", behaviour(who)),
-        Decision::Interrupted { behaviour: who, by, is_unconditional } => {
+        Decision::Prepared { behaviour: who } => format!("{} starts up", behaviour(who)),
+        Decision::Interrupted { behaviour: who, by, is_unconditional, lost_work } => {
             let how = if is_unconditional { "at once" } else { "at a switching point" };
-            format!("{} is interrupted by {} {how}", behaviour(who), behaviour(by))
+            let (who, by) = (behaviour(who), behaviour(by));
+            format!("{who} is interrupted by {by} {how}, at the cost of {lost_work}")
+        }
+        Decision::Overruled { behaviour: who, by } => {
+            format!(
+                "{} protects what {} may violate, and is overruled",
+                behaviour(who),
+                behaviour(by)
+            )
         }
         Decision::Refused { behaviour: who, by, why } => {
             let why = match why {
@@ -173,6 +182,16 @@ fn decided(mission: &Mission<'_>, decision: &Decision) -> String {
             let record = mission.productions().get(production.into());
             let name = record.map_or("?", |record| mission.name(record.name));
             format!("production {production} `{name}` is chosen, applicability {applicability:.4}")
+        }
+        Decision::NotDecomposed { frame, why } => {
+            let why = match why {
+                Choice::NoRoom => "there is no room for its components",
+                Choice::TooDeep => "it lies too deep",
+                _ => "no production that was not tried is applicable",
+            };
+            let record = mission.frames().get(frame.into());
+            let name = record.map_or("?", |record| mission.name(record.name));
+            format!("frame {frame} `{name}` fails: {why}")
         }
         Decision::Finished { behaviour: who } => format!("{} is finished", behaviour(who)),
         Decision::Failed { behaviour: who } => format!("{} has failed", behaviour(who)),

@@ -1,24 +1,26 @@
 //! One file a command: each reads files, calls the library, prints.
 
 mod build;
+mod completions;
 mod description;
 mod explain;
 mod export;
 mod graph;
 mod inspect;
-mod project;
+mod man;
 mod progress;
+mod project;
 mod query;
 mod render;
 mod verify;
 
 use crate::cli::{Cli, Command, LayerName};
-use plan_compiler::mission::nearest;
 use plan_compiler::image;
+use plan_compiler::mission::nearest;
 use plan_compiler::problem::{Problem, draw};
 use plan_compiler::source;
 use plan_format::{Layer, ParallelPlan, Plan};
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 
 /// Why a command did not do what it was asked.
@@ -54,6 +56,8 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Render(args) => render::run(args, cli.quiet),
         Command::Graph(args) => graph::run(args, cli.quiet),
         Command::Verify(args) => verify::run(args, cli.quiet),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => man::run(args),
         Command::Explain(args) => explain::run(args),
     }
 }
@@ -65,6 +69,13 @@ fn tell(problems: &[Problem], quiet: bool) {
     }
 }
 
+/// Writes what was asked for to standard output.
+fn print(bytes: &[u8]) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    out.write_all(bytes)?;
+    Ok(out.flush()?)
+}
+
 /// The bytes of a blob.
 fn read_blob(path: &Path) -> Result<Vec<u8>, Failure> {
     Ok(source::read_bytes(path)?)
@@ -74,13 +85,13 @@ fn read_blob(path: &Path) -> Result<Vec<u8>, Failure> {
 fn open<'b>(path: &Path, bytes: &'b [u8]) -> Result<Plan<'b>, Failure> {
     Plan::parse_exact(bytes).map_err(|error| {
         let name = path.display();
-        Problem::error(format!("{name} is refused: {error}"))
-            .mend("name a blob that `plan-compiler build MAP -o plans.bin` wrote, or build it anew")
         if let Some(kind) = image::wrapped(bytes) {
             return Problem::error(format!("{name} is {kind}, which is for flashing only"))
                 .mend("name the blob itself: `plan-compiler build MAP -o plans.bin` writes it")
                 .into();
         }
+        Problem::error(format!("{name} is refused: {error}"))
+            .mend("name a blob that `plan-compiler build MAP -o plans.bin` wrote, or build it anew")
             .into()
     })
 }

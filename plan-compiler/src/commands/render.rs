@@ -1,12 +1,14 @@
-//! `render`: a layer as a picture.
+//! `render`: layers as a picture.
 
-use super::{Failure, find, open, read_blob, tell};
+use super::{Failure, find, layers, open, read_blob, tell};
 use crate::cli::Render;
-use plan_compiler::compile::has_errors;
-use plan_compiler::map::Feature;
+use plan_compiler::compile::{has_errors, metres, pair};
+use plan_compiler::map::{Feature, Point};
 use plan_compiler::problem::Problem;
-use plan_compiler::render::{Overlay, picture, png};
+use plan_compiler::render::{Overlay, Panel, png, side_by_side};
+use plan_compiler::route::{self, NoRoute, Route};
 use plan_compiler::{formats, output};
+use plan_format::{Layer, ParallelPlan, Plan};
 
 pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
     let extension = args.output.extension().and_then(|extension| extension.to_str());
@@ -17,16 +19,88 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
     };
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;
-    let (parallel, layer) = find(&plan, &args.layer)?;
+    let drawn = chosen(args, &plan)?;
     let features = features(args, quiet)?;
-    let overlay = Overlay { features: &features, ..Overlay::default() };
-    let svg = picture(&plan, &parallel, &layer, &overlay);
+    let routes = match args.route {
+        Some(start) => routes(&plan, &drawn, start, quiet)?,
+        None => Vec::new(),
+    };
+    let mut panels = Vec::new();
+    for (index, &(parallel, layer)) in drawn.iter().enumerate() {
+        let route = routes.get(index).and_then(Option::as_ref);
+        let route = route.map_or(&[][..], |route| &route.points);
+        let overlay = Overlay { features: &features, start: args.route, route };
+        panels.push(Panel { parallel, layer, overlay });
+    }
+    let svg = side_by_side(&plan, &panels);
     let bytes = if as_png {
         png(&svg).map_err(|reason| Problem::error(format!("cannot draw the PNG: {reason}")))?
     } else {
         svg.into_bytes()
     };
     Ok(output::write_file(&args.output, |out| out.write_all(&bytes))?)
+}
+
+/// The layers to draw.
+fn chosen<'b>(
+    args: &Render,
+    plan: &Plan<'b>,
+) -> Result<Vec<(ParallelPlan<'b>, Layer<'b>)>, Failure> {
+    let named = args.layer.as_ref().map(|name| find(plan, name)).transpose()?;
+    if let (Some(named), false) = (named, args.layers) {
+        return Ok(vec![named]);
+    }
+    let followed = || plan.parallel_plan(usize::from(plan.parameters().plan));
+    let parallel = named.map(|(parallel, _)| parallel).or_else(followed);
+    let parallel = parallel.ok_or_else(|| Problem::error("the blob holds no plan at all"))?;
+    Ok(layers(parallel).map(|layer| (parallel, layer)).collect())
+}
+
+/// The way in each layer that has one; where none has, that is an error.
+fn routes(
+    plan: &Plan<'_>,
+    drawn: &[(ParallelPlan<'_>, Layer<'_>)],
+    start: Point,
+    quiet: bool,
+) -> Result<Vec<Option<Route>>, Failure> {
+    let follow = |(parallel, layer): &(ParallelPlan<'_>, Layer<'_>)| {
+        let name = format!("{}/{}", parallel.name(), layer.name());
+        (name, route::follow(plan.grid(), layer, parallel.goal_m(), start))
+    };
+    let followed: Vec<(String, Result<Route, NoRoute>)> = drawn.iter().map(follow).collect();
+    let has_none = followed.iter().all(|(_, route)| route.is_err());
+    let mut problems = Vec::new();
+    let mut lengths = String::new();
+    for (name, route) in &followed {
+        match route {
+            Ok(Route { length_m, .. }) => {
+                lengths += &format!("{name}: {} m from {}\n", metres(*length_m), pair(start));
+            }
+            Err(reason) => {
+                let message = format!("{name} has no way from {}: {reason}", pair(start));
+                let said = if has_none { Problem::error } else { Problem::warning };
+                problems.push(said(message).mend(mend(*reason)));
+            }
+        }
+    }
+    if has_none {
+        return Err(Failure::Wrong(problems));
+    }
+    tell(&problems, quiet);
+    if !quiet {
+        crate::eprint(&lengths);
+    }
+    Ok(followed.into_iter().map(|(_, route)| route.ok()).collect())
+}
+
+fn mend(reason: NoRoute) -> &'static str {
+    match reason {
+        NoRoute::OffMap => "`plan-compiler inspect` says where the map lies",
+        NoRoute::Unreachable => {
+            "start elsewhere; a picture without --route shows where there are ways"
+        }
+        NoRoute::Astray => "`plan-compiler verify` says which cells are wrong",
+    }
 }
 
 /// The exact shapes of the map, if one is given.

@@ -1,32 +1,52 @@
 //! `verify`: every cell proved anew.
 
-use super::{Failure, open, project, read_blob, tell};
+use super::progress::with_progress;
+use super::{Failure, open, print, project, read_blob, tell};
 use crate::cli::Verify;
 use plan_compiler::compile::{blocked, has_errors, metres, pair};
 use plan_compiler::problem::Problem;
 use plan_compiler::verify::{self, Report};
 use plan_format::Plan;
-use std::io::{self, Write};
+use serde::Serialize;
+use std::io;
 
 pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;
     let mut problems = Vec::new();
-    let proof = verify::verify(&plan);
+    let proof = with_progress(quiet, |progress| verify::verify(&plan, progress));
     add(&proof, &mut problems);
     let compared = compare(args, &plan, &mut problems)?;
     if has_errors(&problems) {
         return Err(Failure::Wrong(problems));
     }
     tell(&problems, quiet);
+    if args.json {
+        let proved = Proved {
+            layers: proof.layers,
+            cells: proof.cells,
+            cuts_corners: proof.cuts_corners,
+            compared_with_map: args.input.is_some(),
+        };
+        let json = serde_json::to_string_pretty(&proved).map_err(io::Error::from)?;
+        return print(format!("{json}\n").as_bytes());
+    }
     if !quiet {
-        let mut out = io::stdout().lock();
         let rule = if proof.cuts_corners { "corners allowed" } else { "no corner is cut" };
         let (name, layers, cells) = (args.plans.display(), proof.layers, proof.cells);
-        writeln!(out, "{name}: {cells} cells of {layers} layers proved; {rule}{compared}")?;
-        out.flush()?;
+        let text = format!("{name}: {cells} cells of {layers} layers proved; {rule}{compared}\n");
+        return print(text.as_bytes());
     }
     Ok(())
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Proved {
+    layers: usize,
+    cells: usize,
+    cuts_corners: bool,
+    compared_with_map: bool,
 }
 
 /// Compares with the map, if one is given.

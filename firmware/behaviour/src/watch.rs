@@ -1,0 +1,187 @@
+//! What is violated, and what has ended.
+
+use crate::inputs::{Observations, is_over};
+use crate::report::{Decision, Report};
+use crate::{ACTIVITY, Behaviours, Phase, behaviour_bit};
+use grammar::{Ended, Id, Owner};
+use heapless::Vec;
+use math::Vec2;
+use monitor::{Signal, Violation};
+use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS, MAX_DEPTH};
+use plan_format::mission::{Action, ActionKind, Mission};
+
+impl Behaviours {
+    /// Takes note of everything that has happened to the engaged behaviours' plans since the last
+    /// tick, before anybody decides on them.
+    pub(crate) fn watch(
+        &mut self,
+        mission: &Mission<'_>,
+        seen: &Observations<'_>,
+        report: &mut Report,
+    ) {
+        for index in 0..mission.behaviours().len().min(MAX_BEHAVIOURS) {
+            let Some(owner) = self.running_owner(index) else { continue };
+            self.heed_conflicts(mission, owner, report);
+            self.end_actions(mission, owner, seen, report);
+        }
+        let holding = self.holding();
+        if holding != 0 {
+            // Nobody's own view: what sleepers protect is the same in everybody's.
+            let mut note = |signal| report.note(Decision::Conflict(signal));
+            self.plans.grid.evident(mission, Owner::MAX, holding, self.facts(), &mut note);
+        }
+    }
+
+    /// The sleeping behaviours whose protection intervals are held against others, one bit each.
+    pub(crate) fn holding(&self) -> u16 {
+        let all = self.statuses.iter().enumerate();
+        all.filter(|(_, status)| status.is_holding())
+            .fold(0, |set, (index, _)| set | behaviour_bit(index))
+    }
+
+    /// Whose plan carries a behaviour at the moment: its own, or its activity's.
+    pub(crate) fn running_owner(&self, index: usize) -> Option<Owner> {
+        match self.status(index).phase {
+            Phase::Active => Some(index as Owner),
+            Phase::StartingUp | Phase::ShuttingDown => Some(index as Owner + ACTIVITY),
+            Phase::Idle | Phase::Sleeping => None,
+        }
+    }
+
+    /// A component whose transient description does not hold fails; a frame whose protection
+    /// interval does not hold chooses anew.
+    fn heed_conflicts(&mut self, mission: &Mission<'_>, owner: Owner, report: &mut Report) {
+        let mut signals: Vec<Signal, MAX_DEPTH> = Vec::new();
+        self.plans.grid.evident(mission, owner, 0, self.facts(), &mut |signal| {
+            // What finds no room is still violated in the next tick.
+            let _ = signals.push(signal);
+        });
+        for signal in signals {
+            report.note(Decision::Conflict(signal));
+            match signal {
+                Signal::Evident { id, what: Violation::Interval, .. } => {
+                    self.plans.change(|forest, tell| forest.fall_back(id, tell));
+                }
+                Signal::Evident { id, what: Violation::Transient, .. } => {
+                    self.fail(mission, owner, id, report);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Actions that have done what they are for, and those that have run out of time.
+    fn end_actions(
+        &mut self,
+        mission: &Mission<'_>,
+        owner: Owner,
+        seen: &Observations<'_>,
+        report: &mut Report,
+    ) {
+        for id in 0..MAX_COMPONENTS as Id {
+            let Some(action) = self.running_action(mission, owner, id) else { continue };
+            let started_us = self.started_us.get(usize::from(id)).copied().unwrap_or(0);
+            if self.is_done(&action, started_us, seen) {
+                self.complete(mission, owner, id, report);
+            } else if is_over(started_us, action.timeout_ms, self.now_us) {
+                report.note(Decision::TimedOut { component: id });
+                self.fail(mission, owner, id, report);
+            }
+        }
+    }
+
+    pub(crate) fn is_done(
+        &self,
+        action: &Action,
+        started_us: u64,
+        seen: &Observations<'_>,
+    ) -> bool {
+        if !action.until.is_empty() && action.until.holds(self.facts()) {
+            return true;
+        }
+        let has_lasted =
+            |time_ms: u32| self.now_us.saturating_sub(started_us) >= u64::from(time_ms) * 1_000;
+        match action.kind {
+            ActionKind::Follow { plan, .. } => seen.world.is_at_goal(plan),
+            ActionKind::GoTo { x_m, y_m } => seen.world.is_at(Vec2::new(x_m, y_m)),
+            ActionKind::Hold { for_ms } | ActionKind::Wander { for_ms } => has_lasted(for_ms),
+            // Done at once, unless it waits for something.
+            ActionKind::Signal { .. } | ActionKind::SetOutput { .. } => action.until.is_empty(),
+        }
+    }
+
+    /// A component has done what it is for: its effects take place, its goal is checked, and so on
+    /// upwards for every frame that it completes.
+    pub(crate) fn complete(
+        &mut self,
+        mission: &Mission<'_>,
+        owner: Owner,
+        id: Id,
+        report: &mut Report,
+    ) {
+        let mut id = id;
+        for _ in 0..=MAX_DEPTH {
+            let Some(component) = self.plans.forest.get(id).copied() else { return };
+            let before = self.symbols;
+            if let Some(description) = mission.description(component.symbol) {
+                self.symbols = self.symbols & !description.delete | description.add;
+            }
+            if let Some(signal) = self.plans.grid.goal(mission, id, self.facts()) {
+                self.symbols = before;
+                report.note(Decision::Conflict(signal));
+                return self.fail(mission, owner, id, report);
+            }
+            self.reach(mission, owner, &component);
+            match self.plans.change(|forest, tell| forest.finish(mission, id, tell)) {
+                Ended::Completes(frame) => id = frame,
+                Ended::RootFinished => return self.end_plan(mission, owner, report),
+                Ended::GoesOn | Ended::FallsBack(_) | Ended::RootFailed => return,
+            }
+        }
+    }
+
+    /// A component is about to end at a vertex; what interrupting there would cost is remembered.
+    fn reach(&mut self, mission: &Mission<'_>, owner: Owner, component: &grammar::Component) {
+        let index = usize::from(owner);
+        self.plans.reached |= behaviour_bit(index);
+        let frame = component.parent;
+        let production = frame.and_then(|frame| self.plans.forest.production_of(mission, frame));
+        if let (Some(status), Some(production)) = (self.statuses.get_mut(index), production) {
+            let into = mission.edges_of(&production).filter(|edge| edge.to == component.to);
+            status.lost_work = into.fold(0, |sum: u16, edge| sum.saturating_add(edge.work));
+        }
+    }
+
+    pub(crate) fn fail(
+        &mut self,
+        mission: &Mission<'_>,
+        owner: Owner,
+        id: Id,
+        report: &mut Report,
+    ) {
+        if self.plans.change(|forest, tell| forest.fail(id, tell)) != Ended::RootFailed {
+            return;
+        }
+        match owner.checked_sub(ACTIVITY).map(usize::from) {
+            None => self.fail_behaviour(usize::from(owner), report),
+            // A shut-down that fails has done what it could.
+            Some(index) if self.status(index).phase == Phase::ShuttingDown => {
+                self.end_plan(mission, owner, report);
+            }
+            Some(index) => self.fail_behaviour(index, report),
+        }
+    }
+
+    /// A whole plan has ended: a behaviour's own, or one of its activities.
+    fn end_plan(&mut self, mission: &Mission<'_>, owner: Owner, report: &mut Report) {
+        let Some(index) = owner.checked_sub(ACTIVITY).map(usize::from) else {
+            self.set_phase(usize::from(owner), Phase::Idle);
+            report.note(Decision::Finished { behaviour: owner });
+            return;
+        };
+        match self.status(index).phase {
+            Phase::StartingUp => self.begin_work(mission, index, report),
+            _ => self.set_phase(index, Phase::Sleeping),
+        }
+    }
+}

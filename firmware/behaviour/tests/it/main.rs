@@ -1,0 +1,4 @@
+//! The behaviour control system, from observations to what runs and why.
+
+mod bench;
+mod ploughing;

@@ -1,0 +1,25 @@
+//! `man`: the manual page of the program, or of one of its commands.
+
+use super::{Failure, print};
+use crate::cli::{Cli, Man};
+use clap::CommandFactory;
+
+pub(super) fn run(args: &Man) -> Result<(), Failure> {
+    // Built, so that commands know their full names and the options of all.
+    let mut command = Cli::command();
+    command.build();
+    let page = match &args.command {
+        None => command,
+        Some(wanted) => {
+            let found = command.get_subcommands().find(|one| one.get_name() == wanted).cloned();
+            found.ok_or_else(|| {
+                let names = command.get_subcommands().map(|one| one.get_name());
+                let names: Vec<&str> = names.filter(|&name| name != "help").collect();
+                Failure::Usage(format!("there is no command {wanted}, only {}", names.join(", ")))
+            })?
+        }
+    };
+    let mut roff = Vec::new();
+    clap_mangen::Man::new(page).render(&mut roff)?;
+    print(&roff)
+}

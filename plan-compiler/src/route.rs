@@ -1,0 +1,123 @@
+//! The way that a layer's advice leads from a point.
+//!
+//! What a robot would drive that follows the advice alone: from the centre of a cell to the
+//! centre of the next one. Out of an obstacle it is led by the escape.
+
+use crate::map::Point;
+use plan_format::grid::cost_metres;
+use plan_format::{Answer, Grid, Layer};
+
+/// A way to the goal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Route {
+    /// Where it starts, the centres of the cells that it passes, and the goal, metres.
+    pub points: Vec<Point>,
+    /// Its length from the centre of its first cell to that of the goal's, metres.
+    pub length_m: f64,
+}
+
+/// Why there is no way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoRoute {
+    /// The start is off the map.
+    OffMap,
+    /// The layer has no route from the start.
+    Unreachable,
+    /// The advice goes round in circles or off the map: the blob is not what the compiler wrote.
+    Astray,
+}
+
+impl std::fmt::Display for NoRoute {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::OffMap => "it is off the map",
+            Self::Unreachable => "obstacles part it from the goal",
+            Self::Astray => "the advice does not lead to the goal",
+        })
+    }
+}
+
+/// Follows the advice of a layer from a point to the goal.
+pub fn follow(grid: &Grid, layer: &Layer<'_>, goal: Point, start: Point) -> Result<Route, NoRoute> {
+    let mut cell = grid.cell_at(start[0], start[1]).ok_or(NoRoute::OffMap)?;
+    let mut points = vec![start];
+    let mut cost = 0u64;
+    // Who has passed more cells than there are has passed one twice.
+    for _ in 0..grid.cells() {
+        let direction = match layer.look_up(cell) {
+            Answer::Goal => {
+                points.push(goal);
+                let step_m = cost_metres(1, grid.resolution_m);
+                return Ok(Route { points, length_m: cost as f64 * step_m });
+            }
+            Answer::Move { direction, .. } | Answer::Blocked { escape: Some(direction) } => {
+                direction
+            }
+            Answer::Blocked { escape: None } | Answer::NoRoute => return Err(NoRoute::Unreachable),
+            Answer::OffMap => return Err(NoRoute::Astray),
+        };
+        cost += u64::from(direction.step_cost());
+        cell = cell.neighbour(direction, grid.columns, grid.rows).ok_or(NoRoute::Astray)?;
+        points.push(grid.centre(cell));
+    }
+    Err(NoRoute::Astray)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bitmap::Bitmap;
+    use crate::search::{Corners, solve};
+    use plan_format::{Cell, Draft, LayerDraft, Parameters, Plan, PlanDraft, pack, write};
+
+    /// Follows a layer over cells of half a metre that starts at (10, 20): `#` is blocked,
+    /// `G` the goal; the first line is the northernmost row.
+    fn follow_in(picture: &[&str], start: Point) -> Result<Route, NoRoute> {
+        let (columns, rows) = (picture[0].len() as u32, picture.len() as u32);
+        let at =
+            |cell: Cell| picture[(rows - 1 - cell.row) as usize].as_bytes()[cell.column as usize];
+        let blocked = Bitmap::from_fn(columns, rows, |cell| at(cell) == b'#');
+        let goal = Bitmap::from_fn(columns, rows, |cell| at(cell) == b'G').iter().next().unwrap();
+        let grid = Grid { columns, rows, resolution_m: 0.5, corner_m: [10.0, 20.0] };
+        let packed = pack(&solve(&blocked, goal, Corners::Forbid));
+        let goal_m = grid.centre(goal);
+        let layers = vec![LayerDraft { name: "physical".into(), packed }];
+        let blob = write(&Draft {
+            grid,
+            origin: None,
+            parameters: Parameters::default(),
+            plans: vec![PlanDraft { name: "g".into(), goal_m, layers }],
+            mission: Default::default(),
+        })
+        .unwrap();
+        let plan = Plan::parse_exact(&blob).unwrap();
+        follow(&grid, &plan.find("g").unwrap().layer(0).unwrap(), goal_m, start)
+    }
+
+    #[test]
+    fn the_advice_is_followed_from_the_very_start_to_the_very_goal() {
+        let route = follow_in(&["....", ".##G", "...."], [10.1, 20.9]).unwrap();
+        let expected = [
+            [10.1, 20.9],
+            [10.25, 21.25],
+            [10.75, 21.25],
+            [11.25, 21.25],
+            [11.75, 21.25],
+            [11.75, 20.75],
+        ];
+        assert_eq!(route.points[0], expected[0]);
+        assert_eq!(route.points.last(), Some(&[11.75, 20.75]));
+        assert_eq!(route.points.len(), expected.len() + 1);
+        assert!((route.length_m - 2.5).abs() < 1e-9, "{}", route.length_m);
+    }
+
+    #[test]
+    fn out_of_obstacles_it_is_led_and_otherwise_refused() {
+        let inside = follow_in(&["G...", "####", "####"], [10.25, 20.25]).unwrap();
+        assert_eq!(inside.points[..3], [[10.25, 20.25], [10.25, 20.75], [10.25, 21.25]]);
+        assert_eq!(inside.length_m, 1.0);
+        assert_eq!(follow_in(&["G.#."], [11.75, 20.0]), Err(NoRoute::Unreachable));
+        assert_eq!(follow_in(&["G.#."], [12.0, 20.0]), Err(NoRoute::OffMap));
+        assert_eq!(follow_in(&["G"], [10.0, 20.0]).unwrap().points, [[10.0, 20.0], [10.25, 20.25]]);
+    }
+}
