@@ -18,8 +18,7 @@ fn pender(_context: *mut ()) {
 /// every task waits: it sleeps or moves the clock.
 pub fn run(init: impl FnOnce(Spawner), mut idle: impl FnMut()) -> ! {
     static EXECUTOR: StaticCell<raw::Executor> = StaticCell::new();
-    let executor: &'static raw::Executor =
-        EXECUTOR.init(raw::Executor::new(core::ptr::null_mut()));
+    let executor: &'static raw::Executor = EXECUTOR.init(raw::Executor::new(core::ptr::null_mut()));
     init(executor.spawner());
     loop {
         // SAFETY: the executor is initialised and this is the only place that polls it, from

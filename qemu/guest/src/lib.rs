@@ -20,11 +20,11 @@ pub mod executor;
 #[cfg(target_os = "none")]
 mod fault;
 #[cfg(target_os = "none")]
+pub mod memory;
+#[cfg(target_os = "none")]
 pub mod pipe;
 #[cfg(target_os = "none")]
 pub mod plan;
-#[cfg(target_os = "none")]
-pub mod memory;
 
 /// What an image does when it is run on a host.
 #[cfg(not(target_os = "none"))]

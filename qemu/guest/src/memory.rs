@@ -23,6 +23,26 @@ pub fn stack_bytes() -> usize {
     top - word.addr()
 }
 
+/// Bytes of stack that a call uses at most, itself included: the stack below is painted anew
+/// and looked at afterwards.
+#[inline(never)]
+pub fn stack_bytes_of(call: impl FnOnce()) -> usize {
+    /// What this function itself may still need below its stack pointer.
+    const OWN_BYTES: usize = 128;
+    let top = cortex_m::register::msp::read() as usize - OWN_BYTES;
+    let bottom = (&raw const _stack_end).addr();
+    for address in (bottom..top).step_by(4) {
+        // SAFETY: the words are in the stack's region and below what is in use.
+        unsafe { (address as *mut u32).write_volatile(STACK_PAINT_VALUE) };
+    }
+    call();
+    // SAFETY: as above; the call has returned, and what it wrote is what is looked for.
+    let is_painted =
+        |address| unsafe { (address as *const u32).read_volatile() } == STACK_PAINT_VALUE;
+    let deepest = (bottom..top).step_by(4).find(|&address| !is_painted(address)).unwrap_or(top);
+    top - deepest
+}
+
 /// Bytes of all static memory: tasks and everything that they keep between ticks.
 pub fn static_bytes() -> usize {
     let data = (&raw const __edata).addr() - (&raw const __sdata).addr();

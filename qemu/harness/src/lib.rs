@@ -11,6 +11,7 @@
 //! Deliberately absent: what a mission is (see `sim`), and Windows: the guest's pipes are
 //! those of Unix.
 
+pub mod counts;
 pub mod machine;
 pub mod mission;
 pub mod pilot;

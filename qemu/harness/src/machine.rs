@@ -71,7 +71,7 @@ impl Machine {
     pub const fn plan_region(self) -> (u64, usize) {
         match self {
             Self::CortexM4F => (0x2100_0000, 16 << 20),
-            Self::CortexM3 => (0x0001_8000, 160 << 10),
+            Self::CortexM3 => (0x0003_4000, 48 << 10),
         }
     }
 

@@ -36,7 +36,11 @@ pub enum SetupError {
 
 /// The project's root.
 pub fn root() -> &'static Path {
-    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+    static ROOT: OnceLock<PathBuf> = OnceLock::new();
+    ROOT.get_or_init(|| {
+        let written = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+        written.canonicalize().unwrap_or_else(|_| written.to_owned())
+    })
 }
 
 /// Where cargo puts what it builds; also for pictures and the like.
@@ -70,8 +74,7 @@ pub fn built(
         arguments.extend(["--target".to_owned(), triple.to_owned()]);
     }
     // Held while cargo runs: a second caller of the same image waits for it here.
-    let mut done =
-        DONE.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
+    let mut done = DONE.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
     done.entry(arguments).or_insert_with_key(|arguments| executable(arguments)).clone()
 }
 

@@ -1,4 +1,4 @@
-//! Counts what the plan in its region costs to use: a name and a count a line.
+//! Counts what the plan in its region costs to use: a name and a number a line.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -29,7 +29,7 @@ mod counts {
     const TICKS: u64 = 200;
     /// Obstacles in sight of the counted ticks, all near enough to repel.
     const OBSTACLES: usize = 8;
-    /// The tick at which those ticks are apart, microseconds.
+    /// From one of those ticks to the next, microseconds.
     const PERIOD_US: u64 = runtime::TICK_PERIOD_US;
 
     pub(crate) fn print() {
@@ -49,6 +49,9 @@ mod counts {
         println!("blob-validation {validation}");
         println!("look-up-worst {}", worst_look_up(&plan, &layer, counter, overhead));
         println!("tick-8-obstacles-worst {}", worst_tick(&plan, &parallel, counter, overhead));
+        println!("tick-stack-bytes {}", tick_stack(&plan, &parallel));
+        println!("control-state-bytes {}", size_of::<State>());
+        println!("plan-view-bytes {}", size_of::<Plan<'_>>());
     }
 
     fn chosen(plan: &Plan<'static>) -> ParallelPlan<'static> {
@@ -86,6 +89,24 @@ mod counts {
         )
     }
 
+    /// The stack that a whole tick takes.
+    fn tick_stack(plan: &Plan<'_>, parallel: &ParallelPlan<'_>) -> usize {
+        let mut state = State::new(plan);
+        let percepts = percepts(plan, start(plan, parallel), 0);
+        guest::memory::stack_bytes_of(|| {
+            black_box(controller::tick(black_box(plan), &mut state, black_box(&percepts)));
+        })
+    }
+
+    /// A place with a route, away from the goal.
+    fn start(plan: &Plan<'_>, parallel: &ParallelPlan<'_>) -> Vec2 {
+        let layer = parallel.layer(0).expect("plans have layers");
+        (0..SAMPLES * SAMPLES)
+            .map(|step| sample(plan, step))
+            .find(|&point| is_far_from_goal(plan, &layer, point))
+            .expect("some sample has a route")
+    }
+
     /// Whole ticks of a robot on its way, a new fix in each, obstacles all around.
     fn worst_tick(
         plan: &Plan<'_>,
@@ -93,11 +114,7 @@ mod counts {
         counter: Counter,
         overhead: u32,
     ) -> u32 {
-        let layer = parallel.layer(0).expect("plans have layers");
-        let start = (0..SAMPLES * SAMPLES)
-            .map(|step| sample(plan, step))
-            .find(|&point| is_far_from_goal(plan, &layer, point))
-            .expect("some sample has a route");
+        let start = start(plan, parallel);
         let mut state = State::new(plan);
         let mut worst = 0;
         for tick in 0..TICKS {
@@ -141,6 +158,7 @@ mod counts {
                 })
                 .collect(),
             operator: Operator { is_armed: true, ..Operator::default() },
+            ..Percepts::default()
         }
     }
 }

@@ -55,8 +55,7 @@ fn demonstrate(arguments: &Arguments) -> Result<bool, String> {
 
     let world = scenario.world();
     let sensors = SensorSettings::USUAL;
-    let start =
-        Start { position: START, heading_rad: HEADING_RAD, seed: arguments.seed, sensors };
+    let start = Start { position: START, heading_rad: HEADING_RAD, seed: arguments.seed, sensors };
     let run = scenario.run(&world, &start, &mut pilot)?;
     let outcome = drive(run, &scenario, arguments.pace).map_err(|error| say(&error))?;
     pilot.finish().map_err(|error| say(&error))?;
@@ -109,7 +108,8 @@ fn summarise(outcome: &Outcome, is_same: bool) {
     );
     println!("closest    {:.2} m to an obstacle, {} contacts", outcome.closest_m, outcome.touches);
     println!("worst tick {} instructions", outcome.most_instructions);
-    let verdict = if is_same { "the same on this computer" } else { "NOT the same on this computer" };
+    let verdict =
+        if is_same { "the same on this computer" } else { "NOT the same on this computer" };
     println!("trace hash {:016x}, {verdict}", outcome.trace_hash);
 }
 
@@ -120,12 +120,8 @@ fn draw(scenario: &Scenario, outcome: &Outcome) -> Result<PathBuf, String> {
         start: Some(START),
         route: &outcome.route,
     };
-    let svg = render::picture(
-        &scenario.plan(),
-        &scenario.parallel_plan(),
-        &scenario.layer(),
-        &overlay,
-    );
+    let svg =
+        render::picture(&scenario.plan(), &scenario.parallel_plan(), &scenario.layer(), &overlay);
     let png = render::png(&svg)?;
     let folder = setup::target_folder().join("demo");
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;

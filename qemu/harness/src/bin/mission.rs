@@ -6,8 +6,10 @@ use std::process::ExitCode;
 use clap::{Parser, ValueEnum};
 use harness::mission::{Changes, PRESETS, Scenario, Start};
 use harness::{Build, Machine, QemuPilot, Report};
+use plan_compiler::trace::Trace;
 use plan_format::parameters::Gains;
-use sim::{HostPilot, Outcome, Point, SensorSettings};
+use robot_io::{CommandRecord, Percepts, SensorRecord};
+use sim::{HostPilot, Outcome, Pilot, PilotError, Point, SensorSettings};
 
 /// Drives one simulated mission and prints its outcome and trace hash.
 #[derive(Parser)]
@@ -30,6 +32,9 @@ struct Arguments {
     /// Weights of reactive schemas and plan: 100:0, 66:34, 34:66 or 0:100
     #[arg(long, value_name = "PRESET", value_parser = gains)]
     gains: Option<Gains>,
+    /// Write what every tick saw to a file that `plan-compiler explain` reads; on the host only
+    #[arg(long, value_name = "FILE", conflicts_with = "pilot")]
+    trace: Option<PathBuf>,
     /// Sensors without error instead of the usual ones (a GPS sigma of 1 m)
     #[arg(long)]
     perfect: bool,
@@ -61,8 +66,7 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
     let world = scenario.world();
     let drawn = || scenario.draw_start(&world, arguments.seed);
     let position = arguments.start.or_else(drawn).ok_or("no place to start from")?;
-    let sensors =
-        if arguments.perfect { SensorSettings::PERFECT } else { SensorSettings::USUAL };
+    let sensors = if arguments.perfect { SensorSettings::PERFECT } else { SensorSettings::USUAL };
     let start = Start { position, heading_rad: 0.0, seed: arguments.seed, sensors };
     let machine = match arguments.pilot {
         PilotName::Host => None,
@@ -71,8 +75,15 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
     };
     let (outcome, report) = match machine {
         None => {
-            let run = scenario.run(&world, &start, HostPilot::new(scenario.plan()))?;
-            (run.finish().map_err(|error| error.to_string())?, None)
+            let mut recorder = Recorder::new(HostPilot::new(scenario.plan()));
+            let run = scenario.run(&world, &start, &mut recorder)?;
+            let outcome = run.finish().map_err(|error| error.to_string())?;
+            if let Some(path) = &arguments.trace {
+                let (blob, percepts) = (scenario.blob.clone(), recorder.percepts);
+                let trace = Trace { blob, percepts, hash: outcome.trace_hash };
+                std::fs::write(path, trace.to_bytes()).map_err(|error| error.to_string())?;
+            }
+            (outcome, None)
         }
         Some(machine) => {
             let pilot = QemuPilot::boot(machine, Build::Release, &scenario.blob);
@@ -86,10 +97,33 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
     Ok(outcome.reached())
 }
 
+/// Keeps what every tick of a robot in this process saw.
+struct Recorder<'p> {
+    pilot: HostPilot<'p>,
+    percepts: Vec<Percepts>,
+}
+
+impl<'p> Recorder<'p> {
+    fn new(pilot: HostPilot<'p>) -> Self {
+        Self { pilot, percepts: Vec::new() }
+    }
+}
+
+impl Pilot for Recorder<'_> {
+    fn exchange(&mut self, sensors: &SensorRecord) -> Result<CommandRecord, PilotError> {
+        let answer = self.pilot.exchange(sensors)?;
+        self.percepts.extend(self.pilot.take_percepts());
+        Ok(answer)
+    }
+}
+
 fn print(start: &Start, outcome: &Outcome, report: Option<&Report>) {
     let ending = outcome.ending.map_or_else(|| "unfinished".to_owned(), |e| format!("{e:?}"));
     println!("outcome     {ending}");
-    println!("start       {:.2},{:.2} m, seed {}", start.position[0], start.position[1], start.seed);
+    println!(
+        "start       {:.2},{:.2} m, seed {}",
+        start.position[0], start.position[1], start.seed
+    );
     println!("time        {:.1} s, {} ticks", outcome.time_s, outcome.ticks);
     println!("distance    {:.1} m", outcome.distance_m);
     println!("closest     {:.2} m, {} contacts", outcome.closest_m, outcome.touches);
