@@ -1,0 +1,156 @@
+//! The search beside other crates that find the same field, on the same maps in the same run.
+//!
+//! `cargo bench -p plan-compiler --bench search` measures with criterion and prints the table
+//! that the README shows: nanoseconds per cell of the map (free or not) for one whole field
+//! from one goal, one thread, buffers kept where the crate can keep them, and how many times
+//! faster the search is than the fastest of the others under the same rule about corners.
+//! Every other crate's costs are compared with the search's before they are timed.
+//!
+//! `SIDES=250,1024,4096` chooses other sizes; above 1,024 the crates that keep costs in hash
+//! maps are left out, as they would need gigabytes.
+
+mod maps;
+mod peers;
+
+use criterion::{Criterion, SamplingMode, Throughput};
+use peers::{Eikonal, GridSearch, Petgraph, pathfinding};
+use plan_compiler::bitmap::Bitmap;
+use plan_compiler::search::{Corners, Solver};
+use plan_format::field::UNREACHED;
+use plan_format::grid::STRAIGHT_STEP;
+use plan_format::{Cell, Field};
+use std::collections::BTreeMap;
+use std::hint::black_box;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+const RULES: [(Corners, &str); 2] = [(Corners::Forbid, "forbid"), (Corners::Allow, "allow")];
+const OURS: &str = "wayfield";
+const WITH_ESCAPES: &str = "wayfield + escapes";
+/// Beyond this side the crates with hash maps are left out.
+const LARGEST_HASHED: u32 = 1_024;
+
+fn main() {
+    let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("search-bench");
+    let mut criterion = Criterion::default()
+        .output_directory(&output)
+        .without_plots()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(200))
+        .measurement_time(Duration::from_millis(800))
+        .configure_from_args();
+    let mut names = Vec::new();
+    for side in sides() {
+        for (name, map) in maps::all(side) {
+            let goal = maps::central(&map);
+            for (corners, rule) in RULES {
+                let group = format!("{name} {side} {rule}");
+                measure(&mut criterion, &group, &map, goal, corners);
+                names.push((group, f64::from(side) * f64::from(side)));
+            }
+        }
+    }
+    criterion.final_summary();
+    print_table(&output, &names);
+}
+
+fn sides() -> Vec<u32> {
+    let chosen = std::env::var("SIDES").unwrap_or_else(|_| "250,1024".into());
+    chosen.split(',').map(|side| side.trim().parse().expect("SIDES is a list of numbers")).collect()
+}
+
+fn measure(criterion: &mut Criterion, name: &str, map: &Bitmap, goal: Cell, corners: Corners) {
+    let mut group = criterion.benchmark_group(name);
+    group.sampling_mode(SamplingMode::Flat);
+    group.throughput(Throughput::Elements(u64::from(map.columns()) * u64::from(map.rows())));
+
+    let mut solver = Solver::new();
+    let mut field = solver.solve(map, goal, corners);
+    let check = Check { field: field.clone(), map };
+    group.bench_function(OURS, |b| {
+        b.iter(|| solver.routes_into(map, black_box(goal), corners, &mut field));
+    });
+    group.bench_function(WITH_ESCAPES, |b| {
+        b.iter(|| solver.solve_into(map, black_box(goal), corners, &mut field));
+    });
+
+    let mut grid_search = GridSearch::new(map, corners);
+    grid_search.solve(goal);
+    check.compare("grid_search", |cell| grid_search.cost(cell).map(f64::from));
+    group.bench_function("grid_search", |b| b.iter(|| grid_search.solve(black_box(goal))));
+
+    if corners == Corners::Allow {
+        let eikonal = Eikonal::new(map);
+        let result = eikonal.solve(goal);
+        check.compare("eikonal", |cell| {
+            let distance = result.distance()[[cell.row as usize, cell.column as usize]];
+            distance.is_finite().then(|| distance * f64::from(STRAIGHT_STEP))
+        });
+        group.bench_function("eikonal", |b| b.iter(|| eikonal.solve(black_box(goal))));
+    } else if map.columns() <= LARGEST_HASHED {
+        let costs = pathfinding(map, goal, corners);
+        check.compare("pathfinding", |cell| costs(cell).map(f64::from));
+        group.bench_function("pathfinding", |b| {
+            b.iter(|| pathfinding(map, black_box(goal), corners));
+        });
+        let petgraph = Petgraph::new(map, corners);
+        let costs = petgraph.solve(goal);
+        check.compare("petgraph", |cell| costs(cell).map(f64::from));
+        group.bench_function("petgraph", |b| b.iter(|| petgraph.solve(black_box(goal))));
+    }
+    group.finish();
+}
+
+/// The field that others must find.
+struct Check<'a> {
+    field: Field,
+    map: &'a Bitmap,
+}
+
+impl Check<'_> {
+    fn compare(&self, name: &str, cost: impl Fn(Cell) -> Option<f64>) {
+        for (cell, &ours) in maps::cells(self.map).zip(&self.field.cost) {
+            let theirs = cost(cell);
+            assert_eq!(theirs.is_none(), ours == UNREACHED, "{name} {cell:?}");
+            // Some count in floating point, with the true square root of two.
+            let apart = theirs.map_or(0.0, |theirs| (theirs - f64::from(ours)).abs());
+            assert!(apart <= f64::from(ours) * 1e-7 + 1e-6, "{name} {cell:?} {theirs:?} {ours}");
+        }
+    }
+}
+
+/// The best nanoseconds per cell of each benchmark of a group that criterion has written.
+fn results(output: &Path, group: &str, cells: f64) -> BTreeMap<String, f64> {
+    let read = |folder: PathBuf| -> Option<(String, f64)> {
+        let text = std::fs::read_to_string(folder.join("new/sample.json")).ok()?;
+        let sample: serde_json::Value = serde_json::from_str(&text).ok()?;
+        let numbers = |name: &str| -> Option<Vec<f64>> {
+            sample[name].as_array()?.iter().map(serde_json::Value::as_f64).collect()
+        };
+        let each = numbers("times")?.into_iter().zip(numbers("iters")?);
+        let best = each.map(|(time, count)| time / count).fold(f64::INFINITY, f64::min);
+        Some((folder.file_name()?.to_str()?.to_owned(), best / cells))
+    };
+    let folders = std::fs::read_dir(output.join(group)).into_iter().flatten().flatten();
+    folders.filter_map(|entry| read(entry.path())).collect()
+}
+
+fn print_table(output: &Path, groups: &[(String, f64)]) {
+    let columns = [OURS, WITH_ESCAPES, "grid_search", "eikonal", "pathfinding", "petgraph"];
+    println!(
+        "\nns per cell, the best of 10 samples; times faster than the fastest of the others\n"
+    );
+    println!("| map, side, corners | {} | faster |", columns.join(" | "));
+    println!("|---|{}---|", "---|".repeat(columns.len()));
+    for (group, cells) in groups {
+        let results = results(output, group, *cells);
+        let shown = columns
+            .map(|column| results.get(column).map_or(String::new(), |time| format!("{time:.2}")));
+        let others = results.iter().filter(|(name, _)| !name.starts_with(OURS));
+        let fastest = others.map(|(_, &time)| time).fold(f64::INFINITY, f64::min);
+        let faster = results.get(OURS).map_or(String::new(), |ours| {
+            if fastest.is_finite() { format!("{:.0} x", fastest / ours) } else { String::new() }
+        });
+        println!("| {group} | {} | {faster} |", shown.join(" | "));
+    }
+}
