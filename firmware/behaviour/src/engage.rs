@@ -61,8 +61,8 @@ impl Claim {
 enum Outcome {
     /// It is engaged, or the next to be.
     Holds,
-    /// It has to stand back until others have given up what they protect.
-    StandsBack,
+    /// Others protect what it may violate: these, one bit each.
+    Excluded(u16),
 }
 
 impl Behaviours {
@@ -72,16 +72,37 @@ impl Behaviours {
         self.plans.awaited = 0;
         let mut taken = 0;
         for claim in self.claims(mission) {
-            let outcome = if claim.is_engaged {
-                Outcome::Holds
-            } else if taken & claim.resources != 0 {
-                // Who is ahead of it may last; meanwhile the rest of what it needs is not idle.
-                Outcome::StandsBack
-            } else {
-                self.claim(mission, &claim, report)
-            };
-            if outcome == Outcome::Holds {
+            if claim.is_engaged {
                 taken |= claim.resources;
+            } else if taken & claim.resources == 0 {
+                self.claim_or_stand_back(mission, &claim, &mut taken, report);
+            }
+        }
+    }
+
+    /// Lets a behaviour claim the robot. If sleeping ones exclude it they go on in its place, so that
+    /// they come to give up what they protect, however little critical they are themselves.
+    fn claim_or_stand_back(
+        &mut self,
+        mission: &Mission<'_>,
+        claim: &Claim,
+        taken: &mut u16,
+        report: &mut Report,
+    ) {
+        let by = match self.claim(mission, claim, report) {
+            Outcome::Holds => {
+                *taken |= claim.resources;
+                return;
+            }
+            Outcome::Excluded(by) => by,
+        };
+        for index in bits(by & self.holding()) {
+            let Some(behaviour) = mission.behaviours().get(index) else { continue };
+            let in_its_place = Claim { index, resources: behaviour.resources, ..*claim };
+            if *taken & in_its_place.resources == 0
+                && self.claim(mission, &in_its_place, report) == Outcome::Holds
+            {
+                *taken |= in_its_place.resources;
             }
         }
     }
@@ -115,12 +136,13 @@ impl Behaviours {
     /// One behaviour wants the robot and nobody weightier is in its way.
     fn claim(&mut self, mission: &Mission<'_>, claim: &Claim, report: &mut Report) -> Outcome {
         let Some(behaviour) = mission.behaviours().get(claim.index) else {
-            return Outcome::StandsBack;
+            return Outcome::Excluded(0);
         };
         let in_the_way = self.in_the_way(mission, claim);
         let effects = Effects::of(mission, &behaviour);
-        if self.is_excluded(claim, mission, effects, in_the_way, report) {
-            return Outcome::StandsBack;
+        let excluding = self.excluding(mission, claim, effects, in_the_way, report);
+        if excluding != 0 && !claim.is_urgent {
+            return Outcome::Excluded(excluding);
         }
         if !claim.is_urgent {
             self.plans.awaited |= in_the_way;
@@ -151,32 +173,33 @@ impl Behaviours {
         .fold(0, |set, ((index, _), _)| set | behaviour_bit(index))
     }
 
-    /// Whether somebody who is not in the way protects what would suffer. That holds for what is
-    /// urgent, too, but does not keep it out.
-    fn is_excluded(
+    /// Those who are not in the way but protect what would suffer, one bit each. That they do is
+    /// noted of what is urgent, too, though it does not keep it out.
+    fn excluding(
         &self,
-        claim: &Claim,
         mission: &Mission<'_>,
+        claim: &Claim,
         effects: Effects,
         in_the_way: u16,
         report: &mut Report,
-    ) -> bool {
-        let mut is_excluded = false;
+    ) -> u16 {
+        let mut excluding = 0;
         for (index, status) in self.statuses.iter().enumerate() {
+            let bit = behaviour_bit(index);
             let is_concerned = status.is_engaged() || status.is_holding();
-            let stands_aside = index == claim.index || in_the_way & behaviour_bit(index) != 0;
+            let stands_aside = index == claim.index || in_the_way & bit != 0;
             if stands_aside || !is_concerned || !self.endangers_held(mission, index, effects) {
                 continue;
             }
+            excluding |= bit;
             let (behaviour, by) = (claim.index as u8, index as u8);
-            if claim.is_urgent {
-                report.note(Decision::Overruled { behaviour: by, by: behaviour });
+            report.note(if claim.is_urgent {
+                Decision::Overruled { behaviour: by, by: behaviour }
             } else {
-                report.note(Decision::Refused { behaviour, by, why: Refusal::Excluded });
-                is_excluded = true;
-            }
+                Decision::Refused { behaviour, by, why: Refusal::Excluded }
+            });
         }
-        is_excluded
+        excluding
     }
 
     /// Those in the way that can be interrupted now, one bit each; the others' reasons are noted.

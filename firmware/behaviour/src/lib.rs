@@ -27,8 +27,8 @@
 //! - Where several behaviours are in the way of one, each yields at its own point and sleeps until
 //!   the last has yielded; waiting for a common point could last for ever.
 //! - The intervals that sleeping behaviours hold are respected too. If they keep a behaviour out,
-//!   the report names the one that excludes it, and its resources are for the others meanwhile, so
-//!   that the excluding one can go on and give its interval up. Unconditional switching overrules
+//!   the report names the one that excludes it, and that one goes on in its place, as critical as
+//!   the one that waits, until it has given up what it protects. Unconditional switching overrules
 //!   it, and names the victim (H35).
 //! - Behaviours that share no resource run together (H31). Start-up activities run before a
 //!   behaviour is engaged or resumed, shut-down activities before it sleeps after a conditional

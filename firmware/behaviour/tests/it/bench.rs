@@ -15,7 +15,7 @@
 //! A script is one line for some ticks: `fuel=0.5 at=3,4 x20`. What is set stays set. The log has a
 //! line for each tick that differs from the one before.
 
-use behaviour::{Behaviours, Decision, Observations, Refusal, Running, World};
+use behaviour::{Behaviours, Decision, Observations, Refusal, Report, Running, World};
 use math::{Vec2, vector};
 use monitor::{Doubt, Signal, Violation};
 use plan_format::mission::{
@@ -352,6 +352,7 @@ pub(crate) struct Robot<'a> {
     pub(crate) mission: Mission<'a>,
     pub(crate) behaviours: Behaviours,
     pub(crate) running: Running,
+    pub(crate) report: Report,
     pub(crate) log: String,
     channels: [Option<f32>; 8],
     position: Option<Vec2>,
@@ -369,6 +370,7 @@ impl<'a> Robot<'a> {
             mission,
             behaviours: Behaviours::new(&mission),
             running: Running::new(),
+            report: Report::default(),
             log: String::new(),
             channels: [None; 8],
             position: None,
@@ -392,9 +394,10 @@ impl<'a> Robot<'a> {
                 }
                 Some(("tick", ms)) => self.tick_ms = parse(ms),
                 Some(("doubts", shown)) => self.shows_doubts = shown == "shown",
+                Some(("back", ms)) => self.time_us -= parse::<u64>(ms) * 1_000,
                 Some(("paused", ms)) => {
-                    self.behaviours.pause(self.time_us);
                     self.time_us += parse::<u64>(ms) * 1_000;
+                    self.behaviours.pause(self.time_us);
                 }
                 Some((input, value)) => self.set(input, value),
                 None => ticks = parse(word.strip_prefix('x').expect("a number of ticks")),
@@ -427,7 +430,7 @@ impl<'a> Robot<'a> {
         let mut parts: Vec<String> =
             report.decisions.iter().filter_map(|decision| self.decision(decision)).collect();
         parts.push(self.names(&running));
-        self.running = running;
+        (self.running, self.report) = (running, report);
         let line = parts.join(", ");
         if line != self.last_line {
             writeln!(self.log, "{}: {line}", self.tick).expect("a string takes everything");
@@ -519,9 +522,17 @@ impl<'a> Robot<'a> {
                 facts,
             ),
         };
+        Some(format!("{text}: {}", self.fact_names(facts)))
+    }
+
+    /// The names of the facts that hold.
+    pub(crate) fn facts(&self) -> String {
+        self.fact_names(self.report.facts)
+    }
+
+    fn fact_names(&self, facts: Facts) -> String {
         let all = self.mission.facts().iter().enumerate();
         let names = all.filter(|(bit, _)| facts & 1 << bit != 0);
-        let names: Vec<&str> = names.map(|(_, fact)| self.mission.name(fact.name)).collect();
-        Some(format!("{text}: {}", names.join(" ")))
+        names.map(|(_, fact)| self.mission.name(fact.name)).collect::<Vec<_>>().join(" ")
     }
 }

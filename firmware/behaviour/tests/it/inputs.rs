@@ -1,0 +1,122 @@
+//! Aspects of interest and facts (H25, H46).
+
+use crate::bench::{Robot, blob, check};
+
+/// H46: the last value holds for a time, then the declared one counts; what is not finite is
+/// missing; without any value from the start the declared one counts at once.
+#[test]
+fn missing_inputs_hold_and_then_count_as_declared() {
+    let mission = "
+        input fuel; hold 250; missing 0
+        action step hold 9000
+        frame work
+        = step
+        behaviour a work; when fuel NB NM NS ZO PS PM PB; unconditional 1
+    ";
+    let bytes = blob(mission);
+    for gap in ["?", "NaN", "inf"] {
+        let mut robot = Robot::new(&bytes);
+        let mut criticality = |line: &str| {
+            robot.go(line);
+            robot.report.criticalities[0]
+        };
+        let (declared, last) = (1.0 / 18.0, 0.5);
+        for (line, expected) in [
+            (format!("fuel={gap}"), declared),
+            ("fuel=0.5".into(), last),
+            (format!("fuel={gap}"), last),
+            ("x1".into(), last),
+            ("x1".into(), declared),
+            ("fuel=0.5".into(), last),
+        ] {
+            assert!((criticality(&line) - expected).abs() < 1e-3, "{line}");
+        }
+    }
+}
+
+/// H25: every source of an aspect of interest, results of rules included.
+#[test]
+fn every_source_is_heard() {
+    let mission = "
+        input channel
+        input time; of time; range 0 10
+        input place; of distance 3 4; range 0 10
+        input lamp; of output 2
+        input way; of cost; range 0 100
+        input dear; of price 3; range 0 60
+        input drawn; of rules channel PB PM PS ZO NS NM NB; range 0 1
+        action on set 2 on
+        action step hold 90000
+        frame work
+        = on step
+        behaviour a work; when channel NB NM NS ZO PS PM PB
+        behaviour b work; when time NB NM NS ZO PS PM PB
+        behaviour c work; when place NB NM NS ZO PS PM PB
+        behaviour d work; when lamp NB NM NS ZO PS PM PB
+        behaviour e work; when way NB NM NS ZO PS PM PB
+        behaviour f work; when dear NB NM NS ZO PS PM PB
+        behaviour g work; when drawn NB NM NS ZO PS PM PB
+    ";
+    let bytes = blob(mission);
+    let mut robot = Robot::new(&bytes);
+    robot.go("channel=0.3333 at=0,0 tick=2000");
+    robot.go("x1");
+    let expected = [0.3333, 0.5, 0.5, 0.9444, 0.5, 0.5, 0.6667];
+    for (behaviour, expected) in expected.into_iter().enumerate() {
+        let found = robot.report.criticalities[behaviour];
+        assert!((found - expected).abs() < 0.01, "{behaviour}: {found}, not {expected}");
+    }
+    robot.go("at=?");
+    assert!(robot.report.criticalities[2] < 0.06, "a distance needs a position");
+}
+
+/// Every kind of fact, at its borders.
+#[test]
+fn every_kind_of_fact() {
+    let mission = "
+        input level
+        fact unset symbol
+        fact set set
+        fact low level level 0.2 0.4
+        fact near near 1 1 2
+        fact inside inside 0 0 2 2
+        fact stuck stuck 1 200
+        action step hold 90000
+        frame work
+        = step
+        behaviour a work; when always PS
+    ";
+    let bytes = blob(mission);
+    let mut robot = Robot::new(&bytes);
+    let table = [
+        ("level=0.2 at=3,1", "set low near"),
+        ("level=0.4 at=2,2", "set low near inside"),
+        ("level=0.41 at=2.1,2", "set near"),
+        ("x1", "set near"),
+        ("x1", "set near stuck"),
+        ("at=0,0", "set near inside"),
+        ("at=?", "set"),
+        ("level=? x1", "set"),
+    ];
+    for (line, expected) in table {
+        robot.go(line);
+        assert_eq!(robot.facts(), expected, "{line}");
+    }
+}
+
+/// Time that jumps, backwards too, neither ends nor begins anything by itself.
+#[test]
+fn a_clock_that_jumps_back_stops_nothing() {
+    check(
+        "input a
+         action step hold 300
+         frame work
+         = step
+         behaviour a work; when always PS",
+        "x2
+         back=900 x3",
+        "1: a engaged, [step], step
+         2: step
+         5: a finished, a engaged, [step], step",
+    );
+}

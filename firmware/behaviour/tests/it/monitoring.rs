@@ -1,0 +1,236 @@
+//! Initial, transient and goal descriptions, intervals, timeouts and what follows (H10, H13 to H16).
+
+use crate::bench::check;
+
+/// A frame with two ways to do something: the more applicable one fails as `CLAUSE` says.
+fn two_ways(clause: &str) -> String {
+    format!(
+        "input a
+         input hint
+         fact here near 0 0 5
+         fact done symbol
+         fact other symbol
+         action first goto 20 0; {clause}
+         action second hold 200
+         action end hold 100
+         frame work
+         = first end; when hint NB NM NS ZO PS PM PB
+         = second end; when always ZO
+         behaviour a work; when always PS"
+    )
+}
+
+/// H10, H14: whatever is violated, the frame chooses anew among what it has not tried.
+#[test]
+fn a_violated_description_makes_the_frame_choose_anew() {
+    let script = "hint=0.8333 at=9,0\nat=20,0 x5";
+    check(
+        &two_ways("needs here"),
+        "hint=0.8333 at=9,0 x2",
+        "1: a engaged, [first end], cannot start: here, [second end], second
+         2: second",
+    );
+    check(
+        &two_ways("keeps !done"),
+        script,
+        "1: a engaged, [first end], first
+         2: end
+         3: a finished, a engaged, [first end], end",
+    );
+    check(
+        &two_ways("keeps here"),
+        "hint=0.8333 at=0,0\nat=9,0 x5",
+        "1: a engaged, [first end], first
+         2: cannot go on: here, [second end], second
+         3: second
+         4: end
+         5: a finished, a engaged, [first end], first
+         6: cannot go on: here, [second end], second",
+    );
+    check(
+        &two_ways("goal here"),
+        script,
+        "1: a engaged, [first end], first
+         2: missed its goal: here, [second end], second
+         3: second
+         4: end
+         5: a finished, a engaged, [first end], missed its goal: here, [second end], second
+         6: second",
+    );
+    check(
+        &two_ways("timeout 100"),
+        "hint=0.8333 at=9,0 x5",
+        "1: a engaged, [first end], first
+         2: first
+         3: first timed out, [second end], second
+         4: second
+         5: end",
+    );
+}
+
+/// H14: effects take place at the end, both lists at once, and only if the goal holds.
+#[test]
+fn effects_and_goal_go_together() {
+    let log = crate::bench::log(&two_ways("adds done; goal here"), "hint=0.8333 at=9,0\nat=20,0");
+    assert!(log.contains("missed its goal"), "{log}");
+    let bytes = crate::bench::blob(&two_ways("adds done; goal here"));
+    let mut robot = crate::bench::Robot::new(&bytes);
+    robot.go("hint=0.8333 at=9,0");
+    robot.go("at=20,0");
+    assert_eq!(robot.report.facts, 0, "what has missed its goal has no effect");
+    let bytes = crate::bench::blob(&two_ways("adds done; goal done"));
+    let mut robot = crate::bench::Robot::new(&bytes);
+    robot.go("hint=0.8333 at=9,0");
+    robot.go("at=20,0");
+    assert_eq!(robot.report.facts, 1 << 1, "the goal sees the effects");
+}
+
+/// H13: an interval that is violated while it lasts makes its frame choose anew in that tick.
+#[test]
+fn a_violated_interval_falls_back_in_that_tick() {
+    check(
+        "input a
+         fact here near 0 0 5
+         action one goto 20 0
+         action two hold 100
+         action three hold 200
+         frame work
+         = one two; protect here 0 1
+         = three
+         behaviour a work; when always PS",
+        "at=0,0 x2
+         at=9,0 x4",
+        "1: a engaged, [one two], one
+         2: one
+         3: lost its protection: here, [three], three
+         4: three
+         5: a finished, a engaged, [one two], one
+         6: lost its protection: here, [three], three",
+    );
+}
+
+/// At the root, when all has been tried, the behaviour fails and everything is returned.
+#[test]
+fn when_all_has_been_tried_the_behaviour_fails() {
+    check(
+        &two_ways("needs here").replace("second hold 200", "second hold 200; needs done"),
+        "hint=0.8333 at=9,0 x12",
+        "1: a engaged, [first end], cannot start: here, [second end], cannot start: done, work NothingApplicable, a failed, -
+         2: -
+         11: a engaged, [first end], cannot start: here, [second end], cannot start: done, work NothingApplicable, a failed, -
+         12: -",
+    );
+}
+
+/// H15: the strictest constraint on the way down holds.
+#[test]
+fn constraints_are_inherited() {
+    check(
+        "input a
+         action slow hold 100; speed 0.2
+         action fast hold 100; speed 2; distance 1.5
+         frame inner; distance 0.5
+         = slow fast
+         frame outer; speed 0.7
+         = inner
+         behaviour a outer; when always PS",
+        "x2",
+        "1: a engaged, [inner], [slow fast], slow<=0.2>=0.5
+         2: fast<=0.7>=1.5",
+    );
+}
+
+/// Waiting is not being stuck: progress is counted from when an action begins to drive.
+#[test]
+fn progress_is_counted_for_each_drive() {
+    check(
+        "input a
+         fact stuck stuck 2 300
+         action wait hold 1000
+         action drive goto 20 0; keeps !stuck
+         action give-up signal 3
+         frame go
+         = drive
+         = drive
+         = give-up
+         frame work
+         = wait go
+         behaviour a work; when always PS",
+        "at=0,0 x11
+         at=3,0 x2
+         at=3,0 x9",
+        "1: a engaged, [wait go], wait
+         2: wait
+         11: [drive], drive
+         12: drive
+         16: cannot go on: stuck, [drive], drive
+         17: drive
+         21: cannot go on: stuck, [give-up], give-up
+         22: a finished, a engaged, [wait go], wait",
+    );
+}
+
+/// An action ends as soon as its `until` holds; a signal is reported once at least, an output stays.
+#[test]
+fn until_signals_and_outputs() {
+    check(
+        "input a
+         fact high level a 0.5 1
+         action wait hold 9999; until high
+         action tell signal 4; until high
+         action light set 2 on
+         frame work
+         = wait tell light wait
+         behaviour a work; when always PS",
+        "a=0 x3
+         a=1 x4",
+        "1: a engaged, [wait tell light wait], wait
+         2: wait
+         4: tell
+         5: a finished, -
+         6: a engaged, [wait tell light wait], tell
+         7: a finished, -",
+    );
+}
+
+/// H21: doubts are reported before what they are about is due.
+#[test]
+fn doubts_are_reported_in_advance() {
+    check(
+        "input a
+         fact done symbol
+         action step hold 9000
+         action spoil hold 9000; deletes done
+         action make hold 100; adds done
+         action use hold 100; needs done
+         frame work
+         = step make|spoil use
+         behaviour a work; when always PS",
+        "doubts=shown x6",
+        "1: a engaged, [step make|spoil use], step
+         2: step
+         3: may lose: done, step
+         4: step
+         6: may lose: done, step",
+    );
+}
+
+/// H22, H23: two behaviours that run together are both looked at.
+#[test]
+fn doubts_of_all_that_run_are_looked_at() {
+    let log = crate::bench::log(
+        "input a
+         fact done symbol
+         action step hold 90000
+         action spoil hold 100; deletes done
+         action use hold 100; needs done
+         action make hold 100; adds done
+         frame work
+         = step spoil use make
+         behaviour a work; when always PS; resources 1
+         behaviour b work; when always PS; resources 2",
+        "doubts=shown x40",
+    );
+    assert!(log.matches("may lose: done").count() >= 2, "{log}");
+    assert!(log.matches("may lack: done").count() >= 2, "{log}");
+}

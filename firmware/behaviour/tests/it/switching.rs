@@ -1,0 +1,342 @@
+//! When one behaviour takes over from another (H26, H27, H32, H35, H37, H38).
+
+use crate::bench::check;
+
+/// Two behaviours with three steps each; `PART` is replaced by clauses of the first one.
+fn two(clauses: &str) -> String {
+    format!(
+        "input first
+         input second
+         action one hold 200
+         action two hold 200
+         action three hold 200
+         action other hold 200
+         frame work
+         = one:5 two:2 three
+         frame else
+         = other
+         behaviour a work; when first NB NM NS ZO PS PM PB {clauses}
+         behaviour b else; when second NB NM NS ZO PS PM PB"
+    )
+}
+
+/// H37: the earliest point is after `one`, the best after `two`.
+#[test]
+fn the_earliest_point_and_the_best_differ() {
+    let script = "first=0.5 second=0\nsecond=0.6667 x7";
+    check(
+        &two(""),
+        script,
+        "1: a engaged, [one:5 two:2 three], one
+         2: b waits: a is at no point, one
+         3: a interrupted by b losing 5, b engaged, [other], other
+         4: other
+         5: b finished, b engaged, [other], other
+         6: other
+         7: b finished, b engaged, [other], other
+         8: other",
+    );
+    check(
+        &two("; best"),
+        script,
+        "1: a engaged, [one:5 two:2 three], one
+         2: b waits: a is at no point, one
+         3: b waits: a has a better point ahead, two
+         4: b waits: a is at no point, two
+         5: a interrupted by b losing 2, b engaged, [other], other
+         6: other
+         7: b finished, b engaged, [other], other
+         8: other",
+    );
+}
+
+/// H38: what is lost is said, at a point and at once.
+#[test]
+fn the_cost_of_an_unconditional_switch_is_that_of_what_ran() {
+    check(
+        &two(""),
+        "first=0.5 second=0\nsecond=1",
+        "1: a engaged, [one:5 two:2 three], one
+         2: a stopped by b losing 5, b engaged, [other], other",
+    );
+}
+
+/// H32: another takes over only if it is more critical by the hysteresis, and not before the
+/// minimum dwell is over.
+#[test]
+fn hysteresis_and_dwell_keep_two_behaviours_from_chattering() {
+    check(
+        &two("; hysteresis 0.1"),
+        "first=0.5 second=0
+         second=0.55 x4
+         second=0.62 x3",
+        "1: a engaged, [one:5 two:2 three], one
+         2: one
+         3: two
+         5: three
+         6: b waits: a is at no point, three
+         7: a finished, b engaged, [other], other
+         8: other",
+    );
+    check(
+        &two("; dwell 450"),
+        "first=0.5 second=0\nsecond=0.6667 x6",
+        "1: a engaged, [one:5 two:2 three], one
+         2: b waits: a has just begun, one
+         3: b waits: a has just begun, two
+         5: b waits: a has just begun, three
+         6: b waits: a is at no point, three
+         7: a finished, b engaged, [other], other",
+    );
+}
+
+/// H32: two behaviours of nearly equal criticality whose inputs are noisy alternate no more often
+/// than dwell and hysteresis allow.
+#[test]
+fn noise_makes_nobody_chatter() {
+    use crate::bench::{Robot, blob};
+    use behaviour::Decision;
+    let mission = "
+        input first
+        input second
+        action step hold 100
+        frame work
+        = step work
+        behaviour a work; when first NB NM NS ZO PS PM PB; CLAUSE
+        behaviour b work; when second NB NM NS ZO PS PM PB; CLAUSE
+    ";
+    let switches = |clause: &str| {
+        let bytes = blob(&mission.replace("CLAUSE", clause));
+        let mut robot = Robot::new(&bytes);
+        let mut count = 0;
+        for tick in 0_u32..400 {
+            let noise = f64::from(tick.wrapping_mul(2_654_435_761) >> 16) / 65_536.0 - 0.5;
+            robot.go(&format!("first={} second={}", 0.5 + 0.1 * noise, 0.5 - 0.1 * noise));
+            let decisions = &robot.report.decisions;
+            let is_switch = |d: &&Decision| matches!(d, Decision::Interrupted { .. });
+            count += decisions.iter().filter(is_switch).count();
+        }
+        count
+    };
+    assert!(switches("hysteresis 0") > 50);
+    assert!(switches("dwell 2000") <= 20);
+    assert_eq!(switches("hysteresis 0.15"), 0);
+}
+
+/// Whoever has the robot keeps it among equals, wherever they stand in the mission.
+#[test]
+fn equals_do_not_interrupt_each_other() {
+    check(
+        &two(""),
+        "first=0 second=0.5
+         first=0.5 x3",
+        "1: b engaged, [other], other
+         2: other
+         3: b finished, a engaged, [one:5 two:2 three], one
+         4: one",
+    );
+}
+
+/// Two that are both urgent do not chatter around the threshold.
+#[test]
+fn the_hysteresis_holds_among_the_urgent_too() {
+    check(
+        &two("; hysteresis 0.05"),
+        "first=1 second=0
+         first=0.985 second=1
+         first=0.9 x2",
+        "1: a engaged, [one:5 two:2 three], one
+         2: one
+         3: a stopped by b, b engaged, [other], other
+         4: other",
+    );
+}
+
+/// From its threshold on a behaviour is engaged at once, dwell or not; without it, it waits.
+#[test]
+fn urgency_knows_no_dwell() {
+    check(
+        &two("; dwell 9000"),
+        "first=0.5 second=0.8333 x1\nfirst=0.9 x3\nsecond=1",
+        "1: b engaged, [other], other
+         2: a waits: b is at no point, other
+         3: b finished, a engaged, [one:5 two:2 three], one
+         4: one
+         5: a stopped by b, b engaged, [other], other",
+    );
+}
+
+/// H30: a point is a vertex where no action runs. Of parallel branches one reaches its vertices
+/// while the other acts; they are interrupted where they join.
+#[test]
+fn parallel_branches_are_interrupted_where_they_join() {
+    check(
+        "input first
+         input second
+         action long hold 400
+         action short hold 100
+         action after hold 100
+         action other hold 100
+         frame branch
+         = short:7 short:7
+         frame work
+         = long:2|branch:3 after
+         frame else
+         = other
+         behaviour a work; when first NB NM NS ZO PS PM PB
+         behaviour b else; when second NB NM NS ZO PS PM PB",
+        "first=0.5 second=0
+         second=0.6667 x6",
+        "1: a engaged, [long:2|branch:3 after], [short:7 short:7], long & short
+         2: b waits: a is at no point, long & short
+         3: b waits: a is at no point, long
+         5: a interrupted by b losing 5, b engaged, [other], other
+         6: b finished, b engaged, [other], other",
+    );
+}
+
+/// Actions that are done at once pass a vertex within a tick; who waits gets it all the same.
+#[test]
+fn a_vertex_that_is_passed_within_a_tick_is_a_point_too() {
+    check(
+        "input first
+         input second
+         fact armed symbol
+         action arm set 1 on; adds armed
+         action step hold 200
+         action lift set 1 off
+         action other hold 100; deletes armed
+         frame work
+         = arm step lift step; protect armed 1 3
+         frame else
+         = other
+         behaviour a work; when first NB NM NS ZO PS PM PB
+         behaviour b else; when second NB NM NS ZO PS PM PB",
+        "first=0.5 second=0
+         second=0.6667 x7",
+        "1: a engaged, [arm step lift step], step
+         2: b waits: a is at no point, step
+         3: b waits: a is at no point, -
+         4: a interrupted by b, b engaged, [other], other
+         5: b finished, b engaged, [other], other",
+    );
+}
+
+const NESTED: &str = "
+    input a
+    input b
+    input c
+    fact gripped symbol
+    fact parked symbol
+    action grip hold 100; adds gripped
+    action carry hold 300
+    action put hold 100
+    action park hold 100; adds parked
+    action wait hold 300
+    action leave hold 100
+    action open hold 100; deletes gripped
+    frame fetch
+    = grip carry put; protect gripped 1 3
+    frame stand
+    = park wait leave; protect parked 1 3
+    frame release
+    = open
+    behaviour fetching fetch; when a NB NM NS ZO PS PM PB
+    behaviour standing stand; when b NB NM NS ZO PS PM PB
+    behaviour releasing release; when c NB NM NS ZO PS PM PB
+";
+
+/// H27, H35: three behaviours, each interrupting the one before. What the first holds excludes the
+/// third, which names it and waits; so the first goes on in its place, before the second is
+/// done, and gives up what it holds.
+#[test]
+fn an_excluded_behaviour_names_who_excludes_it_and_lets_it_finish() {
+    check(
+        NESTED,
+        "a=0.3333 b=0 c=0
+         b=0.5 x2
+         c=0.6667 x12",
+        "1: fetching engaged, [grip carry put], grip
+         2: fetching interrupted by standing, standing engaged, [park wait leave], park
+         3: wait
+         4: releasing waits: fetching excludes it, fetching waits: standing is at no point, wait
+         6: releasing waits: fetching excludes it, standing interrupted by fetching, fetching resumed, carry
+         7: releasing waits: fetching is at no point, carry
+         9: releasing waits: fetching is at no point, put
+         10: fetching finished, releasing engaged, [open], open
+         11: releasing finished, releasing engaged, [open], open",
+    );
+}
+
+/// H35: from its threshold on it is engaged at last, and the report names the victim; the sleeper
+/// finds its protection lost when it wakes (H28).
+#[test]
+fn an_urgent_behaviour_overrules_what_excludes_it() {
+    check(
+        NESTED,
+        "a=0.3333 b=0 c=0
+         b=0.5 x2
+         c=1
+         c=0 x2
+         b=0 x8",
+        "1: fetching engaged, [grip carry put], grip
+         2: fetching interrupted by standing, standing engaged, [park wait leave], park
+         3: wait
+         4: fetching overruled by releasing, standing stopped by releasing, releasing engaged, [open], open
+         5: releasing finished, spoils what a sleeper protects: gripped, standing resumed, wait
+         6: spoils what a sleeper protects: gripped, wait
+         7: spoils what a sleeper protects: gripped, fetching waits: standing is at no point, wait
+         8: spoils what a sleeper protects: gripped, standing interrupted by fetching, fetching resumed, lost its protection: gripped, [grip carry put], grip
+         9: carry
+         12: put
+         13: fetching finished, fetching engaged, [grip carry put], grip
+         14: carry",
+    );
+}
+
+/// H22, H27: what a sleeping behaviour holds is watched while others have the robot.
+#[test]
+fn a_violated_interval_of_a_sleeper_is_reported() {
+    check(
+        "input a
+         input b
+         fact here near 0 0 5
+         action one hold 100
+         action two hold 100
+         action away goto 50 0
+         frame stay
+         = one two; protect here 0 2
+         frame go
+         = away
+         behaviour staying stay; when a NB NM NS ZO PS PM PB
+         behaviour going go; when b NB NM NS ZO PS PM PB",
+        "a=0.3333 b=0 at=0,0 x1
+         b=0.5 x2
+         at=9,0 x2
+         b=0 at=50,0 x3",
+        "1: staying engaged, [one two], one
+         2: staying interrupted by going, going engaged, [away], away
+         3: away
+         4: spoils what a sleeper protects: here, away
+         6: going finished, spoils what a sleeper protects: here, staying resumed, lost its protection: here, [one two], one
+         7: lost its protection: here, stay NothingApplicable, staying failed, -
+         8: -",
+    );
+}
+
+/// What a sleeping behaviour holds is held against others only while it is critical at all.
+#[test]
+fn a_dormant_sleeper_protects_nothing() {
+    check(
+        NESTED,
+        "a=0.3333 b=0 c=0
+         b=0.5 x2
+         a=0 b=0 c=0.3333 x6",
+        "1: fetching engaged, [grip carry put], grip
+         2: fetching interrupted by standing, standing engaged, [park wait leave], park
+         3: wait
+         4: releasing waits: standing is at no point, wait
+         6: standing interrupted by releasing, releasing engaged, [open], open
+         7: releasing finished, releasing engaged, [open], open",
+    );
+}
