@@ -143,6 +143,36 @@ fn the_readme_maps_every_crate() {
     }
 }
 
+/// A requirement is met by a test that exists, or it is open.
+#[test]
+fn every_requirement_names_tests_that_exist() {
+    let table = std::fs::read_to_string(root().join("tests/REQUIREMENTS.md")).expect("it is there");
+    let mut sources = String::new();
+    for top in ["shared", "firmware", "qemu", "tests", "plan-compiler"] {
+        visit(&root().join(top), &mut |path| {
+            if path.extension().is_some_and(|extension| extension == "rs") {
+                sources += &std::fs::read_to_string(path).expect("a source file is readable");
+            }
+        });
+    }
+    let mut wrong = Vec::new();
+    for row in table.lines().filter(|line| line.starts_with("| W") || line.starts_with("| H")) {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let (id, proof) = (cells[1], cells[4]);
+        // Every second part stands between backticks; tests have long names.
+        let names = proof.split('`').skip(1).step_by(2).filter(|name| name.contains('_'));
+        for name in names {
+            if !sources.contains(&format!("fn {name}(")) {
+                wrong.push(format!("{id}: there is no test `{name}`"));
+            }
+        }
+        if proof.is_empty() {
+            wrong.push(format!("{id} is neither proved nor open"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 fn manifests() -> Vec<std::path::PathBuf> {
     let mut found = Vec::new();
     for top in ["shared", "firmware", "boards", "qemu", "tests", "plan-compiler"] {
