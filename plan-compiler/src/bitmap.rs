@@ -102,6 +102,39 @@ impl Bitmap {
         self.words.iter().map(|word| word.count_ones() as usize).sum()
     }
 
+    /// Adds the cells of `other`, a set on a grid of the same size.
+    pub fn add_all(&mut self, other: &Self) {
+        debug_assert_eq!((self.columns, self.rows), (other.columns, other.rows));
+        for (ours, theirs) in self.words.iter_mut().zip(&other.words) {
+            *ours |= theirs;
+        }
+    }
+
+    /// The runs of neighbouring cells of one row that are in the set, from the west.
+    pub fn runs(&self, row: u32) -> impl Iterator<Item = std::ops::Range<u32>> + '_ {
+        let words = self.row(row);
+        let columns = self.columns;
+        // The first column from `from` on whose cell is in the set, or is not.
+        let next = move |from: u32, wanted: bool| {
+            let mut index = from / 64;
+            let mut mask = u64::MAX << (from % 64);
+            while let Some(&word) = words.get(index as usize) {
+                let found = if wanted { word & mask } else { !word & mask };
+                if found != 0 {
+                    return (index * 64 + found.trailing_zeros()).min(columns);
+                }
+                (index, mask) = (index + 1, u64::MAX);
+            }
+            columns
+        };
+        let mut at = 0;
+        std::iter::from_fn(move || {
+            let start = next(at, true);
+            at = next(start, false);
+            (start < at).then_some(start..at)
+        })
+    }
+
     /// Whether every cell of `other`, a set on a grid of the same size, is in this set.
     pub fn contains_all(&self, other: &Self) -> bool {
         self.columns == other.columns
@@ -150,6 +183,23 @@ mod tests {
         bitmap.set(Cell::new(64, 1), false);
         bitmap.set(Cell::new(0, 3), true);
         assert_eq!(bitmap.count(), 89);
+    }
+
+    #[test]
+    fn runs_are_the_cells_of_a_row() {
+        for columns in [1, 63, 64, 65, 128, 200] {
+            for step in [1, 2, 3, 7, 61, 64, 65] {
+                let bitmap = Bitmap::from_fn(columns, 2, |cell| {
+                    cell.row == 1 && (cell.column / step) % 2 == 0
+                });
+                let runs: Vec<_> = bitmap.runs(1).collect();
+                assert!(runs.windows(2).all(|pair| pair[0].end < pair[1].start), "{runs:?}");
+                let cells: Vec<Cell> =
+                    runs.into_iter().flatten().map(|column| Cell::new(column, 1)).collect();
+                assert_eq!(cells, bitmap.iter().collect::<Vec<_>>(), "{columns} {step}");
+                assert_eq!((bitmap.runs(0).count(), bitmap.runs(2).count()), (0, 0));
+            }
+        }
     }
 
     #[test]

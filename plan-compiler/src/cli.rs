@@ -5,6 +5,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use plan_compiler::boards::{BOARDS, Board};
 use plan_compiler::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
 use plan_compiler::formats::{Format, OparOptions, ReadOptions};
+use plan_compiler::map::Unknown;
 use plan_compiler::mission::{self, Goal, GoalAt};
 use std::path::PathBuf;
 
@@ -274,7 +275,7 @@ pub(crate) struct Reading {
     /// The map's format; otherwise by its content
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<Format>,
-    /// What cells count as that a map leaves unknown; no format that is read today has any
+    /// What cells count as that a map leaves unknown
     #[arg(long, value_name = "CELLS", default_value = "obstacle")]
     pub(crate) unknown: Unknown,
     /// What OPAR's deltas are measured in
@@ -296,17 +297,8 @@ impl Reading {
             order: self.opar_order,
             types: self.opar_types.clone(),
         };
-        ReadOptions { format: self.format, opar }
+        ReadOptions { format: self.format, unknown: self.unknown, opar }
     }
-}
-
-/// What cells count as that a map leaves unknown.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum Unknown {
-    /// Never enter
-    Obstacle,
-    /// Drive on
-    Free,
 }
 
 /// Whether diagonal steps may cut corners.

@@ -4,13 +4,16 @@
 //! each `match` of [`Format`]. A file's content decides what it is; its extension decides
 //! only where the content does not.
 
+pub mod movingai;
 pub mod opar;
 pub mod overlay;
+pub mod ros;
+mod turn;
 pub mod utm;
 
 pub use opar::OparOptions;
 
-use crate::map::Map;
+use crate::map::{CellMap, Map, Unknown};
 use crate::problem::{Problem, Severity, Source};
 use crate::source;
 use std::path::Path;
@@ -30,6 +33,10 @@ pub enum Format {
     Overlay,
     /// OPNET Path Attenuation Routine.
     Opar,
+    /// ROS map_server or Nav2: YAML with a PGM or PNG.
+    Ros,
+    /// MovingAI grid map.
+    Movingai,
 }
 
 /// What a user may say about how to read a map.
@@ -37,19 +44,23 @@ pub enum Format {
 pub struct ReadOptions {
     /// The format, where the file does not tell.
     pub format: Option<Format>,
+    /// What cells count as of which a file says that nothing is known.
+    pub unknown: Unknown,
     /// What OPAR files leave open.
     pub opar: OparOptions,
 }
 
 impl Format {
     /// All of them, the more easily recognised first.
-    pub const ALL: [Self; 2] = [Self::Overlay, Self::Opar];
+    pub const ALL: [Self; 4] = [Self::Movingai, Self::Ros, Self::Overlay, Self::Opar];
 
     /// What people call it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Overlay => "MissionLab overlay",
             Self::Opar => "OPAR",
+            Self::Ros => "ROS map",
+            Self::Movingai => "MovingAI map",
         }
     }
 
@@ -58,6 +69,8 @@ impl Format {
         match self {
             Self::Overlay => &["ovl", "odl"],
             Self::Opar => &["opar"],
+            Self::Ros => &["yaml", "yml"],
+            Self::Movingai => &["map"],
         }
     }
 
@@ -65,13 +78,22 @@ impl Format {
         match self {
             Self::Overlay => overlay::recognises(text),
             Self::Opar => opar::recognises(text),
+            Self::Ros => ros::recognises(text),
+            Self::Movingai => movingai::recognises(text),
         }
     }
 
-    fn read(self, text: &Arc<Source>, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
+    fn read(
+        self,
+        path: &Path,
+        text: &Arc<Source>,
+        options: &ReadOptions,
+    ) -> (Option<Map>, Vec<Problem>) {
         match self {
             Self::Overlay => overlay::read(text),
             Self::Opar => opar::read(text, &options.opar),
+            Self::Ros => ros::read(path, text),
+            Self::Movingai => movingai::read(text),
         }
     }
 
@@ -89,7 +111,23 @@ impl Format {
 /// There is no map where the file cannot be read or is in no known format; a map that comes
 /// with an error is incomplete.
 pub fn read(path: &Path, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
-    let (text, mut problems) = match source::read_text(path) {
+    let (mut map, mut problems) = match source::read_bytes(path) {
+        Ok(bytes) => read_bytes(path, bytes, options),
+        Err(problem) => return (None, vec![problem]),
+    };
+    if let Some(cells) = map.as_mut().and_then(|map| map.cells.as_mut()) {
+        cells.unknown_as = options.unknown;
+        problems.push(count(cells));
+    }
+    limit(&mut problems);
+    (map, problems)
+}
+
+fn read_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
+    if let Some(problem) = ros::refuse_alone(path, &bytes) {
+        return (None, vec![problem]);
+    }
+    let (text, mut problems) = match source::decode(path, bytes) {
         Ok(read) => read,
         Err(problem) => return (None, vec![problem]),
     };
@@ -97,10 +135,25 @@ pub fn read(path: &Path, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
         problems.push(unknown_format(path));
         return (None, problems);
     };
-    let (map, more) = format.read(&text, options);
+    let (map, more) = format.read(path, &text, options);
     problems.extend(more);
-    limit(&mut problems);
     (map, problems)
+}
+
+/// How many cells of each kind a file has.
+fn count(cells: &CellMap) -> Problem {
+    let (columns, rows, side) = (cells.columns(), cells.rows(), cells.resolution_m);
+    let (occupied, unknown) = (cells.occupied.count(), cells.unknown.count());
+    let free = columns as usize * rows as usize - occupied - unknown;
+    let unknown_as = match cells.unknown_as {
+        _ if unknown == 0 => "",
+        Unknown::Obstacle => ", which count as obstacles",
+        Unknown::Free => ", which count as free",
+    };
+    Problem::note(format!(
+        "the file has {columns} x {rows} cells of {side} m: {free} free, {occupied} occupied, \
+         {unknown} unknown{unknown_as}"
+    ))
 }
 
 /// Keeps what a person can read, and an error among it if there was one.

@@ -1,14 +1,16 @@
 //! The one model that every map format is read into.
 //!
-//! Coordinates are the map's own metres, x east, y north.
+//! Coordinates are the map's own metres, x east, y north. A map is drawn as exact shapes, or
+//! comes as cells already (an image, a grid), or is both.
 
+use crate::bitmap::Bitmap;
 use math::GeoPoint;
 use std::ops::Range;
 
 /// A point, metres.
 pub type Point = [f64; 2];
 
-/// A map as its author drew it: exact shapes, not yet cells.
+/// A map as its author drew it: exact shapes, and cells only where the file itself has them.
 #[derive(Clone, Debug)]
 pub struct Map {
     /// The part of the plane that is planned for.
@@ -21,6 +23,8 @@ pub struct Map {
     pub reference: Option<Reference>,
     /// Obstacles, attenuating areas and zones.
     pub features: Vec<Feature>,
+    /// Cells that the file gives, obstacles in every layer.
+    pub cells: Option<CellMap>,
     /// Named points: the natural goals.
     pub points: Vec<NamedPoint>,
     /// Where robots start (an overlay's StartPlace, OPAR's reference point).
@@ -49,6 +53,61 @@ pub struct Reference {
     pub at: Point,
     /// Direction of the map's y axis, radians clockwise from true north.
     pub heading_rad: f64,
+}
+
+/// What a file says cell by cell. Row 0 is in the south.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellMap {
+    /// Side of a cell, metres.
+    pub resolution_m: f64,
+    /// South-west corner of the cell in column 0 and row 0, metres.
+    pub corner: Point,
+    /// Cells that hold an obstacle.
+    pub occupied: Bitmap,
+    /// Cells of which the file says that nothing is known; none of them is occupied.
+    pub unknown: Bitmap,
+    /// What those count as.
+    pub unknown_as: Unknown,
+}
+
+/// What cells count as of which a file says that nothing is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Unknown {
+    /// Never enter
+    #[default]
+    Obstacle,
+    /// Drive on
+    Free,
+}
+
+impl CellMap {
+    /// Cells from west to east.
+    pub fn columns(&self) -> u32 {
+        self.occupied.columns()
+    }
+
+    /// Cells from south to north.
+    pub fn rows(&self) -> u32 {
+        self.occupied.rows()
+    }
+
+    /// The rectangle that the cells cover.
+    pub fn extent(&self) -> Extent {
+        let size = [self.columns(), self.rows()].map(|cells| f64::from(cells) * self.resolution_m);
+        Extent { corner: self.corner, size }
+    }
+
+    /// The cells that must not be entered.
+    pub fn blocked(&self) -> Bitmap {
+        match self.unknown_as {
+            Unknown::Free => self.occupied.clone(),
+            Unknown::Obstacle => {
+                let mut blocked = self.occupied.clone();
+                blocked.add_all(&self.unknown);
+                blocked
+            }
+        }
+    }
 }
 
 /// A shape with a meaning.
@@ -105,6 +164,28 @@ pub struct NamedPoint {
 }
 
 impl Map {
+    /// A map with an extent and nothing in it.
+    pub fn empty(extent: Extent) -> Self {
+        Self {
+            extent,
+            boundary: None,
+            resolution_m: None,
+            reference: None,
+            features: Vec::new(),
+            cells: None,
+            points: Vec::new(),
+            start: None,
+            title: None,
+            remarks: Vec::new(),
+        }
+    }
+
+    /// A map of nothing but cells, whose resolution is theirs.
+    pub fn of_cells(cells: CellMap) -> Self {
+        let map = Self::empty(cells.extent());
+        Self { resolution_m: Some(cells.resolution_m), cells: Some(cells), ..map }
+    }
+
     /// Whether the map has areas that weaken radio.
     pub fn has_attenuating_areas(&self) -> bool {
         self.features.iter().any(|feature| feature.role == Role::Attenuating)

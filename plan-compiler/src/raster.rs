@@ -18,6 +18,10 @@
 //! [`NOISE`] may have been meant to lie on it (0.3 / 0.1 is 2.999...), so the cells on both
 //! sides are blocked: never less than the shape. The boundary is forgiving instead: a cell is
 //! outside only if it reaches farther out than [`NOISE`].
+//!
+//! Cells that the file itself gives follow a rule of their own: see `cells`.
+
+mod cells;
 
 use crate::bitmap::Bitmap;
 use crate::map::{Feature, Map, Point, Shape};
@@ -39,7 +43,8 @@ pub struct RasterOptions {
 }
 
 /// The cells that a robot's centre must not enter: those touched by a feature for which
-/// `is_obstacle` holds, grown by the robot's radius, and those outside the map's boundary.
+/// `is_obstacle` holds or by a cell that the file blocks, grown by the robot's radius, and
+/// those outside the map's boundary.
 pub fn rasterise(
     map: &Map,
     grid: &Grid,
@@ -60,6 +65,9 @@ pub fn rasterise(
             Shape::Polyline(points) => raster.line(points),
             Shape::Polygon(rings) => raster.polygon(rings),
         }
+    }
+    if let Some(cells) = &map.cells {
+        cells::block(cells, grid, raster.radius, &mut raster.blocked);
     }
     if let Some(boundary) = &map.boundary {
         raster.outside(boundary);

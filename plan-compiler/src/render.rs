@@ -371,6 +371,7 @@ mod tests {
             resolution_m: Some(2.0),
             reference: None,
             features: Vec::new(),
+            cells: None,
             points: vec![NamedPoint { name: "a".into(), at: [27.0, 22.0], span: 0..0 }],
             start: None,
             title: None,

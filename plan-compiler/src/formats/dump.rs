@@ -2,6 +2,7 @@
 
 use crate::map::{Map, NamedPoint, Point, Shape};
 use crate::problem::{Problem, draw};
+use plan_format::Cell;
 use std::fmt::Write;
 
 /// Metres to the millimetre, without needless digits.
@@ -57,6 +58,20 @@ pub(crate) fn dump(map: &Map) -> String {
             }
         };
         writeln!(out, "{:?} {:?} {shape}{height}", feature.role, feature.name).unwrap();
+    }
+    if let Some(cells) = &map.cells {
+        let (columns, rows, side) = (cells.columns(), cells.rows(), metres(cells.resolution_m));
+        writeln!(out, "cells {columns} x {rows} of {side} from {}", point(cells.corner)).unwrap();
+        for row in (0..rows).rev() {
+            let columns = (0..columns).map(|column| Cell::new(column, row));
+            let symbol = |cell| match (cells.occupied.get(cell), cells.unknown.get(cell)) {
+                (false, false) => '.',
+                (true, false) => '#',
+                (false, true) => '?',
+                (true, true) => panic!("{cell:?} is both occupied and unknown"),
+            };
+            writeln!(out, "  {}", columns.map(symbol).collect::<String>()).unwrap();
+        }
     }
     if let Some(start) = &map.start {
         named(&mut out, "start", start);

@@ -148,12 +148,8 @@ impl<'a> Reader<'a> {
         let place = GeoPoint::from_degrees(area.place[0], area.place[1]);
         let reference = place.map(|place| Reference { place, at: [0.0; 2], heading_rad: 0.0 });
         let mut map = Map {
-            extent,
             boundary: Some(boundary),
-            resolution_m: None,
             reference,
-            features: Vec::new(),
-            points: Vec::new(),
             start: Some(NamedPoint {
                 name: "reference".into(),
                 at: [0.0; 2],
@@ -161,6 +157,7 @@ impl<'a> Reader<'a> {
             }),
             title: self.lines.title.clone().map(|span| self.source.text[span].into()),
             remarks,
+            ..Map::empty(extent)
         };
         while self.next < self.values.len() {
             let number = map.features.len() + 1;

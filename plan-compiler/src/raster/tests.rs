@@ -15,17 +15,8 @@ fn map(shapes: Vec<Shape>) -> Map {
         height_m: None,
         span: 0..0,
     };
-    Map {
-        extent: Extent { corner: [0.0, 0.0], size: [f64::from(SIDE); 2] },
-        boundary: None,
-        resolution_m: None,
-        reference: None,
-        features: shapes.into_iter().map(feature).collect(),
-        points: Vec::new(),
-        start: None,
-        title: None,
-        remarks: Vec::new(),
-    }
+    let extent = Extent { corner: [0.0, 0.0], size: [f64::from(SIDE); 2] };
+    Map { features: shapes.into_iter().map(feature).collect(), ..Map::empty(extent) }
 }
 
 fn grid(columns: u32, rows: u32) -> Grid {

@@ -25,17 +25,7 @@ pub(super) fn interpret(
     problems: &mut Vec<Problem>,
 ) -> Map {
     let side = [DEFAULT_SIDE_M; 2];
-    let map = Map {
-        extent: Extent { corner: [0.0; 2], size: side },
-        boundary: None,
-        resolution_m,
-        reference: None,
-        features: Vec::new(),
-        points: Vec::new(),
-        start: None,
-        title: None,
-        remarks: Vec::new(),
-    };
+    let map = Map { resolution_m, ..Map::empty(Extent { corner: [0.0; 2], size: side }) };
     let mut reader =
         Reader { source, problems, map, heading_rad: 0.0, origin: Origin::default(), seen: vec![] };
     // The origin first: it moves every coordinate, wherever in the file it stands.

@@ -1,0 +1,279 @@
+//! The YAML file: its values, and where each mistake in them stands.
+
+use crate::mission::nearest;
+use crate::problem::{Problem, Source};
+use saphyr::{LoadableYamlNode, MarkedYaml, Scalar, YamlData};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// How grey becomes occupancy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// Free, occupied or unknown.
+    #[default]
+    Trinary,
+    /// A probability between the thresholds.
+    Scale,
+    /// Grey itself is a percentage.
+    Raw,
+}
+
+/// What the file says; what could not be understood is `None` or map_saver's default.
+#[derive(Debug)]
+pub(super) struct Settings {
+    /// The image's name and where it stands.
+    pub(super) image: Option<(String, Range<usize>)>,
+    pub(super) resolution_m: Option<f64>,
+    /// x, y, metres, and yaw, radians counter-clockwise.
+    pub(super) origin: Option<[f64; 3]>,
+    pub(super) negate: bool,
+    pub(super) occupied_thresh: f64,
+    pub(super) free_thresh: f64,
+    pub(super) mode: Mode,
+}
+
+/// Every key that is understood.
+const KEYS: [&str; 7] =
+    ["image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode"];
+/// What map_saver writes.
+const OCCUPIED_THRESH: f64 = 0.65;
+/// What map_saver writes.
+const FREE_THRESH: f64 = 0.196;
+
+/// Reads the values and tells every mistake in them.
+pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Settings {
+    let mut settings = Settings {
+        image: None,
+        resolution_m: None,
+        origin: None,
+        negate: false,
+        occupied_thresh: OCCUPIED_THRESH,
+        free_thresh: FREE_THRESH,
+        mode: Mode::default(),
+    };
+    let documents = MarkedYaml::load_from_str(&source.text);
+    let document = documents.as_ref().map(|documents| documents.first());
+    let mut reader = Reader { source, problems };
+    match document {
+        Err(error) => {
+            let at = reader.byte(error.marker().index());
+            reader.error(
+                format!("this is not YAML: {}", error.info()),
+                at..at,
+                "here",
+                "a map's file has a line `key: value` each: image, resolution, origin, ...",
+            );
+        }
+        Ok(Some(MarkedYaml { data: YamlData::Mapping(pairs), .. })) => {
+            let pairs: Vec<Pair<'_>> =
+                pairs.iter().map(|(key, value)| reader.pair(key, value)).collect();
+            reader.settings(&pairs, &mut settings);
+        }
+        Ok(_) => {
+            reader.error(
+                "the file holds no `key: value` lines".into(),
+                0..0,
+                "",
+                "a map's file has a line `key: value` each: image, resolution, origin, ...",
+            );
+        }
+    }
+    settings
+}
+
+/// A key with its value and where both stand.
+struct Pair<'y> {
+    key: &'y str,
+    key_span: Range<usize>,
+    value: &'y YamlData<'y, MarkedYaml<'y>>,
+    span: Range<usize>,
+}
+
+struct Reader<'a> {
+    source: &'a Arc<Source>,
+    problems: &'a mut Vec<Problem>,
+}
+
+impl Reader<'_> {
+    fn error(&mut self, message: String, span: Range<usize>, label: &str, mend: &str) {
+        self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
+    }
+
+    /// The parser counts characters.
+    fn byte(&self, character: usize) -> usize {
+        let text = &self.source.text;
+        text.char_indices().nth(character).map_or(text.len(), |(byte, _)| byte)
+    }
+
+    fn span(&self, node: &MarkedYaml<'_>) -> Range<usize> {
+        let start = self.byte(node.span.start.index());
+        start..self.byte(node.span.end.index()).max(start)
+    }
+
+    fn pair<'y>(&self, key: &'y MarkedYaml<'y>, value: &'y MarkedYaml<'y>) -> Pair<'y> {
+        let text = match &key.data {
+            YamlData::Value(Scalar::String(text)) => text,
+            _ => "",
+        };
+        Pair { key: text, key_span: self.span(key), value: &value.data, span: self.span(value) }
+    }
+
+    fn settings(&mut self, pairs: &[Pair<'_>], settings: &mut Settings) {
+        for pair in pairs {
+            match pair.key {
+                "image" => settings.image = self.image(pair),
+                "resolution" => settings.resolution_m = self.resolution(pair),
+                "origin" => settings.origin = self.origin(pair),
+                "negate" => settings.negate = self.negate(pair).unwrap_or_default(),
+                "occupied_thresh" => {
+                    settings.occupied_thresh = self.share(pair).unwrap_or(OCCUPIED_THRESH);
+                }
+                "free_thresh" => settings.free_thresh = self.share(pair).unwrap_or(FREE_THRESH),
+                "mode" => settings.mode = self.mode(pair).unwrap_or_default(),
+                other => {
+                    let warning = Problem::warning(format!("`{other}` means nothing here")).at(
+                        self.source,
+                        pair.key_span.clone(),
+                        "it is not read",
+                    );
+                    self.problems.push(match nearest(other, KEYS.into_iter()) {
+                        Some(meant) => warning.mend(format!("did you mean `{meant}`?")),
+                        None => warning.mend(format!("the keys are: {}", KEYS.join(", "))),
+                    });
+                }
+            }
+        }
+        let find = |key: &str| pairs.iter().find(|pair| pair.key == key);
+        let needed = [
+            ("image", "image: map.pgm"),
+            ("resolution", "resolution: 0.05"),
+            ("origin", "origin: [0, 0, 0]"),
+        ];
+        for (key, example) in needed.into_iter().filter(|(key, _)| find(key).is_none()) {
+            self.problems.push(
+                Problem::error(format!("the file gives no `{key}`"))
+                    .mend(format!("add a line, for example `{example}`")),
+            );
+        }
+        let assumed =
+            [("negate", 0.0), ("occupied_thresh", OCCUPIED_THRESH), ("free_thresh", FREE_THRESH)];
+        for (key, value) in assumed.into_iter().filter(|(key, _)| find(key).is_none()) {
+            self.problems.push(
+                Problem::warning(format!("the file gives no `{key}`; {value} is assumed"))
+                    .mend(format!("add a line `{key}: {value}`")),
+            );
+        }
+        if settings.free_thresh >= settings.occupied_thresh {
+            let pair = find("free_thresh").or_else(|| find("occupied_thresh"));
+            let (free, occupied) = (settings.free_thresh, settings.occupied_thresh);
+            self.error(
+                format!("free_thresh {free} is not below occupied_thresh {occupied}"),
+                pair.map_or(0..0, |pair| pair.span.clone()),
+                "a pixel cannot be both",
+                "map_saver writes occupied_thresh: 0.65 and free_thresh: 0.196",
+            );
+        }
+    }
+
+    fn image(&mut self, pair: &Pair<'_>) -> Option<(String, Range<usize>)> {
+        match pair.value {
+            YamlData::Value(Scalar::String(name)) if !name.trim().is_empty() => {
+                Some((name.trim().to_owned(), pair.span.clone()))
+            }
+            _ => {
+                let mend = "write the image's name, for example `image: map.pgm`";
+                self.error(
+                    "`image` names no file".into(),
+                    pair.span.clone(),
+                    "a name is needed",
+                    mend,
+                );
+                None
+            }
+        }
+    }
+
+    fn resolution(&mut self, pair: &Pair<'_>) -> Option<f64> {
+        let side = number(pair.value).filter(|side| *side > 0.0);
+        if side.is_none() {
+            self.error(
+                "`resolution` is not a length".into(),
+                pair.span.clone(),
+                "metres per pixel are needed",
+                "write the side of a pixel, for example `resolution: 0.05`",
+            );
+        }
+        side
+    }
+
+    fn origin(&mut self, pair: &Pair<'_>) -> Option<[f64; 3]> {
+        let numbers: Option<Vec<f64>> = match pair.value {
+            YamlData::Sequence(items) => items.iter().map(|item| number(&item.data)).collect(),
+            _ => None,
+        };
+        let origin = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+        if origin.is_none() {
+            self.error(
+                "`origin` is not three numbers".into(),
+                pair.span.clone(),
+                "x, y and yaw are needed",
+                "write the south-west corner in metres and the yaw in radians: `origin: [-10, -10, 0]`",
+            );
+        }
+        origin
+    }
+
+    fn negate(&mut self, pair: &Pair<'_>) -> Option<bool> {
+        let negate = match pair.value {
+            YamlData::Value(Scalar::Boolean(negate)) => Some(*negate),
+            YamlData::Value(Scalar::Integer(number @ 0..=1)) => Some(*number == 1),
+            _ => None,
+        };
+        if negate.is_none() {
+            let mend = "write `negate: 0`, or 1 where white is occupied";
+            self.error("`negate` is neither 0 nor 1".into(), pair.span.clone(), "0 or 1", mend);
+        }
+        negate
+    }
+
+    fn share(&mut self, pair: &Pair<'_>) -> Option<f64> {
+        let share = number(pair.value).filter(|share| (0.0..=1.0).contains(share));
+        if share.is_none() {
+            self.error(
+                format!("`{}` is not a share", pair.key),
+                pair.span.clone(),
+                "0 to 1 is needed",
+                "map_saver writes occupied_thresh: 0.65 and free_thresh: 0.196",
+            );
+        }
+        share
+    }
+
+    fn mode(&mut self, pair: &Pair<'_>) -> Option<Mode> {
+        let word = match pair.value {
+            YamlData::Value(Scalar::String(word)) => word.as_ref(),
+            _ => "",
+        };
+        let mode = match word {
+            "trinary" => Some(Mode::Trinary),
+            "scale" => Some(Mode::Scale),
+            "raw" => Some(Mode::Raw),
+            _ => None,
+        };
+        if mode.is_none() {
+            let mend = "write `mode: trinary`, `scale` or `raw`, or leave the line out";
+            self.error("the mode is unknown".into(), pair.span.clone(), "", mend);
+        }
+        mode
+    }
+}
+
+/// A finite number of a size that maps have.
+fn number<'y>(value: &YamlData<'y, MarkedYaml<'y>>) -> Option<f64> {
+    let number = match value {
+        YamlData::Value(Scalar::Integer(number)) => *number as f64,
+        YamlData::Value(Scalar::FloatingPoint(number)) => number.into_inner(),
+        _ => return None,
+    };
+    (number.abs() <= crate::formats::FARTHEST_M).then_some(number)
+}
