@@ -6,8 +6,8 @@
 
 use advice::{Advice, Choice, Kind, advise};
 use plan_format::field::{ESCAPE, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
-use plan_format::parameters::Selection::{self, Dynamic, Static};
 use plan_format::mission::MissionDraft;
+use plan_format::parameters::Selection::{self, Dynamic, Static};
 use plan_format::{
     Cell, Direction, Draft, Field, Grid, LayerDraft, ParallelPlan, Parameters, Plan, PlanDraft,
 };
@@ -181,7 +181,13 @@ fn with_plan<T>(layers: &[&str], test: impl FnOnce(&ParallelPlan<'_>) -> T) -> T
         goal_m: grid.centre(*goal),
         layers: fields.iter().enumerate().map(layer).collect(),
     };
-    let draft = Draft { grid, origin: None, parameters: Parameters::default(), plans: vec![plan], mission: MissionDraft::default() };
+    let draft = Draft {
+        grid,
+        origin: None,
+        parameters: Parameters::default(),
+        plans: vec![plan],
+        mission: MissionDraft::default(),
+    };
     let blob = plan_format::write(&draft).expect("the draft is sound");
     let plan = Plan::parse(&blob).expect("the blob is sound");
     test(&plan.parallel_plan(0).expect("there is one plan"))
