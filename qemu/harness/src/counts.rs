@@ -14,7 +14,7 @@ pub const LIMITS: &[(&str, u64)] = &[
     ("look-up-worst", 400),
     ("tick-8-obstacles-worst", 6_000),
     ("tick-stack-bytes", 4_096),
-    ("control-state-bytes", 8_192),
+    ("control-state-bytes", 4_096),
     ("plan-view-bytes", 512),
 ];
 

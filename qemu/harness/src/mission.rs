@@ -109,20 +109,13 @@ impl Scenario {
         plan.parallel_plan(plan.parameters().plan.into()).expect("a compiled blob has plans")
     }
 
-    /// Its layer that has a route from most places.
-    pub fn layer(&self) -> Layer<'_> {
-        self.parallel_plan().layer(0).expect("a parallel plan has layers")
-    }
-
-    /// Length of the route from a point to the goal, metres; `None` where there is none.
-    pub fn way_m(&self, from: Point) -> Option<f64> {
-        let plan = self.plan();
-        let cell = plan.cell_at(Vec2::new(from[0] as f32, from[1] as f32))?;
-        match self.layer().look_up(cell) {
-            Answer::Move { cost, .. } => Some(cost_metres(cost, plan.grid().resolution_m)),
-            Answer::Goal => Some(0.0),
-            _ => None,
-        }
+    /// The layer that the robot follows from a place: the most constrained one that has a
+    /// route from there; `None` where none has.
+    pub fn layer_from(&self, place: Point) -> Option<Layer<'_>> {
+        let (plan, parallel) = (self.plan(), self.parallel_plan());
+        let mut layers =
+            (0..parallel.layer_count()).rev().filter_map(|index| parallel.layer(index));
+        layers.find(|layer| way_m(&plan, layer, place).is_some())
     }
 
     /// A place with a route where the body is clear of obstacles, drawn by chance; `None`
@@ -138,7 +131,7 @@ impl Scenario {
         let radius_m = plan.parameters().vehicle.radius_m.into();
         (0..DRAWS)
             .map(|_| [draw(0, grid.columns), draw(1, grid.rows)])
-            .find(|&point| self.way_m(point).is_some() && world.is_clear(point, radius_m))
+            .find(|&point| self.layer_from(point).is_some() && world.is_clear(point, radius_m))
     }
 
     /// When a run ends: it has arrived where the robot believes the goal to be, which its
@@ -175,6 +168,16 @@ impl Scenario {
         let body = Body::new(chassis, start.position, start.heading_rad);
         let limits = self.limits(start);
         Ok(Run::new(world, body, sensors, pilot, limits))
+    }
+}
+
+/// Length of a layer's route from a place to the goal, metres; `None` where there is none.
+pub fn way_m(plan: &Plan<'_>, layer: &Layer<'_>, from: Point) -> Option<f64> {
+    let cell = plan.cell_at(Vec2::new(from[0] as f32, from[1] as f32))?;
+    match layer.look_up(cell) {
+        Answer::Move { cost, .. } => Some(cost_metres(cost, plan.grid().resolution_m)),
+        Answer::Goal => Some(0.0),
+        _ => None,
     }
 }
 

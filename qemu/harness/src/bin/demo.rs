@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::Parser;
-use harness::mission::{Changes, Scenario, Start};
+use harness::mission::{Changes, Scenario, Start, way_m};
 use harness::{Build, Machine, QemuPilot, setup};
 use indicatif::{ProgressBar, ProgressStyle};
 use plan_compiler::{output, render};
@@ -25,7 +25,7 @@ struct Arguments {
     seed: u64,
 }
 
-/// Outside the south gate's end of the street, turned towards it.
+/// In the south-east, behind the workshop, turned west.
 const START: Point = [200.5, 20.5];
 const HEADING_RAD: f64 = 3.0;
 
@@ -75,9 +75,12 @@ fn drive<P: Pilot>(
     scenario: &Scenario,
     pace: f64,
 ) -> Result<Outcome, sim::PilotError> {
-    let left_m = |at: Point| scenario.way_m(at).unwrap_or_default();
-    let way_m = left_m(run.body().position);
-    let bar = ProgressBar::new(way_m as u64);
+    let (plan, layer) = (scenario.plan(), scenario.layer_from(START));
+    // None where a gust of noise has pushed the robot into a cell without a route.
+    let left_m = |at: Point| layer.and_then(|layer| way_m(&plan, &layer, at));
+    let whole_m = left_m(START).unwrap_or_default();
+    let mut to_go_m = whole_m;
+    let bar = ProgressBar::new(whole_m as u64);
     let template = "driving    [{bar:40}] {msg}";
     bar.set_style(ProgressStyle::with_template(template).expect("a sound template"));
     let is_shown = std::io::stderr().is_terminal() && pace > 0.0;
@@ -85,10 +88,10 @@ fn drive<P: Pilot>(
     while run.outcome().ending.is_none() {
         let commands = run.step()?;
         let (outcome, body) = (run.outcome(), run.body());
-        let left_m = left_m(body.position);
-        bar.set_position((way_m - left_m).max(0.0) as u64);
+        to_go_m = left_m(body.position).unwrap_or(to_go_m);
+        bar.set_position((whole_m - to_go_m).max(0.0) as u64);
         bar.set_message(format!(
-            "{:5.1} s  {left_m:5.1} m to go  {:3.1} m/s  {:?}",
+            "{:5.1} s  {to_go_m:5.1} m to go  {:3.1} m/s  {:?}",
             outcome.time_s, commands.speed_mps, commands.reason
         ));
         if is_shown {
@@ -113,15 +116,15 @@ fn summarise(outcome: &Outcome, is_same: bool) {
     println!("trace hash {:016x}, {verdict}", outcome.trace_hash);
 }
 
-/// Draws map, field and way, as SVG and PNG; returns the path of the PNG.
+/// Draws map, the field that was followed, and the way, as SVG and PNG; returns the path of the PNG.
 fn draw(scenario: &Scenario, outcome: &Outcome) -> Result<PathBuf, String> {
     let overlay = render::Overlay {
         features: &scenario.map.features,
         start: Some(START),
         route: &outcome.route,
     };
-    let svg =
-        render::picture(&scenario.plan(), &scenario.parallel_plan(), &scenario.layer(), &overlay);
+    let layer = scenario.layer_from(START).ok_or("there is no route to draw")?;
+    let svg = render::picture(&scenario.plan(), &scenario.parallel_plan(), &layer, &overlay);
     let png = render::png(&svg)?;
     let folder = setup::target_folder().join("demo");
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;

@@ -40,7 +40,8 @@ fn count(arguments: &Arguments) -> Result<bool, String> {
         std::fs::write(&path, &counted).map_err(said)?;
         return Ok(true);
     }
-    let kept = std::fs::read_to_string(&path).map_err(said)?;
+    // A file that is not there yet knows no count.
+    let kept = std::fs::read_to_string(&path).unwrap_or_default();
     for line in kept.lines().filter(|line| !counted.lines().any(|new| new == *line)) {
         eprintln!("the golden file says: {line}");
     }
