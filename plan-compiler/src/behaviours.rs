@@ -27,6 +27,7 @@ pub use language::{TABLES, read};
 pub use lower::{PlanNames, Plans, lower};
 pub use syntax::Syntax;
 
+use crate::compile::has_errors;
 use crate::problem::Problem;
 use plan_format::mission::MissionDraft;
 
@@ -47,15 +48,17 @@ pub const DEFAULT_TIMEOUT_S: f64 = 300.0;
 /// For how long a missing input counts as its last value, seconds.
 pub const DEFAULT_MISSING_HOLD_S: f64 = 2.0;
 
-/// The blob's tables of a mission, with everything worth knowing about them; `None` after an
-/// error.
+/// The blob's tables of a mission, with everything worth knowing about them; `None` if there is an
+/// error among the problems then.
 pub fn compile(
     syntax: &Syntax,
     plans: &Plans,
     problems: &mut Vec<Problem>,
 ) -> Option<MissionDraft> {
-    let before = problems.len();
     let draft = lower(syntax, plans, problems)?;
-    lints::check(syntax, &draft, problems);
-    (!crate::compile::has_errors(&problems[before..])).then_some(draft)
+    // What is only half understood is not looked through.
+    if !has_errors(problems) {
+        lints::check(syntax, &draft, problems);
+    }
+    (!has_errors(problems)).then_some(draft)
 }

@@ -166,7 +166,8 @@ impl<'t> Fields<'t> {
                 None
             }
             None => {
-                let example = format!("{key} = {low}");
+                let typical = if range.contains(&1.0) { 1.0 } else { *low };
+                let example = format!("{key} = {typical:?}");
                 report.wrong_type(&self.path(key), item, &span, &expected, &example);
                 None
             }

@@ -115,9 +115,9 @@ const EXIT: usize = 1;
 /// a way from the entry to the exit.
 fn number(raw: RawGraph) -> Result<Graph, Vec<Mistake>> {
     let mut mistakes = ends(&raw);
-    let whole = raw.edges.iter().fold(usize::MAX..0, |whole, edge| {
-        whole.start.min(edge.span.start)..whole.end.max(edge.span.end)
-    });
+    let start = raw.edges.iter().map(|edge| edge.span.start).min().unwrap_or(0);
+    let end = raw.edges.iter().map(|edge| edge.span.end).max().unwrap_or(0);
+    let whole = start..end;
     if raw.edges.len() > limits::MAX_PRODUCTION_EDGES {
         mistakes.push(too_many(
             "components",

@@ -25,21 +25,44 @@ pub fn read(source: &Arc<Source>, file: &dyn TableLike, problems: &mut Vec<Probl
     let is_there = TABLES.iter().any(|table| file.contains_key(table));
     syntax.source = is_there.then(|| Arc::clone(source));
     each(&mut report, file, "inputs", |report, name, item| {
-        syntax.inputs.extend(inputs::input(report, name, item));
+        keep(
+            &mut syntax.inputs,
+            &mut syntax.broken,
+            name.clone(),
+            inputs::input(report, name, item),
+        );
     });
     each(&mut report, file, "facts", |report, name, item| {
-        syntax.facts.extend(inputs::fact(report, name, item));
+        keep(&mut syntax.facts, &mut syntax.broken, name.clone(), inputs::fact(report, name, item));
     });
     each(&mut report, file, "actions", |report, name, item| {
-        syntax.actions.extend(components::action(report, name, item));
+        keep(
+            &mut syntax.actions,
+            &mut syntax.broken,
+            name.clone(),
+            components::action(report, name, item),
+        );
     });
     each(&mut report, file, "frames", |report, name, item| {
-        syntax.frames.extend(components::frame(report, name, item));
+        keep(
+            &mut syntax.frames,
+            &mut syntax.broken,
+            name.clone(),
+            components::frame(report, name, item),
+        );
     });
     each(&mut report, file, "behaviours", |report, name, item| {
         syntax.behaviours.extend(behaviour(report, name, item));
     });
     syntax
+}
+
+/// Keeps a definition, or the name of one that could not be understood.
+fn keep<T>(all: &mut Vec<T>, broken: &mut Vec<String>, name: Text, definition: Option<T>) {
+    match definition {
+        Some(definition) => all.push(definition),
+        None => broken.push(name.value),
+    }
 }
 
 /// Calls `with` for every entry of a table whose name can be one.

@@ -47,7 +47,7 @@ pub fn check(syntax: &Syntax, draft: &MissionDraft, problems: &mut Vec<Problem>)
     if has_errors(&lints.report.problems[before..]) {
         return Analysis::default();
     }
-    lints.budget();
+    let Some(needs) = lints.budget() else { return Analysis::default() };
     lints.unused();
     if lints.situations.is_none() {
         let message = "too many inputs for all their combinations to be looked through";
@@ -59,7 +59,10 @@ pub fn check(syntax: &Syntax, draft: &MissionDraft, problems: &mut Vec<Problem>)
     lints.interruptions();
     lints.shut_out();
     let waits = lints.waits();
-    Analysis { needs: budget::needs(draft).unwrap_or_default(), waits }
+    if !needs.is_empty() {
+        lints.report.problems.push(Problem::note(budget::in_words(&needs)));
+    }
+    Analysis { needs, waits }
 }
 
 struct Lints<'l> {

@@ -261,7 +261,7 @@ impl Lowering<'_> {
         let names = self.syntax.inputs.iter().map(|input| input.name.as_str());
         let found = names.clone().position(|known| known == name.as_str());
         if found.is_none() {
-            self.report.unknown("input", name, names, "define it in [inputs]");
+            self.unknown("input", name, names, "define it in [inputs]");
         }
         found.map(|index| index as u8)
     }
@@ -271,9 +271,22 @@ impl Lowering<'_> {
         let found = names.clone().position(|known| known == name.as_str());
         if found.is_none() {
             let how = format!("define it as [frames.\"{}\"]", name.as_str());
-            self.report.unknown("frame", name, names, &how);
+            self.unknown("frame", name, names, &how);
         }
         found.unwrap_or(0) as u16
+    }
+
+    /// A name that stands for nothing, unless what it stands for could not be understood.
+    fn unknown<'c>(
+        &mut self,
+        what: &str,
+        name: &Text,
+        known: impl Iterator<Item = &'c str> + Clone,
+        how: &str,
+    ) {
+        if !self.syntax.broken.contains(&name.value) {
+            self.report.unknown(what, name, known, how);
+        }
     }
 
     fn plan(&mut self, name: &Text) -> u16 {
@@ -282,7 +295,7 @@ impl Lowering<'_> {
                 let names = plans.iter().map(|plan| plan.name.as_str());
                 let found = names.clone().position(|known| known == name.as_str());
                 if found.is_none() {
-                    self.report.unknown("parallel plan", name, names, "add it to [goals]");
+                    self.unknown("parallel plan", name, names, "add it to [goals]");
                 }
                 found.unwrap_or(0) as u16
             }
@@ -306,7 +319,7 @@ impl Lowering<'_> {
         if found.is_none() {
             let what = format!("layer of plan `{}` named", plan.as_str());
             let how = format!("it has {}", known.layers.join(", "));
-            self.report.unknown(&what, layer, names, &how);
+            self.unknown(&what, layer, names, &how);
         }
         (index, found.unwrap_or(0) as u8)
     }
@@ -316,7 +329,7 @@ impl Lowering<'_> {
         let names = self.syntax.facts.iter().map(|fact| fact.name.as_str());
         let found = names.clone().position(|known| known == name.as_str());
         if found.is_none() {
-            self.report.unknown("fact", name, names, "define it in [facts]");
+            self.unknown("fact", name, names, "define it in [facts]");
         }
         found.map_or(0, |index| 1 << index)
     }

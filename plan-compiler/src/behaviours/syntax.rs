@@ -23,6 +23,8 @@ pub struct Syntax {
     pub frames: Vec<Frame>,
     /// Behaviours.
     pub behaviours: Vec<Behaviour>,
+    /// Names of definitions that could not be understood: what refers to them is not to blame.
+    pub broken: Vec<String>,
 }
 
 /// An aspect of interest.

@@ -40,6 +40,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "it",
         &[
+            "behaviour",
             "controller",
             "harness",
             "math",

@@ -1,5 +1,6 @@
 //! Every integration test in one binary: the built programs and the crates' boundaries.
 
+mod behaviours;
 mod blob;
 mod cli;
 mod fields;

@@ -14,6 +14,24 @@ pub struct Need {
     pub components: usize,
     /// Frames within frames, and an action within.
     pub depth: usize,
+    /// Plan steps from the moment it is reached until actions run: decompositions and starts.
+    pub steps: usize,
+}
+
+/// What the robot needs for all behaviours, for a reader.
+pub(super) fn in_words(needs: &[Need]) -> String {
+    let components: usize = needs.iter().map(|need| need.components).sum();
+    let most = |of: fn(&Need) -> usize| needs.iter().map(of).max().unwrap_or(0);
+    let steps = most(|need| need.steps);
+    format!(
+        "the plans need at most {components} of {} live components, {} of {} levels, {steps} steps \
+         at once ({} of them a tick) and, like every mission, {} bytes of state",
+        limits::MAX_COMPONENTS,
+        most(|need| need.depth),
+        limits::MAX_DEPTH,
+        limits::MAX_STEPS,
+        size_of::<behaviour::Behaviours>()
+    )
 }
 
 /// What every behaviour's plans may need at once, by index; `None` where frames refer to each other
@@ -29,6 +47,7 @@ pub(super) fn needs(draft: &MissionDraft) -> Option<Vec<Need>> {
             // An activity runs while the behaviour's own plan sleeps.
             all.components = all.components.max(root.components + activity.components);
             all.depth = all.depth.max(activity.depth);
+            all.steps = all.steps.max(activity.steps);
         }
         Some(all)
     });
@@ -48,7 +67,7 @@ impl Search<'_> {
     /// A frame that contains itself does so as the last thing and takes its own place, so the inner
     /// one counts as a single component. Deeper than the robot can go nothing is counted.
     fn of_frame(&mut self, frame: usize) -> Option<Need> {
-        const SINGLE: Need = Need { components: 1, depth: 1 };
+        const SINGLE: Need = Need { components: 1, depth: 1, steps: 1 };
         if self.above.contains(&frame) || self.above.len() > limits::MAX_DEPTH {
             return Some(SINGLE);
         }
@@ -72,6 +91,11 @@ impl Search<'_> {
             let deepest = parts.iter().map(|part| part.depth).max().unwrap_or(0);
             need.depth = need.depth.max(1 + deepest);
             need.components = need.components.max(1 + most_at_once(draft, production, &parts));
+            for vertex in 0..production.vertices {
+                let begun = edges.iter().zip(&parts).filter(|(edge, _)| edge.from == vertex);
+                let steps: usize = begun.map(|(_, part)| part.steps).sum();
+                need.steps = need.steps.max(steps + usize::from(vertex == 0));
+            }
         }
         self.above.pop();
         if !reaches(draft, frame, frame) && !self.is_in_loop(frame) {
@@ -118,14 +142,14 @@ fn most_at_once(draft: &MissionDraft, production: &Production, parts: &[Need]) -
 }
 
 impl Lints<'_> {
-    /// Refuses what the robot has no room for.
-    pub(super) fn budget(&mut self) {
+    /// What every behaviour's plans need, if the robot has room for it.
+    pub(super) fn budget(&mut self) -> Option<Vec<Need>> {
         let Some(needs) = needs(self.draft) else {
             let message = "the frames contain each other in too many ways to be looked through";
             self.report
                 .problems
                 .push(Problem::error(message).mend("let fewer frames contain each other"));
-            return;
+            return None;
         };
         for (behaviour, need) in self.syntax.behaviours.iter().zip(&needs) {
             if need.depth > limits::MAX_DEPTH {
@@ -140,6 +164,9 @@ impl Lints<'_> {
             }
         }
         let all: usize = needs.iter().map(|need| need.components).sum();
+        if needs.iter().any(|need| need.depth > limits::MAX_DEPTH) {
+            return None;
+        }
         if all > limits::MAX_COMPONENTS {
             let each: Vec<String> = self
                 .syntax
@@ -158,6 +185,8 @@ impl Lints<'_> {
                 each.join(", ")
             );
             self.report.problems.push(Problem::error(message).mend(mend));
+            return None;
         }
+        Some(needs)
     }
 }

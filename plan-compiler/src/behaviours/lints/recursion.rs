@@ -76,12 +76,11 @@ impl Lints<'_> {
                     let at = usize::from(record.first_edge) + index;
                     let Symbol::Frame(inner) = self.draft.edges[at].symbol else { continue };
                     let inner = usize::from(inner);
-                    if inner == frame || reaches(self.draft, inner, frame) {
-                        if let Some((message, label, mend)) =
+                    if (inner == frame || reaches(self.draft, inner, frame))
+                        && let Some((message, label, mend)) =
                             self.why_it_grows(frame, &record, index, inner)
-                        {
-                            self.report.error(message, &edge.span, &label, mend);
-                        }
+                    {
+                        self.report.error(message, &edge.span, &label, mend);
                     }
                 }
             }

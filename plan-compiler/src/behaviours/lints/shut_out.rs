@@ -19,8 +19,9 @@ struct Held {
 
 impl Lints<'_> {
     /// A sleeping behaviour keeps what it protects protected. Where a second one can interrupt it
-    /// there and a third would violate it, the third is shut out until it is critical enough to be
-    /// engaged unconditionally; all three are named, and where.
+    /// there and a third would violate it, the third is shut out: the robot lets the sleeping one go
+    /// on first, unless the third becomes critical enough to overrule it. All three are named, and
+    /// where.
     pub(super) fn shut_out(&mut self) {
         let count = self.draft.behaviours.len();
         for sleeper in 0..count {
@@ -31,6 +32,15 @@ impl Lints<'_> {
                 }
             }
         }
+    }
+
+    /// Behaviours that can shut one out while they sleep.
+    pub(super) fn excluding(&self, victim: usize) -> Vec<usize> {
+        let excludes = |&sleeper: &usize| {
+            let held = held_at_points(self.draft, self.draft.behaviours[sleeper].root.into());
+            sleeper != victim && self.witness(sleeper, victim, &held).is_some()
+        };
+        (0..self.draft.behaviours.len()).filter(excludes).collect()
     }
 
     fn witness(&self, sleeper: usize, victim: usize, held: &[Held]) -> Option<(usize, Held)> {
@@ -62,18 +72,21 @@ impl Lints<'_> {
             .collect();
         let record = &self.draft.behaviours[victim];
         let highest = self.situations.as_ref().map(|situations| situations.range(record.rules).1);
-        let resolved = match highest {
+        let never = match highest {
             Some(highest) if highest < record.unconditional => format!(
-                "and never becomes critical enough to be engaged at once ({:.3} of {:.3})",
-                highest, record.unconditional
+                "; `{}` never becomes critical enough to overrule it, {highest:.3} of {:.3}",
+                self.name(victim),
+                record.unconditional
             ),
-            _ => format!("until its criticality is {:.3}", record.unconditional),
+            _ => String::new(),
         };
-        let message = format!("behaviour `{}` can be shut out {resolved}", self.name(victim));
+        let (victim_name, sleeper_name) = (self.name(victim), self.name(sleeper));
+        let message =
+            format!("behaviour `{victim_name}` can be shut out by the sleeping `{sleeper_name}`");
         let label = format!(
-            "when `{}` interrupts `{}` after `{}`, that one still protects `{facts}`",
+            "when `{}` interrupts `{sleeper_name}` after `{}`, that one still protects `{facts}` and \
+             goes on first{never}",
             self.name(by),
-            self.name(sleeper),
             after.join("` and `")
         );
         let mend =

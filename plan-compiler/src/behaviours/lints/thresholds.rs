@@ -131,8 +131,8 @@ impl Lints<'_> {
         let mut ends = vec![false; draft.frames.len()];
         loop {
             let before = ends.clone();
-            for frame in 0..draft.frames.len() {
-                ends[frame] = ends[frame] || self.may_end(frame, &before);
+            for (frame, ends) in ends.iter_mut().enumerate() {
+                *ends = *ends || self.may_end(frame, &before);
             }
             if ends == before {
                 break;

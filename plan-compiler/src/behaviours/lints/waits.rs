@@ -2,15 +2,17 @@
 //!
 //! Every plan is carried out by the robot's own crates in every way that its actions can end, until
 //! no new state comes up. The longest way through these states that meets no vertex at which the
-//! waiting behaviour could be engaged is the bound, each action taking as long as it may. It holds
-//! for the most critical behaviour, as long as it is that and not shut out by a sleeping one.
+//! waiting behaviour could be engaged is the bound, each action taking as long as it may; to it come
+//! the other's minimum dwell, its activities, and those that sleep and have to give up first what
+//! they protect. It holds for the most critical behaviour, as long as it is that.
 
 mod states;
 
 use super::Lints;
 use super::shut_out::effects;
 use crate::problem::Problem;
-use states::States;
+use plan_format::mission::{Condition, SwitchPoint};
+use states::{States, Stop};
 use std::fmt;
 
 /// The longest wait of a behaviour for its turn.
@@ -60,7 +62,7 @@ impl Lints<'_> {
         let of_frame = |frame: u16| States::explore(draft, frame);
         let plans: Vec<States> = draft.behaviours.iter().map(|b| of_frame(b.root)).collect();
         let whole = |frame: Option<u16>| {
-            frame.map_or(Bound::Within(0), |frame| of_frame(frame).longest(|_| false))
+            frame.map_or(Bound::Within(0), |frame| of_frame(frame).longest(|_: &Stop| false))
         };
         let activities: Vec<(Bound, Bound)> =
             draft.behaviours.iter().map(|b| (whole(b.start_up), whole(b.shut_down))).collect();
@@ -68,8 +70,16 @@ impl Lints<'_> {
             let (adds, deletes) = effects(draft, waiting);
             let (start_up, shut_down) = activities[other];
             let dwell = Bound::Within(draft.behaviours[other].dwell_ms.into());
-            let point =
-                plans[other].longest(|held| held.must & deletes == 0 && held.must_not & adds == 0);
+            let is_free = |held: Condition| held.must & deletes == 0 && held.must_not & adds == 0;
+            let point = plans[other].longest(|stop| match draft.behaviours[other].switch_point {
+                SwitchPoint::Earliest => is_free(stop.held),
+                SwitchPoint::Best => {
+                    let is_better = |&(work, held): &(u16, Condition)| {
+                        stop.lost_work.is_none_or(|lost| work < lost) && is_free(held)
+                    };
+                    is_free(stop.held) && !stop.ahead.iter().any(is_better)
+                }
+            });
             dwell.max(start_up).and(point).and(shut_down)
         };
         let waits: Vec<Option<Wait>> = (0..count)
@@ -77,7 +87,14 @@ impl Lints<'_> {
                 (0..count)
                     .filter(|&other| self.conflict(waiting, other))
                     .filter(|&other| self.takes_over(other, waiting).is_some())
-                    .map(|other| Wait { behind: other, bound: behind(waiting, other) })
+                    .map(|other| {
+                        // Those that sleep and shut it out go on first, one after the other.
+                        let excluding = self.excluding(waiting).into_iter().filter(|&s| s != other);
+                        let bound = excluding.fold(behind(waiting, other), |bound, sleeper| {
+                            bound.and(behind(waiting, sleeper))
+                        });
+                        Wait { behind: other, bound }
+                    })
                     .max_by_key(|wait| wait.bound)
             })
             .collect();

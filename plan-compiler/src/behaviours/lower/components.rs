@@ -129,7 +129,7 @@ impl Lowering<'_> {
         for (name, _) in &production.work {
             let names = production.graph.edges.iter().map(|edge| edge.component.as_str());
             if !names.clone().any(|known| known == name.as_str()) {
-                self.report.unknown("component", name, names, "it is not part of this graph");
+                self.unknown("component", name, names, "it is not part of this graph");
             }
         }
         self.draft.productions.push(Production {
@@ -155,7 +155,7 @@ impl Lowering<'_> {
         let known = frames.chain(syntax.actions.iter().map(|action| action.name.as_str()));
         let text = Text { value: name.to_owned(), span: span.clone() };
         let how = format!("define it as [actions.\"{name}\"] or [frames.\"{name}\"]");
-        self.report.unknown("frame or action", &text, known, &how);
+        self.unknown("frame or action", &text, known, &how);
         Symbol::Action(0)
     }
 }

@@ -85,7 +85,9 @@ impl Lowering<'_> {
         let one = |part: &str| {
             let part = Spanned { value: part.trim().to_owned(), span: text.span.clone() };
             let literal = literal(part);
-            let is_known = self.syntax.facts.iter().any(|f| f.name.value == literal.fact.value);
+            let name = &literal.fact.value;
+            let is_known = self.syntax.facts.iter().any(|fact| fact.name.value == *name)
+                || self.syntax.broken.contains(name);
             is_known.then_some(literal)
         };
         match one(text.as_str()) {

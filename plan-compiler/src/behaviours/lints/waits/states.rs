@@ -28,10 +28,20 @@ pub(super) struct States {
 struct Way {
     /// How long that takes at most, milliseconds.
     time_ms: u64,
-    /// What is protected at the vertex that is reached; `None` where none is, after a failure.
-    held: Option<Condition>,
+    /// The point that is reached, if no other action runs then.
+    stop: Option<Stop>,
     /// The states that may come next; without any the plan has ended.
     next: Vec<usize>,
+}
+
+/// A point at which a plan may be interrupted.
+pub(super) struct Stop {
+    /// What is protected there.
+    pub(super) held: Condition,
+    /// The work that interrupting there costs; `None` after a failure, where it is not known.
+    pub(super) lost_work: Option<u16>,
+    /// The points that come next, with what they cost and protect.
+    pub(super) ahead: Vec<(u16, Condition)>,
 }
 
 /// A plan as it is.
@@ -61,9 +71,9 @@ impl States {
             for (id, _) in running {
                 for has_failed in [false, true] {
                     let mut after = plan.clone();
-                    let held = after.end(&mission, id, has_failed);
+                    let stop = after.end(&mission, id, has_failed);
                     let next = states.add(&mission, after, &mut known, &mut waiting);
-                    ways.push(Way { time_ms, held, next });
+                    ways.push(Way { time_ms, stop, next });
                 }
             }
             states.ways[index] = ways;
@@ -97,9 +107,8 @@ impl States {
         next
     }
 
-    /// The longest time from any state to the end of the plan, or to a vertex at which what is
-    /// protected leaves `is_free`.
-    pub(super) fn longest(&self, is_free: impl Fn(Condition) -> bool) -> Bound {
+    /// The longest time from any state to the end of the plan, or to a point that `is_free`.
+    pub(super) fn longest(&self, is_free: impl Fn(&Stop) -> bool) -> Bound {
         if !self.is_complete {
             return Bound::Unknown;
         }
@@ -113,7 +122,7 @@ impl States {
                     continue;
                 }
                 let time = |way: &Way| {
-                    if way.next.is_empty() || way.held.is_some_and(&is_free) {
+                    if way.next.is_empty() || way.stop.as_ref().is_some_and(&is_free) {
                         return Some(way.time_ms);
                     }
                     let after =
@@ -180,19 +189,40 @@ impl Plan {
         running.collect()
     }
 
-    /// Ends an action. Returns what is protected at the vertex that is reached then, if one is.
-    fn end(&mut self, mission: &Mission<'_>, id: Id, has_failed: bool) -> Option<Condition> {
+    /// Ends an action. Returns the point that is reached then, unless another action still runs.
+    fn end(&mut self, mission: &Mission<'_>, id: Id, has_failed: bool) -> Option<Stop> {
+        let work = self.work_after(mission, id);
         if has_failed {
             self.change(|forest, tell| forest.fail(id, tell));
+        } else {
+            self.complete(mission, id);
+        }
+        if !self.running(mission).is_empty() {
             return None;
         }
-        self.complete(mission, id);
         let mut held = Condition::default();
         self.grid.held(mission, OWNER, 0, &mut |interval| {
             held.must |= interval.condition.must;
             held.must_not |= interval.condition.must_not;
         });
-        Some(held)
+        let mut ahead = Vec::new();
+        self.grid.points(mission, OWNER, &mut |point| ahead.push((point.lost_work, point.held)));
+        Some(Stop { held, lost_work: work.filter(|_| !has_failed), ahead })
+    }
+
+    /// What interrupting at the vertex costs that a component leads to; where it completes the frames
+    /// above it, the outermost vertex counts, as on the robot.
+    fn work_after(&self, mission: &Mission<'_>, id: Id) -> Option<u16> {
+        let outermost = core::iter::successors(Some(id), |&id| self.forest.completes(mission, id));
+        let last = outermost.take(MAX_DEPTH + 1).filter(|&id| self.parent(id).is_some()).last()?;
+        let component = self.forest.get(last)?;
+        let production = self.forest.production_of(mission, component.parent?)?;
+        let into = mission.edges_of(&production).filter(|edge| edge.to == component.to);
+        Some(into.fold(0, |sum: u16, edge| sum.saturating_add(edge.work)))
+    }
+
+    fn parent(&self, id: Id) -> Option<Id> {
+        self.forest.get(id)?.parent
     }
 
     fn complete(&mut self, mission: &Mission<'_>, id: Id) {

@@ -1,0 +1,277 @@
+//! What is said of missions that can be read and would go wrong.
+
+use super::{check, compiled};
+
+/// Inputs and actions for short missions.
+const WORLD: &str = r#"
+[inputs]
+fuel = { source = "fuel", missing = { then = 0 } }
+battery = { source = "battery", missing = { then = 0 } }
+[actions]
+drive = { do = "follow gate", timeout_s = 10 }
+wait = { do = "hold 5 s" }
+beep = { do = "signal 1" }
+"#;
+
+#[track_caller]
+fn in_world(name: &str, text: &str) {
+    check(name, &format!("{WORLD}{text}"));
+}
+
+#[test]
+fn thresholds() {
+    in_world(
+        "lint_thresholds",
+        r#"
+[frames.work]
+threshold = 0.99
+productions = [{ graph = "entry -> drive -> wait -> beep -> exit", applicable = { battery = "NB PB PB PB PB PB PB" } }]
+[behaviours.work]
+criticality = { fuel = "NB NB PB PB PB PB PB" }
+dormant = 0.01
+unconditional = 0.94
+[behaviours.other]
+plan = "work"
+criticality = { fuel = "NB NB PB PB PB PB PB" }
+dormant = 0.8
+unconditional = 0.7
+"#,
+    );
+}
+
+#[test]
+fn h02_behaviours_that_never_run_and_productions_never_applicable() {
+    in_world(
+        "lint_never_runs",
+        r#"
+[frames.work]
+productions = [
+  { name = "never", graph = "entry -> drive -> exit", applicable = { battery = "NB NB NB NB NB NB NB" } },
+  { name = "always", graph = "entry -> wait -> beep -> exit" },
+]
+[behaviours.asleep]
+plan = "work"
+criticality = { fuel = "NB NB NB NB NB NB NB" }
+"#,
+    );
+    in_world(
+        "lint_never_first",
+        r#"
+[frames.work]
+productions = ["entry -> drive -> wait -> beep -> exit"]
+[behaviours.first]
+plan = "work"
+criticality = { fuel = "PM PM PM PM PM PM PM" }
+[behaviours.second]
+plan = "work"
+criticality = { fuel = "PS PS PS PS PS PS PS", battery = "PS PS PS PS PS PS PS" }
+"#,
+    );
+}
+
+#[test]
+fn h07_loops_that_grow_or_never_end() {
+    in_world(
+        "lint_recursion",
+        r#"
+[facts]
+safe = true
+[frames.middle]
+productions = ["entry -> middle -> drive -> exit"]
+[frames.beside]
+productions = ["entry -> (beep | beside) -> exit"]
+[frames.spanned]
+productions = [{ graph = "entry -> drive -> spanned -> exit", protect = ["safe from drive to spanned"] }]
+[frames.outer]
+productions = ["entry -> wait -> inner -> exit"]
+[frames.inner]
+goal = ["safe"]
+productions = ["entry -> drive -> outer -> exit"]
+[behaviours.a]
+plan = "outer"
+criticality = { fuel = "PM PM PM PM PM PM PM", battery = "NB NB NB NB NB NB NB" }
+"#,
+    );
+    in_world(
+        "lint_never_ends",
+        r#"
+[frames.patrol]
+productions = ["entry -> drive -> wait -> beep -> patrol -> exit"]
+[behaviours.patrol]
+criticality = { fuel = "NB NB PM PM PM PM PM", battery = "PM PM PM PM PM PM PM" }
+"#,
+    );
+}
+
+#[test]
+fn h32_mutual_interruption() {
+    in_world(
+        "lint_mutual_interruption",
+        r#"
+[frames.work]
+productions = ["entry -> drive -> wait -> beep -> exit"]
+[behaviours.one]
+plan = "work"
+criticality = { fuel = "PM PM PM PS PS PS PS" }
+dwell_s = 0
+[behaviours.two]
+plan = "work"
+criticality = { fuel = "PS PS PS PM PM PM PM", battery = "PS PS PS PM PM PM PM" }
+"#,
+    );
+}
+
+/// While `watch` sleeps inside its interval, `chat` has the robot and `flee` is kept out.
+const SHUT_OUT: &str = r#"
+[facts]
+camera = false
+[actions.open]
+do = "signal 2"
+add = ["camera"]
+[actions.shut]
+do = "signal 3"
+delete = ["camera"]
+[frames.watch]
+productions = [{ graph = "entry -> open -> drive -> wait -> shut -> exit", protect = ["camera from drive to wait"] }]
+[frames.chat]
+productions = ["entry -> wait -> beep -> exit"]
+[frames.flee]
+productions = ["entry -> shut -> drive -> exit"]
+[behaviours.watch]
+criticality = { fuel = "NM NM NM NM NM NM NM", battery = "NM NM NM NM NM NM NM" }
+[behaviours.chat]
+criticality = { battery = "PS PS PS NB NB NB NB" }
+[behaviours.flee]
+criticality = { fuel = "PB PM PM NB NB NB NB" }
+"#;
+
+#[test]
+fn h35_intervals_that_pile_up() {
+    in_world("lint_shut_out", SHUT_OUT);
+    let never_at_once = SHUT_OUT.replace("PB PM PM NB NB NB NB", "PM PM PM NB NB NB NB");
+    in_world("lint_shut_out_for_good", &never_at_once);
+}
+
+#[test]
+fn h36_waits_have_a_bound_or_are_named() {
+    // The whole loop is protected, and ends only when the other would be pleased anyway.
+    in_world(
+        "lint_waits_for_ever",
+        r#"
+[facts]
+warm = true
+[actions.cool]
+do = "signal 2"
+delete = ["warm"]
+[frames.all]
+productions = [{ graph = "entry -> rounds -> beep -> exit", protect = ["warm from rounds to rounds"] }]
+[frames.rounds]
+productions = [{ graph = "entry -> drive -> wait -> rounds -> exit", applicable = { fuel = "PB PB PB PB PB PB NB" } }]
+[frames.cooling]
+productions = ["entry -> cool -> drive -> exit"]
+[behaviours.all]
+criticality = { fuel = "PS PS PS PS PS PS NB" }
+[behaviours.cooling]
+criticality = { battery = "PM PM NB NB NB NB NB" }
+"#,
+    );
+}
+
+/// The bound against the sum worked out by hand: 10 s of driving that may time out, each end of an
+/// action half a second, and a dwell of a second.
+#[test]
+fn h36_a_bound_worked_out_by_hand() {
+    let text = format!(
+        "{WORLD}{}",
+        r#"
+[frames.work]
+productions = ["entry -> drive -> wait -> exit"]
+[behaviours.one]
+plan = "work"
+criticality = { fuel = "PS PS PS PS PS PS PS" }
+[behaviours.two]
+plan = "work"
+criticality = { battery = "PM PM NB NB NB NB NB" }
+"#
+    );
+    let (_, problems) = compiled(&text);
+    let note = problems.iter().map(ToString::to_string).find(|p| p.contains("longest waits"));
+    // `one` waits for the dwell of `two`, then at most until `drive` has ended.
+    let note = note.expect("waits are said");
+    assert!(note.contains("`two` 11.5 s (behind `one`)"), "{note}");
+}
+
+#[test]
+fn h31_what_runs_side_by_side_must_not_need_the_same() {
+    in_world(
+        "lint_side_by_side",
+        r#"
+[frames.work]
+productions = ["entry -> (drive | wait) -> beep -> exit"]
+[behaviours.work]
+criticality = { fuel = "PS PS PS PS PS PS PS", battery = "PS PS PS PS PS PS PS" }
+"#,
+    );
+}
+
+#[test]
+fn budgets() {
+    let mut deep = String::new();
+    for level in 0..8 {
+        let next = if level == 7 { "drive".to_owned() } else { format!("level{}", level + 1) };
+        deep += &format!(
+            "[frames.level{level}]\nproductions = [\"entry -> {next} -> wait -> beep -> exit\"]\n"
+        );
+    }
+    deep += "[behaviours.deep]\nplan = \"level0\"\ncriticality = { fuel = \"PS PS PS PS PS PS PS\", battery = \"PS PS PS PS PS PS PS\" }\n";
+    in_world("lint_depth", &deep);
+
+    let mut wide = String::new();
+    for number in 0..5 {
+        wide += &format!(
+            "[frames.wide{number}]\nproductions = [\"entry -> drive -> wait -> drive -> wait -> beep -> drive -> exit\"]\n"
+        );
+        wide += &format!(
+            "[behaviours.wide{number}]\ncriticality = {{ fuel = \"PS PS PS PS PS PS PS\", battery = \"NB NM NS ZO PS PM PB\" }}\n"
+        );
+    }
+    in_world("lint_components", &wide);
+}
+
+#[test]
+fn what_is_never_used() {
+    in_world(
+        "lint_unused",
+        r#"
+[facts]
+forgotten = false
+[frames.work]
+productions = ["entry -> drive -> exit"]
+[frames.left]
+productions = ["entry -> wait -> exit"]
+[behaviours.work]
+criticality = { fuel = "PS PS PS PS PS PS PS" }
+"#,
+    );
+}
+
+/// Eight inputs have too many combinations of labels; that is said, and no more than that.
+#[test]
+fn what_is_too_much_to_look_through_is_said() {
+    let mut text = WORLD.to_owned();
+    let mut rows = Vec::new();
+    for number in 1..=5 {
+        text += &format!(
+            "[inputs.i{number}]\nsource = \"custom {number}\"\nmissing = {{ then = 0 }}\n"
+        );
+        rows.push(format!("i{number} = \"PB PM PS ZO NS NM NB\""));
+    }
+    rows.push("fuel = \"PB PM PS ZO NS NM NB\"".into());
+    rows.push("battery = \"PB PM PS ZO NS NM NB\"".into());
+    text += &format!(
+        "[frames.work]\nproductions = [\"entry -> drive -> wait -> beep -> exit\"]\n\
+         [behaviours.work]\ncriticality = {{ {} }}\n",
+        rows.join(", ")
+    );
+    check("lint_too_many_inputs", &text);
+}

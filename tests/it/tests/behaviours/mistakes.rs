@@ -1,0 +1,169 @@
+//! What is said of texts that mean nothing.
+
+use super::check;
+
+#[test]
+fn inputs() {
+    check(
+        "mistakes_in_inputs",
+        r#"
+[inputs]
+a = 5
+b = { sorce = "fuel" }
+c = { source = "fule", missing = { then = 0 } }
+d = { source = "fuel" }
+e = { source = "distance 1, 2", missing = { hold = 1 } }
+f = { source = "custom 9", missing = { then = 0 } }
+g = { source = "time", universe = [1, 1] }
+h = { source = "cost-to-goal gaet", universe = [0, 100], missing = { then = 0 } }
+i = { source = "price gate/coms", universe = [0, 100], missing = { then = 0 } }
+j = { rules = { k = "NB NB NB NB NB NB NB" } }
+k = { rules = { j = "NB NB NB NB NB NB NB" } }
+l = { source = "time", universe = "0..1" }
+"it's" = { source = "time", universe = [0, 1] }
+m = { source = "time", universe = [0, 1], rules = { d = "NB NB NB NB NB NB NB" } }
+"#,
+    );
+}
+
+#[test]
+fn rows() {
+    check(
+        "mistakes_in_rows",
+        r#"
+[inputs.fuel]
+source = "fuel"
+missing = { then = 0 }
+[behaviours.a]
+criticality = { fuel = "PB PB PM PM NB NB" }
+[behaviours.b]
+criticality = { fuel = "PB PB PM PM NB NB LOW" }
+[behaviours.c]
+criticality = { fuel = 7 }
+[behaviours.d]
+criticality = {}
+[behaviours.e]
+plan = "e"
+[behaviours.f]
+criticality = "PB PB PM PM NB NB NB"
+[behaviours.g]
+criticality = { feul = "PB PB PM PM NB NB NB" }
+inference = "max"
+dwell_s = -1
+swich = "best"
+plan = "nothing"
+"#,
+    );
+}
+
+#[test]
+fn facts() {
+    check(
+        "mistakes_in_facts",
+        r#"
+[facts]
+a = "symbol"
+b = {}
+c = { inside = [0, 0, 60] }
+d = { inside = [60, 0, 0, 40] }
+e = { near = [1, 2] }
+f = { near = [1, 2], inside = [0, 0, 1, 1] }
+g = { input = "fuel" }
+h = { input = "fuel", at_least = 2, at_most = 1 }
+i = { input = "fuel", at_least = 2 }
+j = { no_progress = 0.5 }
+"not k" = false
+"#,
+    );
+}
+
+#[test]
+fn actions() {
+    check(
+        "mistakes_in_actions",
+        r#"
+[facts]
+done = false
+there = { near = [1, 2], within = 3 }
+[actions]
+a = { do = "goto 1, 2" }
+b = { do = "follow gaet" }
+c = { do = "follow gate at 34:166" }
+d = { do = "hold 5" }
+e = { do = "hold 5 s", timeout_s = 5 }
+f = { do = "set-output 16 on" }
+g = { do = "signal" }
+h = { do = "hold 1 s", initial = ["doen"], add = ["there"] }
+i = { do = "hold 1 s", initial = ["done", "not done"], max_speed = "fast" }
+j = { do = "hold 1 s", add = ["done"], delete = ["done"] }
+k = { initial = ["done"] }
+l = { do = "hold 1 s", goals = ["done"] }
+m = "hold 1 s"
+[frames.a]
+productions = ["entry -> a -> exit"]
+"#,
+    );
+}
+
+#[test]
+fn frames() {
+    check(
+        "mistakes_in_frames",
+        r#"
+[facts]
+safe = true
+[actions]
+one = { do = "hold 1 s" }
+two = { do = "hold 2 s" }
+[frames.a]
+[frames.b]
+productions = ["entry -> one -> tow -> exit"]
+[frames.c]
+productions = ["entry -> one | two -> exit", "entry -> (one -> exit"]
+[frames.d]
+productions = [
+  { graph = "entry -> one -> two -> exit", protect = ["safe from two to one", "safe from one", "sfae from one to two", "safe from one to three"] },
+]
+[frames.e]
+productions = [{ name = "no graph" }]
+[frames.f]
+productions = [{ graph = """
+  entry -one-> 1 -two-> exit;
+  entry -two-> 2""" }]
+[frames.g]
+productions = [{ graph = "entry -> one -> two -> exit", work = { three = 1, one = -1 } }]
+[frames.h]
+productions = [{ graph = "entry -> one -> exit", aplicable = { fuel = "NB" } }]
+"#,
+    );
+}
+
+#[test]
+fn limits() {
+    let many = |count: usize, entry: &dyn Fn(usize) -> String| -> String {
+        (0..count).map(entry).collect::<Vec<String>>().join("\n")
+    };
+    let facts = many(65, &|index| format!("f{index} = false"));
+    let actions = many(65, &|index| format!("a{index} = {{ do = 'signal 1' }}"));
+    check("limits_of_tables", &format!("[facts]\n{facts}\n[actions]\n{actions}\n"));
+
+    let resources =
+        many(17, &|index| format!("a{index} = {{ do = 'signal 1', resources = ['r{index}'] }}"));
+    let productions = many(17, &|index| format!("'entry -> a{index} -> exit',"));
+    let text = format!(
+        "[actions]\n{resources}\n[frames]\nf = {{ productions = [{}] }}",
+        productions.replace('\n', "")
+    );
+    check("limits_of_resources_and_alternatives", &text);
+
+    let long = "n".repeat(33);
+    check(
+        "limits_of_names",
+        &format!("[actions]\n{long} = {{ do = 'signal 1' }}\nexit = {{ do = 'signal 1' }}"),
+    );
+}
+
+#[test]
+fn tables_that_are_none() {
+    check("mistakes_in_tables", "inputs = 5\nbehavours = {}\n[goals]\ngate = [1, 2]\n");
+}

@@ -1,0 +1,213 @@
+//! The paper's ploughing field as it is shipped: its tables, its graph, and how it decides.
+
+use super::compiled;
+use plan_compiler::behaviours::{Plans, compile};
+use plan_compiler::compile::{Input, Options};
+use plan_compiler::mission::parse;
+use plan_compiler::problem::{Severity, Source as File};
+use plan_compiler::{formats, source};
+use plan_format::mission::Label::{NB, PB, PM, PS};
+use plan_format::mission::{Label, Mission, MissionDraft, Source, Symbol};
+use plan_format::{Layer, Plan};
+use std::sync::Arc;
+
+/// The shipped mission's text.
+pub(super) fn text() -> String {
+    let path = it::own_map("plough.mission.toml");
+    source::read_text(&path).expect("the mission is readable").0.text.clone()
+}
+
+/// Its section of the blob; it names the gallon's plan first.
+pub(super) fn section() -> Vec<u8> {
+    let path = it::own_map("plough.mission.toml");
+    let (mission, mut problems) = parse(&source::read_text(&path).expect("it is readable").0);
+    let draft = compile(&mission.behaviours, &Plans::Any, &mut problems);
+    draft.unwrap_or_else(|| panic!("{problems:?}")).write().expect("the robot takes it")
+}
+
+/// H39: the tables of the paper, and the bytes that they become.
+#[test]
+fn h39_the_papers_tables_compile_to_the_golden_bytes() {
+    const TABLE_4: [Label; 7] = [PS, PS, PS, PS, PS, PS, NB];
+    const TABLE_5: [Label; 7] = [PB, PB, PM, PM, NB, NB, NB];
+    const TABLE_6: [Label; 7] = [PS, PS, PS, PS, PS, NB, NB];
+    let section = section();
+    let mission = Mission::parse(&section).expect("a good mission");
+    let rules = |base: u16| {
+        let base = mission.rule_bases().get(base.into()).expect("checked");
+        mission.rules_of(&base).map(|rule| rule.labels).collect::<Vec<_>>()
+    };
+    let behaviour = |index: usize| mission.behaviours().get(index).expect("checked");
+    assert_eq!(rules(behaviour(0).rules), [TABLE_4]);
+    assert_eq!(rules(behaviour(1).rules), [TABLE_5]);
+    let root = mission.frames().get(behaviour(0).root.into()).expect("checked");
+    let strips = mission.productions_of(&root).next().expect("checked");
+    assert_eq!(rules(strips.rules.expect("it has a table")), [TABLE_6]);
+
+    // Input 1, then seven labels of three bits, NB = 0 to PB = 6, the lowest first.
+    for golden in
+        [[1, 0x24, 0x49, 0x02, 0x00], [0, 0x76, 0x0b, 0x00, 0x00], [1, 0x24, 0x49, 0x00, 0x00]]
+    {
+        let is_there = section.windows(golden.len()).any(|bytes| bytes == golden);
+        assert!(is_there, "{golden:?} is missing");
+    }
+}
+
+/// The recursive production, its interval, and what the compiler makes of them.
+#[test]
+fn h12_the_interval_is_where_the_paper_has_it() {
+    let section = section();
+    let mission = Mission::parse(&section).expect("a good mission");
+    let root = mission.frames().get(0).expect("checked");
+    let production = mission.productions_of(&root).next().expect("checked");
+    let names: Vec<&str> = mission
+        .edges_of(&production)
+        .map(|edge| match edge.symbol {
+            Symbol::Frame(index) => mission.frames().get(index.into()).expect("checked").name,
+            Symbol::Action(index) => mission.actions().get(index.into()).expect("checked").name,
+        })
+        .map(|name| mission.name(name))
+        .collect();
+    assert_eq!(names, ["forward", "turn", "back", "plough field"]);
+    let interval = mission.intervals_of(&production).next().expect("one by hand");
+    let on_field = 1 << fact(&mission, "on field");
+    assert_eq!((interval.from, interval.to, interval.is_derived), (0, 3, false));
+    assert_eq!((interval.condition.must, interval.condition.must_not), (on_field, 0));
+
+    // Refuelling drives off the field, so it endangers the interval.
+    let refuel = mission.behaviours().get(1).expect("checked");
+    let refuel = mission.frames().get(refuel.root.into()).expect("checked");
+    assert_ne!(refuel.may_delete & on_field, 0);
+    assert_eq!(root.may_delete & on_field, 0);
+}
+
+fn fact(mission: &Mission<'_>, name: &str) -> usize {
+    let found = mission.facts().iter().position(|fact| mission.name(fact.name) == name);
+    found.expect("the mission has this fact")
+}
+
+/// The shipped mission compiles with its map without a warning, and the gallon is reached from
+/// wherever it drives to.
+#[test]
+fn the_shipped_mission_compiles_with_its_map() {
+    let path = it::own_map("plough.mission.toml");
+    let (mission, mut problems) = parse(&source::read_text(&path).expect("it is readable").0);
+    let (map, found) = formats::read(&it::own_map("plough.ovl"), &Default::default());
+    let map = map.unwrap_or_else(|| panic!("{found:?}"));
+    let options = Options::default();
+    let input = Input { map: &map, source: None, mission: &mission, options: &options };
+    let blob = plan_compiler::compile::compile(&input, &|_, _| {}, &mut problems);
+    let blob = blob.unwrap_or_else(|| panic!("{problems:?}"));
+    assert!(problems.iter().all(|problem| problem.severity == Severity::Note), "{problems:?}");
+    let plan = Plan::parse(&blob).expect("a good blob");
+    assert_eq!(plan.mission().behaviours().len(), 2);
+    // From every strip's ends there is a way to the gallon.
+    let layer: Layer<'_> = plan.find("gallon").and_then(|plan| plan.layer(0)).expect("a plan");
+    for action in plan.mission().actions().iter() {
+        if let plan_format::mission::ActionKind::GoTo { x_m, y_m } = action.kind {
+            let cell = plan.cell_at(math::Vec2::new(x_m, y_m)).expect("on the map");
+            let answer = layer.look_up(cell);
+            assert!(matches!(answer, plan_format::Answer::Move { .. }), "{x_m} {y_m}: {answer:?}");
+        }
+    }
+}
+
+#[test]
+fn sources_and_missing_values_are_as_written() {
+    let (draft, problems) = compiled(
+        "[inputs]\n\
+         a = { source = 'battery', universe = [10, 14.5], missing = { hold_s = 0.5, then = 10 } }\n\
+         b = { source = 'custom 5', missing = { then = 1 } }\n\
+         c = { source = 'distance -1.5, 2', universe = [9, 0], missing = { then = 9 } }\n\
+         d = { source = 'cost-to-goal depot', universe = [0, 99], missing = { then = 99 } }\n\
+         e = { source = 'price gate/comms', universe = [0, 50], missing = { then = 50 } }\n\
+         f = { source = 'output 3' }\n\
+         g = { source = 'time', universe = [0, 600] }\n\
+         h = { rules = { i = 'NB NM NS ZO PS PM PB' }, inference = 'product' }\n\
+         i = { rules = { a = 'NB NM NS ZO PS PM PB' } }\n\
+         [actions]\nbeep = { do = 'signal 1' }\n[frames]\nwork = { productions = 'entry -> beep -> exit' }\n\
+         [behaviours.work]\ncriticality = { h = 'PB PB PB PB PB PB NB' }\n",
+    );
+    let MissionDraft { inputs, rule_bases, .. } = draft.unwrap_or_else(|| panic!("{problems:?}"));
+    let sources: Vec<Source> = inputs.iter().map(|input| input.source).collect();
+    assert_eq!(
+        sources,
+        [
+            Source::Channel(0),
+            Source::Channel(7),
+            Source::DistanceTo { x_m: -1.5, y_m: 2.0 },
+            Source::CostToGoal { plan: 1 },
+            Source::PriceOfConstraint { plan: 0, layer: 1 },
+            Source::Output(3),
+            Source::Time,
+            // `h` builds on `i`, so that one comes first.
+            Source::Rules(1),
+            Source::Rules(0),
+        ]
+    );
+    assert_eq!((inputs[0].low, inputs[0].high, inputs[0].hold_ms), (10.0, 14.5, 500));
+    assert_eq!((inputs[2].low, inputs[2].high, inputs[2].missing), (9.0, 0.0, 9.0));
+    assert_eq!(rule_bases.len(), 3);
+}
+
+/// H12: derived where one component alone brings about what one alone needs.
+#[test]
+fn h12_derived_intervals() {
+    let derived = |actions: &str, graph: &str| -> Vec<(u8, u8, u64, u64)> {
+        let text = format!(
+            "[inputs.fuel]\nsource = 'fuel'\nmissing = {{ then = 0 }}\n[facts]\nf = false\n[actions]\n{actions}\n\
+             [frames]\nwork = {{ productions = '{graph}' }}\n\
+             [behaviours.work]\ncriticality = {{ fuel = 'PB PB PB PB PB PB NB' }}\n"
+        );
+        let (draft, problems) = compiled(&text);
+        let draft = draft.unwrap_or_else(|| panic!("{problems:?}"));
+        assert!(draft.intervals.iter().all(|interval| interval.is_derived));
+        let plain = |i: &plan_format::mission::Interval| {
+            (i.from, i.to, i.condition.must, i.condition.must_not)
+        };
+        draft.intervals.iter().map(plain).collect()
+    };
+    let make = "make = { do = 'signal 1', add = ['f'] }";
+    let need = "need = { do = 'signal 2', initial = ['f'] }";
+    let keep = "need = { do = 'signal 2', transient = ['f'] }";
+    let beep = "beep = { do = 'signal 3' }";
+    let clear = "beep = { do = 'signal 3', delete = ['f'] }";
+    let unmake = "make = { do = 'signal 1', delete = ['f'] }";
+    let lack = "need = { do = 'signal 2', initial = ['not f'] }";
+    let graph = "entry -> make -> beep -> need -> exit";
+    let all = |parts: [&str; 3]| parts.join("\n");
+    assert_eq!(derived(&all([make, beep, need]), graph), [(1, 2, 1, 0)]);
+    // Needed throughout: protected until it ends.
+    assert_eq!(derived(&all([make, beep, keep]), graph), [(1, 3, 1, 0)]);
+    // The absence of a fact is brought about and needed in the same way.
+    assert_eq!(derived(&all([unmake, beep, lack]), graph), [(1, 2, 0, 1)]);
+    // Nothing lies between.
+    assert_eq!(derived(&all([make, beep, need]), "entry -> beep -> make -> need -> exit"), []);
+    // Two producers, two consumers, or one that destroys it in between.
+    assert_eq!(
+        derived(&all([make, beep, need]), "entry -> make -> make -> beep -> need -> exit"),
+        []
+    );
+    assert_eq!(
+        derived(&all([make, beep, need]), "entry -> make -> need -> beep -> need -> exit"),
+        []
+    );
+    assert_eq!(derived(&all([make, clear, need]), graph), []);
+    // Destroyed afterwards, or before, is not in between.
+    let after = "entry -> make -> wait -> need -> beep -> exit";
+    let wait = format!("{}\nwait = {{ do = 'hold 1 s' }}", all([make, clear, need]));
+    assert_eq!(derived(&wait, after), [(1, 2, 1, 0)]);
+}
+
+/// What the documentation shows compiles, and without a warning.
+#[test]
+fn the_documented_example_compiles() {
+    let documentation = std::fs::read_to_string(it::root().join("plan-compiler/BEHAVIOURS.md"));
+    let documentation = documentation.expect("it is readable");
+    let example = documentation.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next());
+    let text = example.expect("there is an example").to_owned();
+    let (mission, mut problems) = parse(&Arc::new(File { name: "example".into(), text }));
+    let draft = compile(&mission.behaviours, &Plans::Any, &mut problems);
+    assert!(problems.iter().all(|problem| problem.severity == Severity::Note), "{problems:?}");
+    assert!(draft.is_some_and(|draft| draft.behaviours.len() == 2));
+}
