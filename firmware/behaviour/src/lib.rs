@@ -200,6 +200,11 @@ impl Behaviours {
         self.outputs
     }
 
+    /// The situation grids: what the plans are and how their parts stand to each other.
+    pub fn grid(&self) -> &Grid {
+        &self.plans.grid
+    }
+
     /// How many components live in all plans.
     pub fn components(&self) -> usize {
         self.plans.forest.len()

@@ -36,6 +36,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("nrf52840-dk", &["math", "plan-format", "robot-io", "runtime"]),
     ("guest", &["controller", "math", "plan-format", "robot-io", "runtime"]),
     ("sim", &["math", "plan-compiler", "plan-format", "robot-io", "runtime"]),
+    ("soak", &["behaviour", "controller", "math", "monitor", "plan-format", "robot-io"]),
     ("harness", &["math", "plan-compiler", "plan-format", "robot-io", "runtime", "sim"]),
     (
         "it",

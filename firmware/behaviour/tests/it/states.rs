@@ -135,9 +135,8 @@ fn start_up_and_shut_down_frame_the_work() {
 /// keep the other one waiting.
 #[test]
 fn activities_that_fail() {
-    let never = ALL
-        .replace("fact", "fact")
-        .replace("action up hold 100", "fact never symbol\naction up hold 100; needs never");
+    let never =
+        ALL.replace("action up hold 100", "fact never symbol\naction up hold 100; needs never");
     check(
         &never,
         "first=0.5 second=0 x12",

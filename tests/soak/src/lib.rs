@@ -1,0 +1,229 @@
+//! Random missions and inputs for the whole tick, by the million, and what must hold in each.
+//!
+//! Missions are drawn from a seed ([`missions`]), sound by construction, with every kind of record
+//! in them; so is what the robot perceives ([`world`]): inputs that are missing or no numbers,
+//! positions that jump, clocks that stand still, a human who disarms. After each tick the
+//! [`invariants`] are checked; every so often the tick is repeated from a copy of its state and must
+//! do the same. Bytes that are no mission any more must be refused or run like one.
+//!
+//! Invariants: equal seeds give equal runs on every machine; what fails names the seed that gives
+//! the failing mission first.
+//!
+//! Deliberately absent: whether what the robot does is sensible. That is what the tests of the
+//! crates and the closed-loop missions are for.
+
+pub mod fixtures;
+pub mod invariants;
+pub mod missions;
+mod random;
+pub mod world;
+
+use behaviour::Decision;
+use controller::{Explanation, State};
+use invariants::Watch;
+use monitor::{Doubt, Signal, Violation};
+use plan_format::Plan;
+use random::Random;
+use robot_io::TraceHash;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use world::World;
+
+/// Ticks of one mission, at most.
+const MAX_MISSION_TICKS: u64 = 2_000;
+
+/// One tick in so many is repeated from a copy of its state.
+const REPEATED: u32 = 16;
+
+/// What happened in a soak.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Ticks that were run.
+    pub ticks: u64,
+    /// Missions that were drawn.
+    pub missions: u64,
+    /// Spoilt missions that were refused.
+    pub refused: u64,
+    /// The most components that lived at once.
+    pub components: usize,
+    /// The most actions that ran at once.
+    pub running: usize,
+    /// How often each kind of decision was made, and how often what was signalled.
+    pub decisions: BTreeMap<&'static str, u64>,
+    /// Hash over all percepts and commands.
+    pub hash: u64,
+}
+
+/// What must hold and did not.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// The seed that gives the failing mission first.
+    pub seed: u64,
+    /// Tick of that mission.
+    pub tick: u64,
+    /// What did not hold.
+    pub what: String,
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "--seed {} fails in tick {}: {}", self.seed, self.tick, self.what)
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// Runs missions from a seed on until at least `ticks` ticks are done. `progress` hears of the
+/// number of ticks after every mission.
+pub fn soak(seed: u64, ticks: u64, progress: &mut dyn FnMut(u64)) -> Result<Summary, Failure> {
+    let mut summary = Summary::default();
+    let mut hash = TraceHash::default();
+    while summary.ticks < ticks {
+        let seed = seed.wrapping_add(summary.missions);
+        let mut tick = 0;
+        let run = AssertUnwindSafe(|| mission(seed, &mut tick, &mut summary, &mut hash));
+        let what = match catch_unwind(run) {
+            Ok(Ok(())) => None,
+            Ok(Err(what)) => Some(what),
+            Err(_) => Some("it panics".into()),
+        };
+        if let Some(what) = what {
+            return Err(Failure { seed, tick, what });
+        }
+        summary.missions += 1;
+        progress(summary.ticks);
+    }
+    summary.hash = hash.get();
+    Ok(summary)
+}
+
+/// One mission, spoilt in every fourth case.
+fn mission(
+    seed: u64,
+    tick: &mut u64,
+    summary: &mut Summary,
+    hash: &mut TraceHash,
+) -> Result<(), String> {
+    let mut random = Random::new(seed);
+    let draft = missions::draw(&mut random);
+    if random.chance(0.25) {
+        let (refused, run) = missions::spoil(&draft, &mut random);
+        summary.refused += refused;
+        if let Some(blob) = run {
+            run_ticks(&blob, &mut random, 50, tick, summary, hash)?;
+        }
+    }
+    let blob = fixtures::blob(draft).map_err(|error| format!("it is refused: {error}"))?;
+    let ticks = 20 + random.below(MAX_MISSION_TICKS - 20);
+    run_ticks(&blob, &mut random, ticks, tick, summary, hash)
+}
+
+fn run_ticks(
+    blob: &[u8],
+    random: &mut Random,
+    ticks: u64,
+    tick: &mut u64,
+    summary: &mut Summary,
+    hash: &mut TraceHash,
+) -> Result<(), String> {
+    let plan = Plan::parse(blob).map_err(|error| format!("it is refused: {error}"))?;
+    let mut world = World::new(&plan, random);
+    let mut state = State::new(&plan);
+    let mut watch = Watch::default();
+    for _ in 0..ticks {
+        *tick += 1;
+        summary.ticks += 1;
+        let percepts = world.percepts(random);
+        let copy = random.one_in(REPEATED).then(|| state.clone());
+        let explanation = controller::explain(&plan, &mut state, &percepts);
+        if let Some(mut copy) = copy {
+            let again = controller::explain(&plan, &mut copy, &percepts);
+            if again != explanation || copy != state {
+                return Err("a repeated tick does something else".into());
+            }
+        }
+        watch.check(&plan, &state, &percepts, &explanation)?;
+        count(summary, &state, &explanation);
+        hash.record(&percepts, &explanation.commands);
+        world.go(&explanation.commands, random);
+    }
+    Ok(())
+}
+
+fn count(summary: &mut Summary, state: &State, explanation: &Explanation) {
+    summary.components = summary.components.max(state.behaviours.components());
+    summary.running = summary.running.max(invariants::running(&state.behaviours).count());
+    for decision in &explanation.report.decisions {
+        *summary.decisions.entry(kind(decision)).or_default() += 1;
+    }
+}
+
+/// Every kind of decision that [`kind`] can name.
+pub const KINDS: &[&str] = &[
+    "prepared",
+    "engaged",
+    "resumed",
+    "interrupted",
+    "interrupted at once",
+    "overruled",
+    "refused: dwell",
+    "refused: no point yet",
+    "refused: better point ahead",
+    "refused: excluded",
+    "refused: shutting down",
+    "chose",
+    "not decomposed: nothing applicable",
+    "not decomposed: no room",
+    "not decomposed: too deep",
+    "finished",
+    "failed",
+    "timed out",
+    "evident: initial",
+    "evident: transient",
+    "evident: goal",
+    "evident: interval",
+    "evident: foreign",
+    "possible: no producer",
+    "possible: clobberer",
+    "possible: choice",
+];
+
+/// The kind of a decision.
+fn kind(decision: &Decision) -> &'static str {
+    use behaviour::{Choice, Refusal};
+    match decision {
+        Decision::Prepared { .. } => "prepared",
+        Decision::Engaged { .. } => "engaged",
+        Decision::Resumed { .. } => "resumed",
+        Decision::Interrupted { is_unconditional: false, .. } => "interrupted",
+        Decision::Interrupted { is_unconditional: true, .. } => "interrupted at once",
+        Decision::Overruled { .. } => "overruled",
+        Decision::Refused { why, .. } => match why {
+            Refusal::Dwell => "refused: dwell",
+            Refusal::NoPointYet => "refused: no point yet",
+            Refusal::BetterPointAhead => "refused: better point ahead",
+            Refusal::Excluded => "refused: excluded",
+            Refusal::ShuttingDown => "refused: shutting down",
+        },
+        Decision::Chose { .. } => "chose",
+        Decision::NotDecomposed { why: Choice::NoRoom, .. } => "not decomposed: no room",
+        Decision::NotDecomposed { why: Choice::TooDeep, .. } => "not decomposed: too deep",
+        Decision::NotDecomposed { .. } => "not decomposed: nothing applicable",
+        Decision::Finished { .. } => "finished",
+        Decision::Failed { .. } => "failed",
+        Decision::TimedOut { .. } => "timed out",
+        Decision::Conflict(Signal::Evident { what, .. }) => match what {
+            Violation::Initial => "evident: initial",
+            Violation::Transient => "evident: transient",
+            Violation::Goal => "evident: goal",
+            Violation::Interval => "evident: interval",
+            Violation::Foreign => "evident: foreign",
+        },
+        Decision::Conflict(Signal::Possible { why, .. }) => match why {
+            Doubt::NoProducer => "possible: no producer",
+            Doubt::Clobberer(_) => "possible: clobberer",
+            Doubt::Choice(_) => "possible: choice",
+        },
+    }
+}

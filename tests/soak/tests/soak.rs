@@ -1,0 +1,84 @@
+//! A short soak, and what is measured on missions made for it.
+
+use behaviour::Decision;
+use controller::{State, explain};
+use plan_format::Plan;
+use robot_io::{Operator, Percepts};
+use soak::{KINDS, fixtures, soak};
+
+#[test]
+fn a_hundred_thousand_ticks() {
+    let summary = soak(1, 100_000, &mut |_| {}).unwrap_or_else(|failure| panic!("{failure}"));
+    assert!(summary.refused > 0);
+    let missing: Vec<_> =
+        KINDS.iter().filter(|kind| !summary.decisions.contains_key(*kind)).collect();
+    assert!(missing.is_empty(), "never decided: {missing:?}");
+}
+
+#[test]
+fn equal_seeds_give_equal_runs() {
+    let run = || soak(77, 3_000, &mut |_| {});
+    assert_eq!(run(), run());
+}
+
+fn armed(time_us: u64, inputs: [Option<f32>; 8]) -> Percepts {
+    Percepts {
+        time_us,
+        inputs,
+        operator: Operator { is_armed: true, ..Operator::default() },
+        ..Percepts::default()
+    }
+}
+
+/// H07: a million times round through the whole tick, and the pool is as it was.
+#[test]
+fn a_million_iterations_take_constant_memory() {
+    let blob = fixtures::blob(fixtures::endless_loop()).expect("the mission is sound");
+    let plan = Plan::parse(&blob).expect("the blob is sound");
+    let mut state = State::new(&plan);
+    let (mut iterations, mut tick) = (0_u32, 0);
+    while iterations < 1_000_000 {
+        tick += 1;
+        let explanation = explain(&plan, &mut state, &armed(tick * 50_000, [None; 8]));
+        let chosen = explanation.report.decisions.iter();
+        let chosen = chosen.filter(|decision| matches!(decision, Decision::Chose { .. })).count();
+        assert!(chosen > 0 && state.behaviours.components() <= 3, "tick {tick}");
+        iterations += chosen as u32;
+    }
+    assert!(tick <= 250_000, "an iteration is two steps, and a tick has eight");
+}
+
+/// H36: sixteen behaviours that change places in criticality all the time. Whoever is clearly the
+/// most critical has the robot within the one action that it interrupts nobody in, and a tick.
+#[test]
+fn sixteen_behaviours_starve_nobody() {
+    let blob = fixtures::blob(fixtures::sixteen()).expect("the mission is sound");
+    let plan = Plan::parse(&blob).expect("the blob is sound");
+    let hysteresis = plan.mission().behaviours().get(0).expect("there are sixteen").hysteresis;
+    let mut state = State::new(&plan);
+    let (mut waits, mut longest, mut switches) = ([0_u32; 16], 0, 0);
+    for tick in 1..=20_000_u32 {
+        // Eight waves of different lengths, each a triangle over 0 ..= 1.
+        let wave = |channel: u32| {
+            let phase = (tick % (7 + 4 * channel)) as f32 / (7 + 4 * channel) as f32;
+            Some(if phase < 0.5 { 2.0 * phase } else { 2.0 - 2.0 * phase })
+        };
+        let inputs = [0, 1, 2, 3, 4, 5, 6, 7].map(wave);
+        let explanation = explain(&plan, &mut state, &armed(u64::from(tick) * 50_000, inputs));
+        let criticalities = explanation.report.criticalities;
+        let most = criticalities.iter().copied().fold(0.0, f32::max);
+        for (index, wait) in waits.iter_mut().enumerate() {
+            let others = criticalities.iter().enumerate().filter(|&(other, _)| other != index);
+            let second = others.map(|(_, &value)| value).fold(0.0, f32::max);
+            let is_clear = criticalities[index] == most && most > second + hysteresis;
+            let has_robot = state.behaviours.phase(index) == behaviour::Phase::Active;
+            *wait = if is_clear && !has_robot { *wait + 1 } else { 0 };
+            longest = longest.max(*wait);
+        }
+        let is_switch = |d: &&Decision| matches!(d, Decision::Interrupted { .. });
+        switches += explanation.report.decisions.iter().filter(is_switch).count();
+    }
+    assert!(switches > 2_000, "only {switches} switches");
+    // An action of 100 ms is two ticks of 50 ms.
+    assert!(longest <= 2, "somebody waited for {longest} ticks");
+}
