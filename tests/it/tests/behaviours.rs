@@ -4,6 +4,7 @@
 
 mod lints;
 mod mistakes;
+mod pictures;
 mod plough;
 mod rounds;
 

@@ -1,0 +1,56 @@
+//! `plan-compiler graph`, run as a user would.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// The exit status of `plan-compiler` with these arguments in a folder, and what it says.
+fn run(folder: &Path, arguments: &[&str]) -> (i32, String) {
+    let compiler = harness::setup::plan_compiler().expect("the compiler builds");
+    let output = Command::new(compiler).args(arguments).current_dir(folder).output();
+    let output = output.expect("the compiler starts");
+    let said = String::from_utf8(output.stderr).expect("UTF-8");
+    (output.status.code().expect("it ended by itself"), said)
+}
+
+/// H41: a mission file and the blob that is built from it give the same graphs.
+#[test]
+fn h41_missions_and_blobs_are_drawn_alike() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["plough.ovl", "plough.mission.toml"] {
+        fs::copy(it::own_map(name), folder.path().join(name)).expect("copied");
+    }
+    let read = |name: &str| fs::read(folder.path().join(name)).expect("it was written");
+    let done = |arguments: &[&str]| {
+        let (status, said) = run(folder.path(), arguments);
+        assert_eq!(status, 0, "{arguments:?}\n{said}");
+    };
+    done(&["-q", "build", "plough.mission.toml", "-o", "plans.bin"]);
+    for (of, ending) in [("plough.mission.toml", "mission"), ("plans.bin", "blob")] {
+        for kind in ["dot", "svg", "png"] {
+            done(&["-q", "graph", of, "-o", &format!("{ending}.{kind}")]);
+        }
+    }
+    // Only a blob knows the names of the plans that are followed.
+    let text = |name: &str| String::from_utf8(read(name)).expect("UTF-8");
+    for kind in ["dot", "svg"] {
+        let from_mission = text(&format!("mission.{kind}"));
+        let named = from_mission.replace("follow 0 at", "follow gallon at");
+        assert_eq!(named.replace("follow 1 at", "follow field at"), text(&format!("blob.{kind}")));
+    }
+    assert_eq!(read("mission.png"), read("blob.png"), "plans are named in tool tips only");
+    assert!(read("mission.png").starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn what_cannot_be_drawn_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("m.mission.toml"), "resolution = 1\n").expect("written");
+    let (status, said) = run(folder.path(), &["graph", "m.mission.toml", "-o", "a.svg"]);
+    assert_eq!(status, 1, "{said}");
+    assert!(said.contains("has no behaviours"), "{said}");
+    let (status, said) = run(folder.path(), &["graph", "m.mission.toml", "-o", "a.pdf"]);
+    assert_eq!(status, 2, "{said}");
+    assert!(said.contains("must end in .dot, .svg or .png"), "{said}");
+    assert!(!folder.path().join("a.svg").exists());
+}
