@@ -475,7 +475,7 @@ fn iplan_fields(text: &str) -> Vec<((u32, u32), Cell, Vec<f64>)> {
 /// A cost as the historic generator counted it: a diagonal is 1.414.
 fn in_iplan_units(cost: u32) -> f64 {
     let diagonals = (0..STRAIGHT_STEP)
-        .find(|diagonals| (cost - diagonals * DIAGONAL_STEP) % STRAIGHT_STEP == 0)
+        .find(|diagonals| (cost - diagonals * DIAGONAL_STEP).is_multiple_of(STRAIGHT_STEP))
         .expect("a sum of steps");
     let straights = (cost - diagonals * DIAGONAL_STEP) / STRAIGHT_STEP;
     f64::from(straights) + 1.414 * f64::from(diagonals)
@@ -491,12 +491,17 @@ fn the_historic_plans_are_reproduced_but_for_their_generators_errors() {
     assert_eq!(fields.len(), 2);
     for ((columns, rows), goal, values) in fields {
         let value = |cell: Cell| values[(cell.column * rows + cell.row) as usize];
-        let blocked = Bitmap::from_fn(columns, rows, |cell| value(cell) == OBSTACLE);
+        let blocked =
+            Bitmap::from_fn(columns, rows, |cell| value(cell).total_cmp(&OBSTACLE).is_eq());
         let field = solve(&blocked, goal, Corners::Allow);
         let mut worse = 0;
         for cell in cells((columns, rows)).filter(|&cell| !blocked.get(cell)) {
             let cost = field.cost[(cell.row * columns + cell.column) as usize];
-            assert_eq!(cost == field::UNREACHED, value(cell) == UNREACHED, "{cell:?}");
+            assert_eq!(
+                cost == field::UNREACHED,
+                value(cell).total_cmp(&UNREACHED).is_eq(),
+                "{cell:?}"
+            );
             if cost != field::UNREACHED {
                 let above = value(cell) - in_iplan_units(cost);
                 assert!((-0.002..0.4).contains(&above), "{cell:?} {above}");
