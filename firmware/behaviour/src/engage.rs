@@ -71,11 +71,12 @@ impl Behaviours {
     pub(crate) fn engage(&mut self, mission: &Mission<'_>, report: &mut Report) {
         self.plans.awaited = 0;
         let mut taken = 0;
-        for claim in self.claims(mission) {
+        // By reference: the loop over a `heapless::Vec` itself may panic where it is dropped.
+        for claim in &self.claims(mission) {
             if claim.is_engaged {
                 taken |= claim.resources;
             } else if taken & claim.resources == 0 {
-                self.claim_or_stand_back(mission, &claim, &mut taken, report);
+                self.claim_or_stand_back(mission, claim, &mut taken, report);
             }
         }
     }

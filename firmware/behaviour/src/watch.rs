@@ -56,7 +56,8 @@ impl Behaviours {
             // What finds no room is still violated in the next tick.
             let _ = signals.push(signal);
         });
-        for signal in signals {
+        // By reference: the loop over a `heapless::Vec` itself may panic where it is dropped.
+        for &signal in &signals {
             report.note(Decision::Conflict(signal));
             match signal {
                 Signal::Evident { id, what: Violation::Interval, .. } => {

@@ -15,7 +15,7 @@ fn pender(_context: *mut ()) {
 }
 
 /// Runs the tasks that `init` spawns, for ever. `idle` is called, with interrupts off, when
-/// every task waits: it sleeps or moves the clock.
+/// every task waits: it sleeps or ends the mission.
 pub fn run(init: impl FnOnce(Spawner), mut idle: impl FnMut()) -> ! {
     static EXECUTOR: StaticCell<raw::Executor> = StaticCell::new();
     let executor: &'static raw::Executor = EXECUTOR.init(raw::Executor::new(core::ptr::null_mut()));

@@ -3,10 +3,11 @@
 //! The robot's own runtime on an emulated Cortex-M4F (mps2-an386) or, from the same source, a
 //! Cortex-M3 without FPU (lm3s6965evb). To the runtime this is one more board. The images:
 //!
-//! - `mission`: in lockstep with a simulated world over semihosting pipes, in discrete-event
-//!   time: when all tasks wait, the clock jumps to the next deadline. Nothing depends on how
-//!   fast the host is, so a mission gives the same trace on every run.
+//! - `mission`: in lockstep with a simulated world over semihosting pipes, in discrete time:
+//!   the clock is the number of the tick. Nothing depends on how fast the host is, so a mission
+//!   gives the same trace on every run.
 //! - `instructions`: counts what a look-up, a tick and a validation of the blob cost.
+//! - `panic_free`: links only if a tick cannot panic.
 //! - `uart`: on a real (emulated) UART, timer interrupts and WFI, with bytes as they come.
 //!
 //! Deliberately absent: peripherals that no test needs, and any decision about driving.

@@ -27,6 +27,8 @@ mod counts {
     const SAMPLES: u32 = 25;
     /// Ticks that are counted.
     const TICKS: u64 = 200;
+    /// Ticks that are counted with behaviours: many combinations of what happens at once.
+    const BEHAVING_TICKS: u64 = 2_000;
     /// Obstacles in sight of the counted ticks, all near enough to repel.
     const OBSTACLES: usize = 8;
     /// From one of those ticks to the next, microseconds.
@@ -52,6 +54,11 @@ mod counts {
         println!("tick-stack-bytes {}", tick_stack(&plan, &parallel));
         println!("control-state-bytes {}", size_of::<State>());
         println!("plan-view-bytes {}", size_of::<Plan<'_>>());
+        if !plan.mission().behaviours().is_empty() {
+            let (worst, stack) = with_behaviours(&plan, &parallel, counter, overhead);
+            println!("behaviours-tick-worst {worst}");
+            println!("behaviours-tick-stack-bytes {stack}");
+        }
     }
 
     fn chosen(plan: &Plan<'static>) -> ParallelPlan<'static> {
@@ -128,10 +135,43 @@ mod counts {
         worst
     }
 
+    /// The most instructions and the most stack of whole ticks in which behaviours take turns.
+    fn with_behaviours(
+        plan: &Plan<'_>,
+        parallel: &ParallelPlan<'_>,
+        counter: Counter,
+        overhead: u32,
+    ) -> (u32, usize) {
+        let start = start(plan, parallel);
+        let mut state = State::new(plan);
+        let (mut worst, mut deepest) = (0, 0);
+        for tick in 0..BEHAVING_TICKS {
+            let percepts = percepts(plan, start, tick);
+            let mut copy = state.clone();
+            let mark = counter.mark();
+            let commands = controller::tick(black_box(plan), &mut state, black_box(&percepts));
+            let instructions = counter.since(mark) - overhead;
+            assert!(commands.reason == Reason::Driving, "a counted tick is a whole tick");
+            if instructions > worst {
+                worst = instructions;
+                deepest = deepest.max(guest::memory::stack_bytes_of(|| {
+                    black_box(controller::tick(plan, &mut copy, &percepts));
+                }));
+            }
+        }
+        (worst, deepest)
+    }
+
     fn is_far_from_goal(plan: &Plan<'_>, layer: &Layer<'_>, point: Vec2) -> bool {
         let goal = plan.goal().expect("the blob has plans");
         (point - goal).norm_squared() > 100.0
             && matches!(look_up(plan, layer, point), Answer::Move { .. })
+    }
+
+    /// Rises and falls between 0 and 1, once in twice the period.
+    fn wave(tick: u64, period: u64) -> f32 {
+        let phase = tick % (2 * period);
+        phase.min(2 * period - phase) as f32 / period as f32
     }
 
     fn percepts(plan: &Plan<'_>, at: Vec2, tick: u64) -> Percepts {
@@ -157,8 +197,8 @@ mod counts {
                     distance_m: 2.0 + index as f32 * 0.1,
                 })
                 .collect(),
+            inputs: [5_u64, 7, 11, 13, 17, 19, 23, 29].map(|period| Some(wave(tick, period))),
             operator: Operator { is_armed: true, ..Operator::default() },
-            ..Percepts::default()
         }
     }
 }
