@@ -117,6 +117,9 @@ pub(crate) struct Build {
     /// Refuse plans that do not fit this board's plan region
     #[arg(long, value_name = "NAME", value_parser = board())]
     pub(crate) board: Option<&'static Board>,
+    /// Refuse maps whose search takes more memory than this; 4 if not given
+    #[arg(long, value_name = "GIB", value_parser = gib)]
+    pub(crate) max_memory: Option<u64>,
     /// Print the summary as JSON on standard output
     #[arg(long)]
     pub(crate) json: bool,
@@ -348,6 +351,12 @@ fn board() -> impl TypedValueParser<Value = &'static Board> {
     });
     PossibleValuesParser::new(names)
         .try_map(|name| Board::find(&name).ok_or("there is no such board"))
+}
+
+/// GiB as bytes.
+fn gib(text: &str) -> Result<u64, String> {
+    let gib = number(text)?;
+    if gib > 0.0 { Ok((gib * f64::from(1 << 30)) as u64) } else { Err("write GiB, above 0".into()) }
 }
 
 fn goal(text: &str) -> Result<Goal, String> {

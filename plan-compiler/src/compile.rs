@@ -14,17 +14,20 @@
 mod area;
 mod goals;
 mod layers;
+mod memory;
 
 pub use area::{metres, pair};
+pub use memory::{Need, gib};
 
 use crate::behaviours::{self, PlanNames, Plans};
 use crate::bitmap::Bitmap;
 use crate::map::Map;
 use crate::mission::{Goal, Mission};
 use crate::problem::{Problem, Severity, Source};
-use crate::search::{Corners, Solver};
+use crate::search::{Corners, MAX_COST, Solver, is_cut_short};
 use goals::Placed;
 use layers::Level;
+use plan_format::grid::cost_metres;
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Vehicle;
 use plan_format::{
@@ -33,6 +36,7 @@ use plan_format::{
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 
 /// What the command line sets; each option outranks the mission.
 #[derive(Clone, Debug, Default)]
@@ -47,6 +51,8 @@ pub struct Options {
     pub corners: Option<Corners>,
     /// Whether closed walls are solid.
     pub fill_walls: bool,
+    /// Bytes of memory that searches may take; 4 GiB where nothing is said.
+    pub max_memory_bytes: Option<u64>,
 }
 
 /// What is compiled.
@@ -65,10 +71,6 @@ pub struct Input<'a> {
 /// Called with the layers done and the layers to do, from any thread.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
-/// Bytes that the searches in flight may take together.
-const SEARCH_BUDGET_BYTES: usize = 2 << 30;
-/// Bytes per cell of one search: cost, code, the packed layer and the queue.
-const SEARCH_BYTES_PER_CELL: usize = 32;
 /// Packed layers beyond this cannot fit a blob even if equal ones are stored once.
 const PACKED_BUDGET_BYTES: usize = 16 * limits::MAX_BLOB_BYTES;
 
@@ -80,8 +82,7 @@ pub fn compile(
     progress: Progress<'_>,
     problems: &mut Vec<Problem>,
 ) -> Option<Vec<u8>> {
-    let prepared = prepare(input, problems)?;
-    if has_errors(problems) { None } else { prepared.finish(progress, problems) }
+    prepare(input, problems)?.finish(progress, problems)
 }
 
 /// Whether any of the problems is an error.
@@ -106,7 +107,7 @@ pub fn blocked(
 }
 
 /// Everything decided, nothing searched.
-struct Prepared {
+pub struct Prepared {
     grid: Grid,
     origin: Option<Origin>,
     parameters: Parameters,
@@ -114,14 +115,27 @@ struct Prepared {
     levels: Vec<Level>,
     goals: Vec<Placed>,
     mission: MissionDraft,
+    need: Need,
 }
 
-fn prepare(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
+/// The first, short half of [`compile`]; `None` exactly if there is an error among the problems
+/// then.
+pub fn prepare(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
+    let prepared = decide(input, problems);
+    prepared.filter(|_| !has_errors(problems))
+}
+
+fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     let radius = area::robot_radius(input, problems);
     let grid = area::grid(input, problems);
     goals::check_names(input, problems);
     let (grid, radius) = (grid?, radius?);
     let origin = area::origin(input, problems);
+    let limit_bytes = input.options.max_memory_bytes.unwrap_or(memory::DEFAULT_LIMIT_BYTES);
+    if let Some(problem) = memory::check(limit_bytes, &grid, limits::MAX_LAYERS) {
+        problems.push(problem);
+        return None;
+    }
     let levels = layers::levels(input, &grid, radius, problems)?;
     if levels.first()?.blocked.count() == grid.cells() {
         problems.push(no_free_cell(&grid, radius));
@@ -134,7 +148,10 @@ fn prepare(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     let corners = input.options.corners.or(input.mission.corners).unwrap_or(Corners::Forbid);
     let plans = plan_names(&goals, &levels);
     let mission = behaviours::compile(&input.mission.behaviours, &plans, problems)?;
-    Some(Prepared { grid, origin, parameters, corners, levels, goals, mission })
+    let jobs = goals.iter().map(|goal| goal.levels.len()).sum();
+    let threads = thread::available_parallelism().map_or(1, |threads| threads.get());
+    let need = Need::within(limit_bytes, &grid, levels.len(), jobs, threads)?;
+    Some(Prepared { grid, origin, parameters, corners, levels, goals, mission, need })
 }
 
 /// What behaviours may refer to by name.
@@ -169,9 +186,14 @@ fn no_free_cell(grid: &Grid, radius: f64) -> Problem {
 }
 
 impl Prepared {
-    /// Searches, packs and writes.
-    fn finish(&self, progress: Progress<'_>, problems: &mut Vec<Problem>) -> Option<Vec<u8>> {
-        let plans = self.search(progress).or_else(|| {
+    /// What memory the second half takes.
+    pub fn need(&self) -> Need {
+        self.need
+    }
+
+    /// The second, long half of [`compile`]: searches, packs and writes.
+    pub fn finish(&self, progress: Progress<'_>, problems: &mut Vec<Problem>) -> Option<Vec<u8>> {
+        let plans = self.search(progress, problems).or_else(|| {
             problems.push(too_large(None));
             None
         })?;
@@ -196,7 +218,11 @@ impl Prepared {
     }
 
     /// Every plan with its packed layers; `None` where they exceed what any blob holds.
-    fn search(&self, progress: Progress<'_>) -> Option<Vec<PlanDraft>> {
+    fn search(
+        &self,
+        progress: Progress<'_>,
+        problems: &mut Vec<Problem>,
+    ) -> Option<Vec<PlanDraft>> {
         let jobs: Vec<(&Placed, &Level)> = self
             .goals
             .iter()
@@ -208,19 +234,25 @@ impl Prepared {
             if bytes.load(Ordering::Relaxed) > PACKED_BUDGET_BYTES {
                 return None;
             }
-            let packed = pack(&solver.solve(&level.blocked, goal.cell, self.corners));
+            let field = solver.solve(&level.blocked, goal.cell, self.corners);
+            let is_cut_short = is_cut_short(&level.blocked, self.corners, &field);
+            let packed = pack(&field);
             bytes.fetch_add(packed.bytes(), Ordering::Relaxed);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
-            Some(LayerDraft { name: level.name.clone(), packed })
+            Some((LayerDraft { name: level.name.clone(), packed }, is_cut_short))
         };
-        let solve_all =
-            || jobs.par_iter().map_init(Solver::new, solve).collect::<Option<Vec<LayerDraft>>>();
+        let solve_all = || jobs.par_iter().map_init(Solver::new, solve).collect::<Option<Vec<_>>>();
         // Without threads of its own (a machine that refuses them) rayon's shared ones serve.
-        let solved = match rayon::ThreadPoolBuilder::new().num_threads(self.in_flight()).build() {
+        let solved = match rayon::ThreadPoolBuilder::new().num_threads(self.need.in_flight).build()
+        {
             Ok(pool) => pool.install(solve_all),
             Err(_) => solve_all(),
         };
-        let mut solved = solved?.into_iter();
+        let solved = solved?;
+        for ((goal, level), (_, is_cut_short)) in jobs.iter().zip(&solved) {
+            problems.extend(is_cut_short.then(|| too_far(&goal.name, &level.name, &self.grid)));
+        }
+        let mut solved = solved.into_iter().map(|(layer, _)| layer);
         let plans = self.goals.iter().map(|goal| PlanDraft {
             name: goal.name.clone(),
             goal_m: goal.at,
@@ -228,13 +260,16 @@ impl Prepared {
         });
         Some(plans.collect())
     }
+}
 
-    /// How many searches may run at once.
-    fn in_flight(&self) -> usize {
-        let bytes_each = self.grid.cells().saturating_mul(SEARCH_BYTES_PER_CELL).max(1);
-        let jobs: usize = self.goals.iter().map(|goal| goal.levels.len()).sum();
-        (SEARCH_BUDGET_BYTES / bytes_each).clamp(1, rayon::current_num_threads()).min(jobs.max(1))
-    }
+/// Some cells have a way to the goal that no cost can say.
+fn too_far(plan: &str, layer: &str, grid: &Grid) -> Problem {
+    let farthest = metres(cost_metres(MAX_COST, grid.resolution_m).floor());
+    Problem::warning(format!(
+        "layer `{plan}/{layer}` leaves cells without a route whose way to the goal is longer than \
+         {farthest} m, the most that a cost can say"
+    ))
+    .mend("use a coarser --resolution: a way may have some 700,000 cells")
 }
 
 fn too_large(bytes: Option<usize>) -> Problem {

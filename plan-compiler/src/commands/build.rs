@@ -5,7 +5,7 @@ use super::progress::with_progress;
 use super::{Failure, layers, parallel_plans, project, tell};
 use crate::cli::Build;
 use plan_compiler::boards::Board;
-use plan_compiler::compile::{compile, has_errors, pair};
+use plan_compiler::compile::{Need, gib, has_errors, pair, prepare};
 use plan_compiler::image::Image;
 use plan_compiler::output;
 use plan_compiler::problem::Problem;
@@ -22,9 +22,12 @@ pub(super) fn run(args: &Build, quiet: bool) -> Result<(), Failure> {
     let image = Image::of(&args.output, args.board).map_err(Failure::Usage)?;
     let mut problems = Vec::new();
     let project = project::read(&args.input, &args.goals, &args.map, &mut problems)?;
-    let compiled = project.and_then(|project| {
+    let compiled = project.and_then(|mut project| {
         check_output(&args.output, &project.inputs, &mut problems);
-        with_progress(quiet, |progress| compile(&project.input(), progress, &mut problems))
+        project.limit_memory(args.max_memory);
+        let prepared = prepare(&project.input(), &mut problems)?;
+        announce(prepared.need(), quiet);
+        with_progress(quiet, |progress| prepared.finish(progress, &mut problems))
     });
     let Some(blob) = compiled else { return Err(Failure::Wrong(problems)) };
     problems.extend(args.board.and_then(|board| board.check(blob.len())));
@@ -43,6 +46,16 @@ pub(super) fn run(args: &Build, quiet: bool) -> Result<(), Failure> {
         crate::eprint(&summary(args, image, &blob, started.elapsed()));
     }
     Ok(())
+}
+
+/// Says in advance what a large build takes.
+fn announce(need: Need, quiet: bool) {
+    /// Less than this no machine that runs the compiler lacks.
+    const WORTH_SAYING_BYTES: u64 = 1 << 30;
+    if need.bytes > WORTH_SAYING_BYTES {
+        let message = format!("the search takes up to {} of memory", gib(need.bytes));
+        tell(&[Problem::note(message)], quiet);
+    }
 }
 
 /// What `--json` prints: the file, what `inspect` says of the blob in it, and the time taken.

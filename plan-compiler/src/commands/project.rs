@@ -23,6 +23,11 @@ pub(crate) struct Project {
 }
 
 impl Project {
+    /// Lets searches take so much memory.
+    pub(crate) fn limit_memory(&mut self, bytes: Option<u64>) {
+        self.options.max_memory_bytes = bytes;
+    }
+
     /// What the compiler takes.
     pub(crate) fn input(&self) -> Input<'_> {
         Input {
@@ -109,5 +114,6 @@ fn options(goals: &[Goal], args: &MapOptions) -> Options {
             CornersRule::Allow => Corners::Allow,
         }),
         fill_walls: args.fill_walls,
+        max_memory_bytes: None,
     }
 }

@@ -129,7 +129,7 @@ fn too_many_cells(size: [f64; 2], cells: [f64; 2], resolution_m: f64) -> Problem
 }
 
 /// The next number not below `x` with two significant digits.
-fn two_digits_up(x: f64) -> f64 {
+pub(super) fn two_digits_up(x: f64) -> f64 {
     let unit = wide::pow(10.0, wide::floor(wide::log10(x)) - 1.0);
     wide::ceil(x / unit) * unit
 }

@@ -4,6 +4,8 @@
 //! What it says of mistakes is in `tests/golden/errors`, one file a class, to be read as a
 //! newcomer would. `INSTA_UPDATE=always cargo test -p it cli` writes them anew.
 
+mod people;
+
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

@@ -1,0 +1,123 @@
+//! How much memory a build takes, known before it takes it.
+//!
+//! Nearly all of it are the searches in flight and the packing of what they found, a number of
+//! bytes for each cell. As many run at once as there is room for; where there is no room for
+//! one, the build is refused.
+
+use super::area::{metres, two_digits_up};
+use crate::problem::Problem;
+use math::scalar::wide;
+use plan_format::{Grid, limits};
+
+/// Bytes that a build may take unless its options say otherwise.
+pub(super) const DEFAULT_LIMIT_BYTES: u64 = 4 << 30;
+/// Bytes of a cell in one search and the packing after it, at most: 23 were measured where there
+/// is room, 45 in mazes of narrow corridors.
+const SEARCH_BYTES_PER_CELL: u64 = 48;
+/// Bytes that everything else takes at most, packed layers of common maps among it.
+const BASE_BYTES: u64 = 64 << 20;
+
+/// What a build would take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Need {
+    /// Searches that run at once.
+    pub in_flight: usize,
+    /// Bytes in all.
+    pub bytes: u64,
+}
+
+impl Need {
+    /// For so many jobs on a grid with so many sets of blocked cells; `None` where even one
+    /// search at a time takes more than the limit.
+    pub(super) fn within(
+        limit_bytes: u64,
+        grid: &Grid,
+        levels: usize,
+        jobs: usize,
+        threads: usize,
+    ) -> Option<Self> {
+        let (fixed, search) = parts(grid, levels);
+        let room = limit_bytes.checked_sub(fixed)? / search.max(1);
+        let in_flight = room.min(threads as u64).min(jobs.max(1) as u64);
+        let bytes = fixed + in_flight * search;
+        (in_flight > 0).then_some(Self { in_flight: in_flight as usize, bytes })
+    }
+}
+
+/// Bytes that a build takes anyhow, and for each search in flight.
+fn parts(grid: &Grid, levels: usize) -> (u64, u64) {
+    let cells = grid.cells() as u64;
+    (BASE_BYTES + levels as u64 * cells.div_ceil(8), cells * SEARCH_BYTES_PER_CELL)
+}
+
+/// An error if not even one search at a time fits the limit.
+pub(super) fn check(limit_bytes: u64, grid: &Grid, levels: usize) -> Option<Problem> {
+    if Need::within(limit_bytes, grid, levels, 1, 1).is_some() {
+        return None;
+    }
+    let (fixed, search) = parts(grid, levels);
+    let (columns, rows, needed) = (grid.columns, grid.rows, fixed + search);
+    let message = format!(
+        "{columns} x {rows} cells take up to {} of memory to search, but a build is allowed {}",
+        gib(needed),
+        gib(limit_bytes)
+    );
+    let tenths = wide::ceil(10.0 * needed as f64 / GIB) / 10.0;
+    // As many cells as there is room for.
+    let room = limit_bytes.saturating_sub(BASE_BYTES) / (SEARCH_BYTES_PER_CELL + 1);
+    let coarser = grid.resolution_m * wide::sqrt(grid.cells() as f64 / room as f64);
+    let coarser = if coarser <= limits::RESOLUTION_RANGE_M.1 {
+        format!(", a --resolution of {} or coarser", metres(two_digits_up(coarser)))
+    } else {
+        String::new()
+    };
+    Some(Problem::error(message).mend(format!(
+        "--max-memory {tenths} if the machine has as much{coarser}, or a smaller area"
+    )))
+}
+
+const GIB: f64 = (1u64 << 30) as f64;
+
+/// An amount of memory for a person.
+pub fn gib(bytes: u64) -> String {
+    let gib = bytes as f64 / GIB;
+    if gib < 1.0 { format!("{:.0} MiB", gib * 1024.0) } else { format!("{gib:.1} GiB") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(side: u32) -> Grid {
+        Grid { columns: side, rows: side, resolution_m: 0.5, corner_m: [0.0, 0.0] }
+    }
+
+    #[test]
+    fn as_many_searches_run_as_there_is_room_for() {
+        let in_flight = |side, jobs, threads| {
+            Need::within(DEFAULT_LIMIT_BYTES, &grid(side), 2, jobs, threads).map(|n| n.in_flight)
+        };
+        assert_eq!(in_flight(250, 8, 4), Some(4));
+        assert_eq!(in_flight(250, 2, 4), Some(2));
+        assert_eq!(in_flight(250, 0, 4), Some(1));
+        assert_eq!(in_flight(8192, 8, 4), Some(1));
+        assert_eq!(in_flight(16_384, 8, 4), None);
+        let all = Need::within(u64::MAX, &grid(16_384), 1, 1, 8).unwrap();
+        assert_eq!(all.bytes, (64 << 20) + (1 << 25) + 48 * (1 << 28));
+    }
+
+    #[test]
+    fn what_is_advised_fits() {
+        for limit_bytes in [200 << 20, DEFAULT_LIMIT_BYTES] {
+            let mend = check(limit_bytes, &grid(16_384), 2).unwrap().mend.unwrap();
+            let number = |after: &str| -> f64 {
+                let text = mend.split_once(after).unwrap().1;
+                text.split([' ', ',']).next().unwrap().parse().unwrap()
+            };
+            let more = (number("--max-memory ") * GIB) as u64;
+            assert!(check(more, &grid(16_384), 2).is_none(), "{mend}");
+            let side = (f64::from(16_384) * 0.5 / number("--resolution of ")) as u32;
+            assert!(check(limit_bytes, &grid(side), 2).is_none(), "{mend}");
+        }
+    }
+}
