@@ -44,7 +44,8 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
     let mut file = BufWriter::new(builder.tempfile_in(folder.unwrap_or(Path::new(".")))?);
     fill(&mut file)?;
     let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-    file.as_file().sync_all()?;
+    // Not synced to the disc, which takes longer than many a build: of what a power cut leaves,
+    // a blob that is not whole is refused by its checksum.
     file.persist(path).map_err(|error| error.error)?;
     Ok(())
 }
