@@ -11,6 +11,6 @@ pub const MAX_WIRE_BYTES: usize = 256;
 /// Bytes from the GPS receiver in one record: at 20 ticks a second, 115,200 baud bring 576.
 pub const MAX_GPS_BYTES: usize = 576;
 /// Bytes of a [`crate::SensorRecord`] on a pipe: the largest one, rounded up.
-pub const SENSOR_RECORD_BYTES: usize = 768;
+pub const SENSOR_RECORD_BYTES: usize = 832;
 /// Bytes of a [`crate::CommandRecord`] on a pipe: the largest one, rounded up.
 pub const COMMAND_RECORD_BYTES: usize = 64;
