@@ -26,7 +26,7 @@
 #![no_std]
 
 use plan_format::parameters::Selection;
-use plan_format::{Answer, Cell, Direction, ParallelPlan};
+use plan_format::{Answer, Cell, Direction, ParallelPlan, Step};
 use serde::{Deserialize, Serialize};
 
 /// What a parallel plan advises in one cell.
@@ -123,11 +123,11 @@ fn followed(plan: &ParallelPlan<'_>, cell: Cell, layer: u8) -> Advice {
 /// most. Its way out is the shortest through blocked cells and may pass through obstacles of
 /// the layers below, in which the robot is not: then the layer just below is followed instead.
 fn out_of(plan: &ParallelPlan<'_>, cell: Cell, layer: u8) -> Advice {
-    let blocks = |&layer: &u8| is_blocked(look_up(plan, layer, cell));
+    let blocks = |&layer: &u8| is_blocked(plan, layer, cell);
     let first = layers(plan).take_while(|&below| below < layer).find(blocks).unwrap_or(layer);
     let nothing = Advice::without_route(Kind::NoRoute, Some(first));
-    let escape = match look_up(plan, first, cell) {
-        Answer::Blocked { escape } => escape,
+    let escape = match step(plan, first, cell) {
+        Step::Blocked { escape } => escape,
         _ => None,
     };
     let Some(below) = first.checked_sub(1) else {
@@ -144,9 +144,9 @@ fn out_of(plan: &ParallelPlan<'_>, cell: Cell, layer: u8) -> Advice {
 /// The advice where no layer has a route. Only the least constrained layer's way out counts:
 /// a cell that is free in it and has no route is walled in.
 fn out_of_the_least_constrained(plan: &ParallelPlan<'_>, cell: Cell) -> Advice {
-    match look_up(plan, 0, cell) {
-        Answer::Blocked { escape: Some(direction) } => escaping(direction, 0),
-        Answer::OffMap => Advice::OFF_MAP,
+    match step(plan, 0, cell) {
+        Step::Blocked { escape: Some(direction) } => escaping(direction, 0),
+        Step::OffMap => Advice::OFF_MAP,
         _ => Advice::without_route(Kind::NoRoute, None),
     }
 }
@@ -154,11 +154,11 @@ fn out_of_the_least_constrained(plan: &ParallelPlan<'_>, cell: Cell) -> Advice {
 fn step_is_blocked(plan: &ParallelPlan<'_>, layer: u8, cell: Cell, direction: Direction) -> bool {
     // A step off the map either has no target or one that is answered as off the map.
     let target = cell.neighbour(direction, u32::MAX, u32::MAX);
-    target.is_some_and(|target| is_blocked(look_up(plan, layer, target)))
+    target.is_some_and(|target| is_blocked(plan, layer, target))
 }
 
-fn is_blocked(answer: Answer) -> bool {
-    matches!(answer, Answer::Blocked { .. })
+fn is_blocked(plan: &ParallelPlan<'_>, layer: u8, cell: Cell) -> bool {
+    matches!(step(plan, layer, cell), Step::Blocked { .. })
 }
 
 fn route(answer: Answer, layer: u8) -> Option<Advice> {
@@ -176,6 +176,11 @@ fn escaping(direction: Direction, layer: u8) -> Advice {
 
 fn look_up(plan: &ParallelPlan<'_>, layer: u8, cell: Cell) -> Answer {
     plan.layer(usize::from(layer)).map_or(Answer::OffMap, |layer| layer.look_up(cell))
+}
+
+/// As [`look_up`], where the cost is not needed.
+fn step(plan: &ParallelPlan<'_>, layer: u8, cell: Cell) -> Step {
+    plan.layer(usize::from(layer)).map_or(Step::OffMap, |layer| layer.step(cell))
 }
 
 /// Indices of the layers, the least constrained first.

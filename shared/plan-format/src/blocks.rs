@@ -1,14 +1,19 @@
 //! Planes: one small number for every cell, in palettes, read in constant time.
 //!
 //! A plane is a table of superblocks of 32 x 32 cells, a superblock is a palette and 16 blocks of
-//! 8 x 8 cells, and a block is one palette entry for all its cells, or an index of 1 to 4 bits for
-//! each, or each cell's own code and cost. `FORMAT.md` gives the bytes.
+//! 8 x 8 cells, and a block is one palette entry for all its cells, or entries on the two sides of
+//! lines, or an index of 1 to 4 bits for each, or each cell's own code and cost. `FORMAT.md` gives
+//! the words.
 //!
-//! Invariant: after [`Plane::validate`] every look-up finds an entry, because an index beyond a
-//! palette means its last entry. Nothing has to be proved cell by cell.
+//! Everything is read in words of 4 bytes, so that a read is one comparison and one load, and each
+//! descriptor says where its block lies, so that nothing is added up or searched.
+//!
+//! Invariant: after [`Plane::validate`] every look-up in a palette finds an entry that was checked,
+//! because every window that a descriptor names was. Nothing has to be proved cell by cell.
 
-use crate::bytes::{array_at, u16_at, u32_at};
+use crate::bytes::Words;
 use crate::grid::{Cell, DIAGONAL_STEP, STRAIGHT_STEP};
+use crate::limits;
 
 /// Side of a superblock, cells, as a power of two.
 pub(crate) const SUPERBLOCK_SHIFT: u32 = 5;
@@ -16,295 +21,353 @@ pub(crate) const SUPERBLOCK_SHIFT: u32 = 5;
 pub(crate) const BLOCKS: usize = 16;
 /// Cells in a block.
 pub(crate) const BLOCK_CELLS: usize = 64;
-/// Zero bytes at the end of the section, so that four bytes can be read wherever a block ends.
-pub(crate) const SLACK_BYTES: usize = 4;
+/// Words of a superblock's descriptors, which stand between its palette and its blocks.
+pub(crate) const HEADER_WORDS: u32 = BLOCKS as u32 / 2;
 
-/// Block classes up to this are the bits of an index.
-pub(crate) const MAX_INDEX_BITS: usize = 4;
-/// The class of blocks whose cells have their own code and cost, the cost as straight and diagonal
-/// steps above a base in 4 + 4 bits.
-pub(crate) const OWN_4_4: usize = 5;
-/// As [`OWN_4_4`], in 8 + 8 bits.
-pub(crate) const OWN_8_8: usize = 6;
-/// As [`OWN_4_4`], but the cost itself in 32 bits.
-pub(crate) const OWN_32: usize = 7;
+/// In a table, beside an entry: all cells of the superblock have it. Else the number is where the
+/// superblock's blocks begin.
+pub(crate) const UNIFORM: u32 = 1 << 31;
 
-/// In the first byte of a superblock, beside the palette's length: descriptors are wide.
-pub(crate) const WIDE: u8 = 0x80;
-/// Bits of a narrow descriptor below its class: where the block's window begins in the palette.
-pub(crate) const NARROW_BITS: usize = 5;
-/// Bits of a wide descriptor below its class: where the block begins in the superblock, or, of
-/// class 0, its index into the palette.
-pub(crate) const WIDE_BITS: usize = 13;
+/// Bits of a descriptor below its class.
+pub(crate) const CLASS_SHIFT: u32 = 13;
+/// Bits of a descriptor below the base of its window in the palette.
+pub(crate) const BASE_SHIFT: u32 = 7;
+/// Entries of a palette at which a window may begin.
+pub(crate) const BASES: usize = 1 << (CLASS_SHIFT - BASE_SHIFT);
+/// Blocks of classes 1 to this have as many borders between entries.
+pub(crate) const MAX_BORDERS: u32 = 2;
+/// Blocks of this class and the next three have an index of 1 to 4 bits for each cell.
+pub(crate) const INDEX_1: u32 = MAX_BORDERS + 1;
+/// The last of them.
+pub(crate) const INDEX_4: u32 = INDEX_1 + 3;
+/// The class of blocks whose cells have their own code and cost.
+pub(crate) const OWN: u32 = INDEX_4 + 1;
+/// Bits of a descriptor of class [`OWN`] below the width of its costs.
+pub(crate) const OWN_SHIFT: u32 = 11;
+/// The widths of costs: straight and diagonal steps above a base in 4 + 4 bits, ...
+#[cfg(feature = "std")]
+pub(crate) const OWN_4_4: u32 = 0;
+/// ... in 8 + 8 bits, ...
+#[cfg(feature = "std")]
+pub(crate) const OWN_8_8: u32 = 1;
+/// ... or, for both widths that remain, the cost itself in 32 bits.
+pub(crate) const OWN_32: u32 = 2;
 
 /// What a plane says of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stored {
     /// An entry of the palette.
-    Entry(u16),
-    /// The cell's own code (4 bits) and cost.
-    Own { code: u8, cost: u32 },
+    Entry(u32),
+    /// The cell has its own code and cost.
+    Own(Own),
 }
 
-/// Where a cell stands in a plane.
+/// Where a cell stands in a plane: from bit 10 on its superblock, from bit 6 on its block in it, and
+/// its number in the block, row by row. One number, so that it stays in a register.
 #[derive(Clone, Copy)]
-pub(crate) struct Place {
-    superblock: usize,
-    block: usize,
-    row: usize,
-    column: usize,
-}
+pub(crate) struct Place(u32);
 
 impl Place {
     /// The place of a cell in a grid so many superblocks wide.
+    #[inline(always)]
     pub(crate) fn new(cell: Cell, superblock_columns: u32) -> Self {
         let superblock = (cell.row >> SUPERBLOCK_SHIFT)
             .wrapping_mul(superblock_columns)
             .wrapping_add(cell.column >> SUPERBLOCK_SHIFT);
-        Self {
-            superblock: superblock as usize,
-            block: (((cell.row >> 3) & 3) * 4 + ((cell.column >> 3) & 3)) as usize,
-            row: (cell.row & 7) as usize,
-            column: (cell.column & 7) as usize,
-        }
+        let block = (cell.row >> 3 & 3) << 2 | cell.column >> 3 & 3;
+        Self(superblock << 10 | block << 6 | (cell.row & 7) << 3 | cell.column & 7)
+    }
+
+    #[inline(always)]
+    fn superblock(self) -> u32 {
+        self.0 >> 10
+    }
+
+    #[inline(always)]
+    fn block(self) -> u32 {
+        self.0 >> 6 & 15
+    }
+
+    #[inline(always)]
+    fn cell(self) -> u32 {
+        self.0 & 63
     }
 }
 
+const _: () = assert!(
+    (limits::MAX_SIDE_CELLS >> SUPERBLOCK_SHIFT).pow(2) <= 1 << (u32::BITS - 10),
+    "the superblock's number must fit"
+);
+
 /// How many superblocks lie along a side of so many cells.
+#[inline(always)]
 pub(crate) const fn superblocks(cells: u32) -> u32 {
-    cells.div_ceil(1 << SUPERBLOCK_SHIFT)
+    cells.wrapping_add((1 << SUPERBLOCK_SHIFT) - 1) >> SUPERBLOCK_SHIFT
 }
 
-/// One plane, read in place. Its entries take `ENTRY_BYTES`, 1 or 2.
+/// One plane, read in place. Its entries take `ENTRY_BITS`, 4 or 16.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Plane<'a, const ENTRY_BYTES: usize> {
-    /// The section that offsets are counted in.
-    pub(crate) section: &'a [u8],
+pub(crate) struct Plane<'a, const ENTRY_BITS: u32> {
+    /// The section that words are counted in.
+    pub(crate) section: Words<'a>,
     /// Where the table of superblocks begins.
     pub(crate) table: u32,
 }
 
-impl<'a, const ENTRY_BYTES: usize> Plane<'a, ENTRY_BYTES> {
+/// A descriptor of a block, in the low 16 bits; what is above them means nothing.
+#[derive(Clone, Copy)]
+struct Descriptor(u32);
+
+impl Descriptor {
+    #[inline(always)]
+    fn class(self) -> u32 {
+        self.0 >> CLASS_SHIFT & 7
+    }
+
+    /// Where the block's window begins in the palette.
+    #[inline(always)]
+    fn base(self) -> u32 {
+        self.0 >> BASE_SHIFT & (BASES as u32 - 1)
+    }
+
+    /// Where the block begins, counted from the superblock's first.
+    #[inline(always)]
+    fn offset(self) -> u32 {
+        self.0 & ((1 << BASE_SHIFT) - 1)
+    }
+
+    /// The same for a block of cells that have their own code and cost.
+    #[inline(always)]
+    fn own_offset(self) -> u32 {
+        self.0 & ((1 << OWN_SHIFT) - 1)
+    }
+
+    /// The width of their costs.
+    #[inline(always)]
+    fn own_width(self) -> u32 {
+        self.0 >> OWN_SHIFT & 3
+    }
+}
+
+// Numbers of 16 bits or less never straddle two words, so turning a word by any number of bits
+// brings them down. Machines turn by the number modulo 32, which spares its calculation.
+impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
     /// What the plane says of a cell; never `None` in a plane that was validated.
     #[inline(always)]
     pub(crate) fn get(&self, place: Place) -> Option<Stored> {
-        let superblock = self.superblock(place.superblock)?;
-        let first = superblock.first()?;
-        if first == 1 {
-            return superblock.entry(1, 0).map(Stored::Entry);
+        let first = self.section.get(self.table.wrapping_add(place.superblock()))?;
+        if first & UNIFORM != 0 {
+            return Some(Stored::Entry(first & !UNIFORM));
         }
-        if first & WIDE != 0 {
-            return superblock.get_wide(place);
+        let descriptor = self.descriptor(first, place.block())?;
+        let class = descriptor.class();
+        let index = if class == 0 {
+            0
+        } else if class <= MAX_BORDERS {
+            self.part(first + descriptor.offset(), class, place.cell())?
+        } else if class <= INDEX_4 {
+            self.index(first + descriptor.offset(), index_bits(class), place.cell())?
+        } else {
+            let data = first + descriptor.own_offset();
+            let own = Own::find(self.section, data, descriptor.own_width(), place.cell());
+            return own.map(Stored::Own);
+        };
+        self.entry(first, descriptor.base() + index).map(Stored::Entry)
+    }
+
+    /// The descriptor of a block, before the first block.
+    #[inline(always)]
+    fn descriptor(&self, first: u32, block: u32) -> Option<Descriptor> {
+        let pair = self.section.get(first.wrapping_sub(HEADER_WORDS).wrapping_add(block / 2))?;
+        Some(Descriptor(pair.rotate_right(block << 4)))
+    }
+
+    /// An entry of the palette, which ends where the descriptors begin and runs backwards.
+    #[inline(always)]
+    fn entry(&self, first: u32, index: u32) -> Option<u32> {
+        let bit = index * ENTRY_BITS;
+        let word = self.section.get(first.wrapping_sub(HEADER_WORDS + 1 + bit / 32))?;
+        Some(word.rotate_right(bit) & ((1 << ENTRY_BITS) - 1))
+    }
+
+    /// How many of a block's borders lie west of a cell.
+    #[inline(always)]
+    fn part(&self, data: u32, borders: u32, cell: u32) -> Option<u32> {
+        let is_behind = |border: u32| border.rotate_right(cell >> 3 << 2) & 15 <= cell & 7;
+        let first = u32::from(is_behind(self.section.get(data)?));
+        if borders == 1 {
+            return Some(first);
         }
-        let length = usize::from(first);
-        let (class, base, before) = superblock.narrow_descriptor(place.block)?;
-        let data = palette_at(false) + length * ENTRY_BYTES + index_bytes(1) * before;
-        let index = superblock.index(class, base, data, place)?;
-        superblock.entry(palette_at(false), index.min(length - 1)).map(Stored::Entry)
+        Some(first + u32::from(is_behind(self.section.get(data + 1)?)))
+    }
+
+    /// A cell's index of so many bits. Three bits stand as two and then one, so that none straddles
+    /// two words.
+    #[inline(always)]
+    fn index(&self, data: u32, bits: u32, cell: u32) -> Option<u32> {
+        if bits != 3 {
+            return self.bits(data, bits, cell);
+        }
+        let low = self.bits(data, 2, cell)?;
+        Some(self.bits(data + data_words(INDEX_1 + 1) as u32, 1, cell)? << 2 | low)
     }
 
     #[inline(always)]
-    fn superblock(&self, index: usize) -> Option<Superblock<'a, ENTRY_BYTES>> {
-        let offset = u32_at(self.section, (self.table as usize).checked_add(4 * index)?)?;
-        Some(Superblock { bytes: self.section.get(offset as usize..)? })
+    fn bits(&self, data: u32, bits: u32, cell: u32) -> Option<u32> {
+        let bit = cell * bits;
+        let word = self.section.get(data + bit / 32)?;
+        Some(word.rotate_right(bit) & ((1 << bits) - 1))
     }
 
     /// Proves once that every cell of so many superblocks has an entry that `is_entry` accepts or,
     /// where `own_allowed`, its own code and cost.
     pub(crate) fn validate(
         &self,
-        superblocks: usize,
+        superblocks: u32,
         own_allowed: bool,
-        is_entry: impl Fn(u16) -> bool,
+        is_entry: impl Fn(u32) -> bool,
     ) -> bool {
-        (0..superblocks).all(|index| {
-            self.superblock(index)
-                .is_some_and(|superblock| superblock.validate(own_allowed, &is_entry).is_some())
-        })
-    }
-}
-
-/// The section from where a superblock begins.
-#[derive(Clone, Copy)]
-struct Superblock<'a, const ENTRY_BYTES: usize> {
-    bytes: &'a [u8],
-}
-
-impl<const ENTRY_BYTES: usize> Superblock<'_, ENTRY_BYTES> {
-    /// The palette's length, and whether descriptors are wide. One entry, that of all cells, has
-    /// no descriptors before it.
-    #[inline(always)]
-    fn first(&self) -> Option<u8> {
-        self.bytes.first().copied().filter(|&first| first & !WIDE != 0)
+        (0..superblocks).all(|index| self.validate_one(index, own_allowed, &is_entry).is_some())
     }
 
-    /// An entry of the palette that begins at an offset.
-    #[inline(always)]
-    fn entry(&self, palette: usize, index: usize) -> Option<u16> {
-        let at = palette + index * ENTRY_BYTES;
-        if ENTRY_BYTES == 1 {
-            self.bytes.get(at).map(|&entry| entry.into())
-        } else {
-            u16_at(self.bytes, at)
+    fn validate_one(
+        &self,
+        superblock: u32,
+        own_allowed: bool,
+        is_entry: impl Fn(u32) -> bool,
+    ) -> Option<()> {
+        let first = self.section.get(self.table.checked_add(superblock)?)?;
+        if first & UNIFORM != 0 {
+            return is_entry(first & !UNIFORM).then_some(());
         }
-    }
-
-    /// Class and window of a block, and the classes of all blocks before it added up: four
-    /// descriptors at a time, as none of the four sums comes near the size of a byte.
-    #[inline(always)]
-    fn narrow_descriptor(&self, block: usize) -> Option<(usize, usize, usize)> {
-        let words: &[[u8; 4]; BLOCKS / 4] =
-            self.bytes.get(1..=BLOCKS)?.as_chunks().0.try_into().ok()?;
-        let classes = |word: [u8; 4]| (u32::from_le_bytes(word) >> NARROW_BITS) & 0x0707_0707;
-        let [first, second, third, _] = *words;
-        let word = *words.get(block / 4)?;
-        let mut sums = classes(word) & ((1 << (8 * (block % 4))) - 1);
-        if block >= 4 {
-            sums += classes(first);
-        }
-        if block >= 8 {
-            sums += classes(second);
-        }
-        if block >= 12 {
-            sums += classes(third);
-        }
-        let before = (sums.wrapping_mul(0x0101_0101) >> 24) as usize;
-        let descriptor = usize::from((u32::from_le_bytes(word) >> (8 * (block % 4))) as u8);
-        Some((descriptor >> NARROW_BITS, descriptor % (1 << NARROW_BITS), before))
-    }
-
-    /// A cell's index into the palette.
-    #[inline(always)]
-    fn index(&self, class: usize, base: usize, data: usize, place: Place) -> Option<usize> {
-        if class == 0 {
-            return Some(base);
-        }
-        let row = u32_at(self.bytes, data + place.row * class)?;
-        Some(base + (row >> (place.column * class)) as usize % (1 << class))
-    }
-
-    fn get_wide(&self, place: Place) -> Option<Stored> {
-        let last = usize::from(self.first()? & !WIDE) - 1;
-        let descriptor = usize::from(u16_at(self.bytes, 1 + 2 * place.block)?);
-        let (class, rest) = (descriptor >> WIDE_BITS, descriptor % (1 << WIDE_BITS));
-        let index = match class {
-            0 => rest,
-            1..=MAX_INDEX_BITS => {
-                let base = usize::from(*self.bytes.get(rest)?);
-                self.index(class, base, rest + 1, place)?
-            }
-            _ => return own(self.bytes.get(rest..)?, class, place),
-        };
-        self.entry(palette_at(true), index.min(last)).map(Stored::Entry)
-    }
-
-    fn validate(&self, own_allowed: bool, is_entry: impl Fn(u16) -> bool) -> Option<()> {
-        let first = self.first()?;
-        if first == 1 {
-            return is_entry(self.entry(1, 0)?).then_some(());
-        }
-        let (wide, length) = (first & WIDE != 0, usize::from(first & !WIDE));
-        for index in 0..length {
-            is_entry(self.entry(palette_at(wide), index)?).then_some(())?;
-        }
-        if wide { self.validate_wide(own_allowed) } else { self.validate_narrow(length) }
-    }
-
-    fn validate_narrow(&self, length: usize) -> Option<()> {
-        let descriptors = self.bytes.get(1..=BLOCKS)?;
-        let classes = descriptors.iter().map(|descriptor| usize::from(descriptor >> NARROW_BITS));
-        let most = classes.clone().max()?;
-        let data = palette_at(false) + length * ENTRY_BYTES;
-        let end = data + classes.map(index_bytes).sum::<usize>();
-        (most <= MAX_INDEX_BITS && end + SLACK_BYTES <= self.bytes.len()).then_some(())
-    }
-
-    fn validate_wide(&self, own_allowed: bool) -> Option<()> {
-        for block in 0..BLOCKS {
-            let descriptor = usize::from(u16_at(self.bytes, 1 + 2 * block)?);
-            let class = descriptor >> WIDE_BITS;
-            let rest = self.bytes.get(descriptor % (1 << WIDE_BITS)..)?;
-            let bytes = match class {
-                0 => 0,
-                1..=MAX_INDEX_BITS => 1 + index_bytes(class),
-                _ if own_allowed => {
-                    let (mask, count) = own_mask(rest)?;
-                    (mask.count_ones() as usize == count).then_some(())?;
-                    own_bytes(class, count)
+        let mut entries = 0;
+        for block in 0..BLOCKS as u32 {
+            let descriptor = self.descriptor(first, block)?;
+            let class = descriptor.class();
+            let (data, words) = match class {
+                0..=INDEX_4 => (first + descriptor.offset(), data_words(class)),
+                OWN if own_allowed => {
+                    let data = first + descriptor.own_offset();
+                    let low = self.section.get(data)?.count_ones();
+                    let high = self.section.get(data + 1)?.count_ones();
+                    (data, own_words(descriptor.own_width(), (low + high) as usize))
                 }
                 _ => return None,
             };
-            rest.get(..bytes + SLACK_BYTES)?;
+            if words > 0 {
+                self.section.get(data + words as u32 - 1)?;
+            }
+            if class <= INDEX_4 {
+                entries = entries.max(descriptor.base() + class_entries(class));
+            }
         }
-        Some(())
+        (0..entries).all(|index| self.entry(first, index).is_some_and(&is_entry)).then_some(())
     }
 }
 
-/// Where the palette begins: after its length and the descriptors.
-pub(crate) const fn palette_at(wide: bool) -> usize {
-    if wide { 1 + 2 * BLOCKS } else { 1 + BLOCKS }
-}
-
-/// Bytes of the indices of a block.
-pub(crate) const fn index_bytes(class: usize) -> usize {
-    class * BLOCK_CELLS / 8
-}
-
-/// Where the codes of 4 bits begin in a block of cells that have their own: after the mask of those
-/// cells and their number.
-const CODES_AT: usize = 9;
-
-/// Where their costs begin.
+/// Bits of an index in a block that has one for each cell.
 #[inline(always)]
-fn own_costs_at(cells: usize) -> usize {
-    CODES_AT + cells.div_ceil(2)
+pub(crate) const fn index_bits(class: u32) -> u32 {
+    class - MAX_BORDERS
 }
 
-/// Bytes of a block in which so many cells have their own code and cost.
-pub(crate) fn own_bytes(class: usize, cells: usize) -> usize {
-    own_costs_at(cells)
-        + match class {
-            OWN_4_4 => 4 + cells,
-            OWN_8_8 => 4 + 2 * cells,
-            _ => 4 * cells,
-        }
+/// Entries that a block may choose from which does not have its own.
+pub(crate) const fn class_entries(class: u32) -> u32 {
+    if class < INDEX_1 { class + 1 } else { 1 << index_bits(class) }
 }
 
-/// Which cells of such a block have a code and a cost, and how many they are.
+/// Words of such a block.
+pub(crate) const fn data_words(class: u32) -> usize {
+    if class < INDEX_1 { class as usize } else { index_bits(class) as usize * BLOCK_CELLS / 32 }
+}
+
+/// A cell that has its own code and cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Own {
+    /// Where the block begins: a mask of its cells, and the base of their costs.
+    data: u32,
+    width: u32,
+    /// Where the cell's group of eight begins: a word of codes, then the costs.
+    group: u32,
+    /// How many cells of the block stand before it.
+    rank: u32,
+}
+
+/// Words before the groups: the mask and the base.
+pub(crate) const OWN_HEADER_WORDS: usize = 3;
+/// Cells in a group, whose codes of 4 bits fill a word.
+pub(crate) const GROUP: usize = 8;
+
+/// Words of a full group.
 #[inline(always)]
-fn own_mask(block: &[u8]) -> Option<(u64, usize)> {
-    let mask = array_at(block, 0).map(u64::from_le_bytes)?;
-    Some((mask, usize::from(*block.get(CODES_AT - 1)?)))
+const fn group_words(width: u32) -> u32 {
+    1 + (2 << if width < OWN_32 { width } else { OWN_32 })
 }
 
-/// A cell's own code and cost in a block of such a class. A cell that has none is answered with
-/// what stands where its own would be; the terrain never asks for it.
-fn own(block: &[u8], class: usize, place: Place) -> Option<Stored> {
-    let (mask, cells) = own_mask(block)?;
-    let rank = ones_before(mask, place.row * 8 + place.column);
-    let codes = *block.get(CODES_AT + rank / 2)?;
-    let code = if rank.is_multiple_of(2) { codes & 15 } else { codes >> 4 };
-    let at = own_costs_at(cells);
-    if class == OWN_32 {
-        return Some(Stored::Own { code, cost: u32_at(block, at + 4 * rank)? });
+/// Words of a block in which so many cells have their own code and cost.
+pub(crate) fn own_words(width: u32, cells: usize) -> usize {
+    let full = group_words(width) as usize;
+    let last = cells % GROUP;
+    let last_words = if last == 0 { 0 } else { 1 + ((full - 1) * last).div_ceil(GROUP) };
+    OWN_HEADER_WORDS + cells / GROUP * full + last_words
+}
+
+impl Own {
+    /// A cell of a block. One that has no code and cost is answered with what stands where its own
+    /// would be; the terrain never asks for it.
+    #[inline(always)]
+    fn find(section: Words<'_>, data: u32, width: u32, cell: u32) -> Option<Self> {
+        let rank = ones_before(section.get(data)?, section.get(data + 1)?, cell);
+        let group = data + OWN_HEADER_WORDS as u32 + rank / GROUP as u32 * group_words(width);
+        Some(Self { data, width, group, rank })
     }
-    let base = u32_at(block, at)?;
-    let (straight, diagonal) = if class == OWN_4_4 {
-        let steps = *block.get(at + 4 + rank)?;
-        (steps & 15, steps >> 4)
-    } else {
-        let [straight, diagonal] = array_at(block, at + 4 + 2 * rank)?;
-        (straight, diagonal)
-    };
-    let above = u32::from(straight) * STRAIGHT_STEP + u32::from(diagonal) * DIAGONAL_STEP;
-    Some(Stored::Own { code, cost: base.wrapping_add(above) })
+
+    #[inline(always)]
+    pub(crate) fn code(self, section: Words<'_>) -> Option<u32> {
+        Some(section.get(self.group)?.rotate_right(4 * self.rank) & 15)
+    }
+
+    #[inline(always)]
+    pub(crate) fn cost(self, section: Words<'_>) -> Option<u32> {
+        let (costs, member) = (self.group + 1, self.rank % GROUP as u32);
+        if self.width >= OWN_32 {
+            return section.get(costs + member);
+        }
+        let base = section.get(self.data + 2)?;
+        let half = 4 << self.width;
+        let bit = 2 * half * member;
+        let steps = section.get(costs + bit / 32)?.rotate_right(bit);
+        let mask = (1 << half) - 1;
+        let above = (steps & mask) * STRAIGHT_STEP + (steps >> half & mask) * DIAGONAL_STEP;
+        Some(base.wrapping_add(above))
+    }
 }
 
-/// How many of the lowest bits are set, in two halves for 32-bit machines.
+/// How many bits below a bit are set in a mask of two words. The machines that matter have no
+/// instruction for it, so both words are added up together.
 #[inline(always)]
-fn ones_before(mask: u64, bit: usize) -> usize {
-    let below = |half: u32| (half & ((1 << (bit % 32)) - 1)).count_ones();
-    let low = mask as u32;
-    let ones = if bit < 32 { below(low) } else { low.count_ones() + below((mask >> 32) as u32) };
-    ones as usize
+fn ones_before(low: u32, high: u32, bit: u32) -> u32 {
+    let below = (1u32 << (bit % 32)) - 1;
+    let (low, high) = if bit < 32 { (low & below, 0) } else { (low, high & below) };
+    let pairs = |word: u32| word - (word >> 1 & 0x5555_5555);
+    let fours = |word: u32| (word & 0x3333_3333) + (word >> 2 & 0x3333_3333);
+    // At most 8 in each half byte, so the sum of both words fits.
+    let both = fours(pairs(low)) + fours(pairs(high));
+    let bytes = (both & 0x0f0f_0f0f) + (both >> 4 & 0x0f0f_0f0f);
+    bytes.wrapping_mul(0x0101_0101) >> 24
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn set_bits_are_counted_below_a_bit() {
+        for mask in [0u64, u64::MAX, 0x8000_0001_8000_0001, 0x0123_4567_89ab_cdef] {
+            for bit in 0..64 {
+                let expected = (mask & ((1 << bit) - 1)).count_ones();
+                assert_eq!(ones_before(mask as u32, (mask >> 32) as u32, bit), expected);
+            }
+        }
+    }
 }

@@ -20,7 +20,28 @@ pub(crate) fn f64_at(bytes: &[u8], offset: usize) -> Option<f64> {
     array_at(bytes, offset).map(f64::from_le_bytes)
 }
 
-/// The range of `length` bytes from `offset`, if it lies within `bytes`.
-pub(crate) fn range(bytes: &[u8], offset: u32, length: u32) -> Option<&[u8]> {
-    bytes.get(offset as usize..)?.get(..length as usize)
+/// Bytes of a word.
+pub(crate) const WORD_BYTES: usize = 4;
+
+/// A section of words of 4 bytes. Counting in words makes a read one comparison and one load.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Words<'a>(&'a [[u8; WORD_BYTES]]);
+
+impl<'a> Words<'a> {
+    /// The words of a section; `None` if it is not a whole number of them.
+    pub(crate) fn new(bytes: &'a [u8]) -> Option<Self> {
+        let (words, rest) = bytes.as_chunks();
+        rest.is_empty().then_some(Self(words))
+    }
+
+    /// A word; `None` past the end.
+    #[inline(always)]
+    pub(crate) fn get(self, index: u32) -> Option<u32> {
+        self.0.get(index as usize).copied().map(u32::from_le_bytes)
+    }
+
+    /// So many words from an index, if they lie within the section.
+    pub(crate) fn range(self, from: u32, count: u32) -> Option<&'a [[u8; WORD_BYTES]]> {
+        self.0.get(from as usize..)?.get(..count as usize)
+    }
 }

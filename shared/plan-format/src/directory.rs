@@ -130,7 +130,7 @@ impl PlanRecord {
     }
 }
 
-/// One layer in section `layers`. Offsets are counted in section `cells`.
+/// One layer in section `layers`. Offsets are words of section `cells`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LayerRecord {
     pub(crate) name: NameAt,

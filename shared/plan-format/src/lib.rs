@@ -29,7 +29,7 @@ pub use directory::{Counts, Origin, is_name};
 pub use error::BlobError;
 pub use grid::{Cell, Direction, Grid};
 pub use header::FORMAT_VERSION;
-pub use layer::{Answer, Layer};
+pub use layer::{Answer, Layer, Step};
 pub use parameters::Parameters;
 pub use plan::{ParallelPlan, Plan};
 

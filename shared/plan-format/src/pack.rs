@@ -6,19 +6,21 @@
 //! of its allowed moves; cells of a field that contradicts itself are stored as they are.
 
 mod blocks;
+mod codes;
 mod cover;
 mod moves;
+mod parts;
 mod roots;
+mod serve;
 
 use crate::blocks::{BLOCKS, superblocks};
 use crate::directory::Counts;
 use crate::field::{Field, NO_ROUTE, escape, is_blocked};
-use crate::layer::{ESCAPE, FREE, NO_ESCAPE, NO_ROUTE_ENTRY, ROUTE_BYTES, Root, TERRAIN_BYTES};
-use blocks::{Block, Entries};
+use crate::grid::Cell;
+use crate::layer::{ESCAPE, FREE, NO_ESCAPE, NO_ROUTE_ENTRY, ROUTE_BITS, Root, TERRAIN_BITS};
+pub(crate) use blocks::Superblock;
+use blocks::{Block, OwnCells, superblock};
 use cover::Covering;
-
-const TERRAIN: Entries = Entries { bytes: TERRAIN_BYTES, filler: FREE };
-const ROUTES: Entries = Entries { bytes: ROUTE_BYTES, filler: NO_ROUTE_ENTRY };
 
 /// A field as the blob stores it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,7 +29,7 @@ pub struct PackedLayer {
     pub(crate) rows: u32,
     pub(crate) terrain: PackedPlane,
     pub(crate) routes: PackedPlane,
-    pub(crate) roots: Vec<u8>,
+    pub(crate) roots: Vec<u32>,
     pub(crate) counts: Counts,
 }
 
@@ -39,22 +41,24 @@ impl PackedLayer {
 
     /// Bytes that it takes in a blob at most: what layers have alike is stored once.
     pub fn bytes(&self) -> usize {
-        self.terrain.bytes.len() + self.routes.bytes.len() + self.roots.len()
+        size_of::<u32>() * (self.terrain.words() + self.routes.words() + self.roots.len())
     }
 }
 
-/// The superblocks of a plane, each by itself, in the order of the grid.
+/// The superblocks of a plane, in the order of the grid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct PackedPlane {
-    bytes: Vec<u8>,
-    ends: Vec<usize>,
+    pub(crate) superblocks: Vec<Superblock>,
 }
 
 impl PackedPlane {
-    /// The bytes of each superblock.
-    pub(crate) fn superblocks(&self) -> impl Iterator<Item = &[u8]> {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, &end)| &self.bytes[start..end])
+    /// Words that it takes at most, with its table.
+    fn words(&self) -> usize {
+        let words = |superblock: &Superblock| match superblock {
+            Superblock::Uniform(_) => 1,
+            Superblock::Words { words, .. } => 1 + words.len(),
+        };
+        self.superblocks.iter().map(words).sum()
     }
 }
 
@@ -67,23 +71,26 @@ pub fn pack(field: &Field) -> PackedLayer {
     let covering =
         Covering { field, bordered: &bordered, roots: &roots, block_columns, block_rows };
     let routes = covering.choose();
+    let terrain = (0..block_columns * block_rows).map(|block| {
+        let corner =
+            Cell::new((block % block_columns * 8) as u32, (block / block_columns * 8) as u32);
+        terrain(field, corner)
+    });
+    let terrain: Vec<Block> = terrain.collect();
+    let none = |_| [None; 64];
+    let own = |block| covering.own(block);
     PackedLayer {
         columns: field.columns,
         rows: field.rows,
-        terrain: plane(&terrain(field, block_columns, block_rows), block_columns, TERRAIN, |_| {
-            [None; 64]
-        }),
-        routes: plane(&routes.blocks, block_columns, ROUTES, |block| covering.own(block)),
-        roots: routes.roots.iter().flat_map(root_bytes).collect(),
+        terrain: plane(&terrain, block_columns, TERRAIN_BITS, FREE, none),
+        routes: plane(&routes.blocks, block_columns, ROUTE_BITS, NO_ROUTE_ENTRY, own),
+        roots: routes.roots.iter().flat_map(root_words).collect(),
         counts: counts(field),
     }
 }
 
-fn root_bytes(root: &Root) -> [u8; 8] {
-    let [x0, x1] = (root.cell.column as u16).to_le_bytes();
-    let [y0, y1] = (root.cell.row as u16).to_le_bytes();
-    let [c0, c1, c2, c3] = root.cost.to_le_bytes();
-    [x0, x1, y0, y1, c0, c1, c2, c3]
+fn root_words(root: &Root) -> [u32; 2] {
+    [root.cell.column | root.cell.row << 16, root.cost]
 }
 
 fn counts(field: &Field) -> Counts {
@@ -100,50 +107,39 @@ fn counts(field: &Field) -> Counts {
     counts
 }
 
-/// What is in the way, block by block.
-fn terrain(field: &Field, block_columns: usize, block_rows: usize) -> Vec<Block> {
-    let columns = field.columns as usize;
-    let mut masks = vec![[0u64; ESCAPE as usize + 8]; block_columns * block_rows];
-    if columns > 0 {
-        for (row, codes) in field.code.chunks(columns).take(field.rows as usize).enumerate() {
-            for (column, &code) in codes.iter().enumerate() {
-                let terrain = match escape(code) {
-                    Some(direction) => ESCAPE + u16::from(direction.code()),
-                    None if is_blocked(code) => NO_ESCAPE,
-                    None => FREE,
-                };
-                let block = row / 8 * block_columns + column / 8;
-                masks[block][terrain as usize] |= 1 << (row % 8 * 8 + column % 8);
-            }
+/// What is in the way in a block.
+fn terrain(field: &Field, corner: Cell) -> Block {
+    let mut entries: Vec<(u32, u64)> = Vec::new();
+    for (code, cells) in codes::codes_of(field, corner).all() {
+        let terrain = match escape(code) {
+            Some(direction) => ESCAPE + u32::from(direction.code()),
+            None if is_blocked(code) => NO_ESCAPE,
+            None => FREE,
+        };
+        match entries.iter_mut().find(|(known, _)| *known == terrain) {
+            Some((_, all)) => *all |= cells,
+            None => entries.push((terrain, cells)),
         }
     }
-    let entries = |masks: &[u64; ESCAPE as usize + 8]| {
-        let used = masks.iter().enumerate().filter(|&(_, &cells)| cells != 0);
-        Block::Palette(used.map(|(terrain, &cells)| (terrain as u16, cells)).collect())
-    };
-    masks.iter().map(entries).collect()
+    Block::Palette(entries)
 }
 
 /// The superblocks of blocks that stand in the order of their grid.
 fn plane(
     blocks: &[Block],
     block_columns: usize,
-    entries: Entries,
-    own: impl Fn(usize) -> [Option<(u8, u32)>; 64],
+    entry_bits: u32,
+    filler: u32,
+    own: impl Fn(usize) -> OwnCells,
 ) -> PackedPlane {
-    let mut packed = PackedPlane { bytes: Vec::new(), ends: Vec::new() };
     let block_rows = blocks.len().checked_div(block_columns).unwrap_or(0);
+    let mut superblocks = Vec::with_capacity(blocks.len() / BLOCKS);
     for row in (0..block_rows).step_by(4) {
         for column in (0..block_columns).step_by(4) {
-            let index = |block: usize| (row + block / 4) * block_columns + column + block % 4;
-            let sixteen: [Block; BLOCKS] = std::array::from_fn(|at| blocks[index(at)].clone());
-            let bytes = blocks::superblock(&sixteen, entries).or_else(|| {
-                let own = |at| Block::Own(Box::new(own(index(at))));
-                blocks::superblock(&std::array::from_fn(own), entries)
-            });
-            packed.bytes.extend_from_slice(&bytes.unwrap_or_default());
-            packed.ends.push(packed.bytes.len());
+            let index = |at: usize| (row + at / 4) * block_columns + column + at % 4;
+            let sixteen: [&Block; BLOCKS] = std::array::from_fn(|at| &blocks[index(at)]);
+            superblocks.push(superblock(&sixteen, entry_bits, filler, |at| own(index(at))));
         }
     }
-    packed
+    PackedPlane { superblocks }
 }

@@ -1,11 +1,10 @@
 //! The blob as a robot sees it: parsed once, then asked every tick.
 
-use crate::blocks::Plane;
-use crate::bytes::range;
+use crate::bytes::Words;
 use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
 use crate::error::BlobError;
 use crate::grid::{Cell, Grid};
-use crate::layer::{Layer, ROOT_BYTES};
+use crate::layer::Layer;
 use crate::mission::{ActionKind, Mission, MissionError, Source};
 use crate::parameters::Parameters;
 use crate::{header, limits};
@@ -30,8 +29,23 @@ pub struct Plan<'a> {
 /// The grid's numbers in single precision, for the look-up at control rate.
 #[derive(Clone, Copy, Debug)]
 struct SingleGrid {
-    corner: Vec2,
+    /// From the map's coordinates to the grid's. Never -0, so that no sum is.
+    shift: Vec2,
     resolution_m: f32,
+    /// The sides in cells, which are below 2^24, as the bits of single precision.
+    columns_bits: u32,
+    rows_bits: u32,
+}
+
+impl SingleGrid {
+    fn new(grid: &Grid) -> Self {
+        Self {
+            shift: Vec2::new(0.0 - grid.corner_m[0] as f32, 0.0 - grid.corner_m[1] as f32),
+            resolution_m: grid.resolution_m as f32,
+            columns_bits: (grid.columns as f32).to_bits(),
+            rows_bits: (grid.rows as f32).to_bits(),
+        }
+    }
 }
 
 /// The sections that plans and layers are read from.
@@ -42,7 +56,7 @@ struct Sections<'a> {
     plans: &'a [u8],
     layers: &'a [u8],
     names: &'a [u8],
-    cells: &'a [u8],
+    cells: Words<'a>,
 }
 
 /// The grid of a plan without a map: no cells at all.
@@ -60,7 +74,7 @@ impl<'a> Plan<'a> {
         if !rest.is_empty() {
             return Err(BlobError::Directory);
         }
-        let sections = Sections::new(&directory);
+        let sections = Sections::new(&directory).ok_or(BlobError::Cells)?;
         let origin = directory.origin.map(Origin::from);
         if !(directory.grid.is_valid() || directory.grid == NO_GRID && sections.plan_count() == 0) {
             return Err(BlobError::Grid);
@@ -97,8 +111,7 @@ impl<'a> Plan<'a> {
         sections: Sections<'a>,
         bytes: usize,
     ) -> Self {
-        let corner = Vec2::new(grid.corner_m[0] as f32, grid.corner_m[1] as f32);
-        let single = SingleGrid { corner, resolution_m: grid.resolution_m as f32 };
+        let single = SingleGrid::new(&grid);
         let frame = origin.map(|o| Frame::new(o.place, o.at_m, o.heading_rad));
         let mission = Mission::default();
         Self { grid, single, origin, frame, parameters, goal, sections, mission, bytes }
@@ -135,15 +148,14 @@ impl<'a> Plan<'a> {
     }
 
     /// The cell that holds a point of the map (metres), in single precision; `None` off the map.
+    #[inline]
     pub fn cell_at(&self, point: Vec2) -> Option<Cell> {
-        let column = (point.x - self.single.corner.x) / self.single.resolution_m;
-        let row = (point.y - self.single.corner.y) / self.single.resolution_m;
-        // False for NaN too. The sides are below 2^24, so single precision holds them exactly,
-        // and for what is not negative truncation is the floor.
-        let inside = column >= 0.0
-            && row >= 0.0
-            && column < self.grid.columns as f32
-            && row < self.grid.rows as f32;
+        let SingleGrid { shift, resolution_m, columns_bits, rows_bits } = self.single;
+        let column = (point.x + shift.x) / resolution_m;
+        let row = (point.y + shift.y) / resolution_m;
+        // As bits, numbers from 0 on are in order, and what is negative or not a number is above
+        // them all. So one comparison leaves only what truncation rounds down to a cell.
+        let inside = column.to_bits() < columns_bits && row.to_bits() < rows_bits;
         inside.then_some(Cell::new(column as u32, row as u32))
     }
 
@@ -179,8 +191,14 @@ impl Plan<'static> {
         let parameters =
             if parameters.check().is_none() { parameters } else { Parameters::default() };
         let near = |metres: f32| metres.abs() <= limits::MAX_ORIGIN_M as f32;
-        let sections =
-            Sections { columns: 0, rows: 0, plans: &[], layers: &[], names: &[], cells: &[] };
+        let sections = Sections {
+            columns: 0,
+            rows: 0,
+            plans: &[],
+            layers: &[],
+            names: &[],
+            cells: Words::default(),
+        };
         Self::new(
             NO_GRID,
             origin.filter(Origin::is_valid),
@@ -193,15 +211,16 @@ impl Plan<'static> {
 }
 
 impl<'a> Sections<'a> {
-    fn new(directory: &Directory<'a>) -> Self {
-        Self {
+    /// `None` if the cells are not whole words.
+    fn new(directory: &Directory<'a>) -> Option<Self> {
+        Some(Self {
             columns: directory.grid.columns,
             rows: directory.grid.rows,
             plans: directory.plans,
             layers: directory.layers,
             names: directory.names,
-            cells: directory.cells,
-        }
+            cells: Words::new(directory.cells)?,
+        })
     }
 
     fn plan_count(&self) -> usize {
@@ -210,7 +229,7 @@ impl<'a> Sections<'a> {
 
     fn plan(&self, index: usize) -> Option<ParallelPlan<'a>> {
         let record = PlanRecord::get(self.plans, index)?;
-        Some(ParallelPlan { sections: *self, name: record.name.get(self.names)?, record })
+        Some(ParallelPlan { sections: *self, record })
     }
 
     /// Proves once that every plan, layer and name can be read and is within its limits.
@@ -279,14 +298,14 @@ impl<'a> Sections<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct ParallelPlan<'a> {
     sections: Sections<'a>,
-    name: &'a str,
     record: PlanRecord,
 }
 
 impl<'a> ParallelPlan<'a> {
     /// Its name, unique within the blob.
     pub fn name(&self) -> &'a str {
-        self.name
+        // Names were validated.
+        self.record.name.get(self.sections.names).unwrap_or_default()
     }
 
     /// The goal, map metres.
@@ -307,17 +326,18 @@ impl<'a> ParallelPlan<'a> {
     /// A layer by its index; 0 is the least constrained.
     pub fn layer(&self, index: usize) -> Option<Layer<'a>> {
         let record = self.layer_record(index)?;
-        let section = self.sections.cells;
-        let root_bytes = u32::from(record.root_count) * ROOT_BYTES as u32;
         Some(Layer {
-            name: record.name.get(self.sections.names)?,
             columns: self.sections.columns,
             rows: self.sections.rows,
-            terrain: Plane { section, table: record.terrain },
-            routes: Plane { section, table: record.routes },
-            roots: range(section, record.roots, root_bytes)?,
+            section: self.sections.cells,
+            terrain: record.terrain,
+            routes: record.routes,
+            roots: record.roots,
+            root_count: record.root_count.into(),
             bytes: record.bytes,
             counts: record.counts,
+            names: self.sections.names,
+            name: record.name,
         })
     }
 

@@ -1,12 +1,13 @@
 //! The writer: a draft in, bytes out. The same draft gives the same bytes.
 
-use crate::blocks::SLACK_BYTES;
+use crate::blocks::UNIFORM;
+use crate::bytes::WORD_BYTES;
 use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
 use crate::error::BlobError;
 use crate::grid::Grid;
-use crate::layer::ROOT_BYTES;
+use crate::layer::ROOT_WORDS;
 use crate::mission::MissionDraft;
-use crate::pack::{PackedLayer, PackedPlane};
+use crate::pack::{PackedLayer, PackedPlane, Superblock};
 use crate::parameters::Parameters;
 use crate::plan::Plan;
 use crate::{header, limits};
@@ -123,7 +124,6 @@ pub fn write(draft: &Draft) -> Result<Vec<u8>, WriteError> {
     for plan in &draft.plans {
         sections.put(plan);
     }
-    sections.cells.bytes.extend_from_slice(&[0; SLACK_BYTES]);
     let mission =
         draft.mission.write().map_err(|error| WriteError::Refused(BlobError::Mission { error }))?;
     let directory = Directory {
@@ -197,8 +197,8 @@ impl Sections {
                 name: self.name(&layer.name),
                 terrain: self.cells.put_plane(&packed.terrain),
                 routes: self.cells.put_plane(&packed.routes),
-                roots: self.cells.put(&packed.roots),
-                root_count: (packed.roots.len() / ROOT_BYTES) as u16,
+                roots: self.cells.put_words(&packed.roots),
+                root_count: (packed.roots.len() / ROOT_WORDS as usize) as u16,
                 bytes: (self.cells.bytes.len() - before) as u32,
                 counts: packed.counts,
             };
@@ -230,11 +230,20 @@ impl Pool {
         offset
     }
 
-    /// Where the table of a plane stands, its superblocks before it.
+    /// At which word some words stand.
+    fn put_words(&mut self, words: &[u32]) -> u32 {
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        self.put(&bytes) / WORD_BYTES as u32
+    }
+
+    /// At which word the table of a plane stands, its superblocks before it.
     fn put_plane(&mut self, plane: &PackedPlane) -> u32 {
-        let table: Vec<u8> =
-            plane.superblocks().flat_map(|bytes| self.put(bytes).to_le_bytes()).collect();
-        self.put(&table)
+        let pointer = |superblock: &Superblock| match superblock {
+            Superblock::Uniform(entry) => UNIFORM | entry,
+            Superblock::Words { first, words } => self.put_words(words) + *first as u32,
+        };
+        let table: Vec<u32> = plane.superblocks.iter().map(pointer).collect();
+        self.put_words(&table)
     }
 }
 

@@ -1,12 +1,15 @@
 //! Which roots the cells of each block refer to: as few as possible, the same as next door.
 
-use super::blocks::{Block, MAX_BLOCK_ENTRIES, ones, own_length};
+use super::blocks::{Block, MAX_BLOCK_ENTRIES, OwnCells, index_class};
+use super::codes::{Codes, codes_of};
 use super::moves::Bordered;
-use super::roots::{NO_ROOT, Roots, ways};
-use crate::blocks::{BLOCK_CELLS, index_bytes};
+use super::roots::{NO_ROOT, Roots};
+use super::serve::BlockCells;
+use crate::blocks::{BLOCK_CELLS, OWN_4_4, data_words, own_words};
+use crate::bytes::WORD_BYTES;
 use crate::field::{Field, GOAL, MOVES, NO_ROUTE};
 use crate::grid::Cell;
-use crate::layer::{NO_ROUTE_ENTRY, OWN_GOAL, OWN_NO_ROUTE, ROOT_BYTES, Root};
+use crate::layer::{NO_ROUTE_ENTRY, OWN_GOAL, OWN_NO_ROUTE, ROOT_WORDS, Root};
 
 /// Root numbers from here on do not fit an entry.
 const MAX_ROOTS: usize = (NO_ROUTE_ENTRY >> 1) as usize;
@@ -18,21 +21,21 @@ pub(crate) struct Routes {
     pub(crate) roots: Vec<Root>,
 }
 
-/// A block whose cells were given more roots than this, besides those of its neighbours, is not
-/// worth a search for the fewest.
-const MAX_OWN_ROOTS: usize = 32;
+/// A block whose cells were given more roots than this is not worth a search for the fewest.
+/// Noise and mazes fall back early.
+const MAX_NEAR_ROOTS: usize = 10;
 /// Most roots that are taken over from neighbouring blocks to be tried.
-const MAX_HINTS: usize = 8;
+const MAX_HINTS: usize = 4;
+/// How many roots beyond the nearest are tried.
+const ANCESTORS: usize = 1;
 
-/// An entry whose root has not got its final number: twice the number, plus the way.
-type Draft = (u64, u64);
-const NO_ROUTE_DRAFT: u64 = u64::MAX;
+/// An entry whose root has not got its final number: twice the number, plus the way. And the cells
+/// that have it.
+type Draft = (u32, u64);
+const NO_ROUTE_DRAFT: u32 = u32::MAX;
 
-/// A block before its roots have their final numbers.
-enum Choice {
-    Entries(Vec<Draft>),
-    Own,
-}
+/// A block before its roots have their final numbers; `None` for own cells.
+type Choice = Option<Vec<Draft>>;
 
 /// A field as it is looked at here.
 pub(crate) struct Covering<'f> {
@@ -57,98 +60,69 @@ impl Covering<'_> {
         self.number(choices)
     }
 
-    /// The cells of a block that lie on the map: number in the block, column, row.
-    fn cells(&self, block: usize) -> impl Iterator<Item = (usize, usize, usize)> {
-        let (columns, rows) = (self.field.columns as usize, self.field.rows as usize);
-        let (column, row) = (block % self.block_columns * 8, block / self.block_columns * 8);
-        (0..BLOCK_CELLS)
-            .map(move |cell| (cell, column + cell % 8, row + cell / 8))
-            .filter(move |&(_, column, row)| column < columns && row < rows)
-    }
-
-    fn code(&self, column: usize, row: usize) -> u8 {
-        let code = self.field.code.get(row * self.field.columns as usize + column);
-        code.copied().unwrap_or(NO_ROUTE)
+    /// The south-west cell of a block.
+    fn corner(&self, block: usize) -> Cell {
+        let (column, row) = (block % self.block_columns, block / self.block_columns);
+        Cell::new(8 * column as u32, 8 * row as u32)
     }
 
     /// Few entries that serve every cell of a block that has a route.
     fn cover(&self, block: usize, hints: impl Iterator<Item = u32>) -> Choice {
-        let (mut routed, mut no_route) = (0u64, 0u64);
-        let mut candidates: Vec<u32> = Vec::with_capacity(2 * MAX_OWN_ROOTS);
-        for root in hints {
-            if candidates.len() < MAX_HINTS && !candidates.contains(&root) {
-                candidates.push(root);
-            }
-        }
-        let hints = candidates.len();
-        for (cell, column, row) in self.cells(block) {
-            match self.code(column, row) {
-                0..=GOAL => {
-                    let root = self.roots.of_cell[self.bordered.index(column, row)];
-                    if root == NO_ROOT {
-                        return Choice::Own;
-                    }
-                    routed |= 1 << cell;
-                    if candidates.last() != Some(&root) && !candidates.contains(&root) {
-                        candidates.push(root);
-                    }
-                    // Noise and mazes fall back early: so many roots never pay.
-                    if candidates.len() - hints > MAX_OWN_ROOTS {
-                        return Choice::Own;
-                    }
-                }
-                NO_ROUTE => no_route |= 1 << cell,
-                _ => {}
-            }
-        }
-        let Some(mut entries) = self.fewest(block, &candidates, routed) else {
-            return Choice::Own;
-        };
+        let corner = self.corner(block);
+        let codes = codes_of(self.field, corner);
+        let no_route = codes.equal_to(NO_ROUTE);
+        let routed = codes.up_to(GOAL);
+        let mut entries =
+            if routed == 0 { Vec::new() } else { self.fewest(corner, routed, hints)? };
         if no_route != 0 {
             entries.push((NO_ROUTE_DRAFT, no_route));
         }
-        if entries.len() > MAX_BLOCK_ENTRIES { Choice::Own } else { Choice::Entries(entries) }
+        (entries.len() <= MAX_BLOCK_ENTRIES).then_some(entries)
     }
 
-    /// A greedy cover: always the entry that serves the most cells still without one. `None` if
-    /// some cell has none, which its own root should prevent.
-    fn fewest(&self, block: usize, candidates: &[u32], routed: u64) -> Option<Vec<Draft>> {
-        let mut served: Vec<Draft> = Vec::with_capacity(2 * candidates.len());
-        for &root in candidates {
-            for (way, cells) in self.served_by(block, root, routed).into_iter().enumerate() {
-                let entry = u64::from(root) << 1 | way as u64;
-                if cells == routed && routed != 0 {
-                    return Some(vec![(entry, routed)]);
-                }
-                served.push((entry, cells));
+    fn fewest(&self, corner: Cell, routed: u64, hints: impl Iterator<Item = u32>) -> Choice {
+        let near = self.near(corner, routed)?;
+        let cells = BlockCells::new(self.bordered, corner, routed);
+        let mut candidates = Candidates { cells: &cells, tried: Vec::new(), served: Vec::new() };
+        // Neighbours' roots first: among equals the first is chosen.
+        let beyond = near.iter().flat_map(|&root| self.ancestors(root));
+        for root in hints.take(MAX_HINTS).chain(near.iter().copied()).chain(beyond) {
+            if let Some(entry) = candidates.add(root, self.roots) {
+                return Some(vec![(entry, routed)]);
             }
         }
-        let mut left = routed;
-        let mut entries = Vec::new();
-        while left != 0 {
-            // The first of the best: neighbours' roots stand at the front.
-            let best = served.iter().rev().max_by_key(|(_, cells)| (cells & left).count_ones());
-            let &(entry, cells) = best.filter(|(_, cells)| cells & left != 0)?;
-            entries.push((entry, cells & left));
-            left &= !cells;
-        }
-        Some(entries)
+        candidates.greedy()
     }
 
-    /// The cells that may refer to a root, diagonal steps first and straight steps first.
-    fn served_by(&self, block: usize, root: u32, routed: u64) -> [u64; 2] {
-        let root = self.roots.roots[root as usize];
-        let (column, row) = (block % self.block_columns * 8, block / self.block_columns * 8);
-        let mut served = [0; 2];
-        for cell in ones(routed) {
-            let (column, row) = (column + cell % 8, row + cell / 8);
-            let index = self.bordered.index(column, row);
-            let at = Cell::new(column as u32, row as u32);
-            let ways = ways(root, at, self.bordered.cost[index], self.bordered.moves[index]);
-            served[0] |= u64::from(ways & 1) << cell;
-            served[1] |= u64::from(ways >> 1) << cell;
+    /// The roots beyond a root, on the way to the goal.
+    fn ancestors(&self, root: u32) -> impl Iterator<Item = u32> {
+        let parent = |&root: &u32| {
+            Some(self.roots.parents[root as usize]).filter(|&parent| parent != NO_ROOT)
+        };
+        std::iter::successors(parent(&root), parent).take(ANCESTORS)
+    }
+
+    /// The roots that the cells of a block were given; `None` if they are too many or a cell has
+    /// none.
+    fn near(&self, corner: Cell, routed: u64) -> Option<Vec<u32>> {
+        let mut near: Vec<u32> = Vec::with_capacity(MAX_NEAR_ROOTS);
+        let mut last = NO_ROOT;
+        for (y, mut left) in routed.to_le_bytes().into_iter().enumerate() {
+            let start = self.bordered.index(corner.column as usize, corner.row as usize + y);
+            while left != 0 {
+                let root = self.roots.of_cell[start + left.trailing_zeros() as usize];
+                left &= left - 1;
+                if root == last || near.contains(&root) {
+                    continue;
+                }
+                if root == NO_ROOT || near.len() == MAX_NEAR_ROOTS {
+                    return None;
+                }
+                near.push(root);
+                last = root;
+            }
         }
-        served
+        Some(near)
     }
 
     /// Gives blocks their own costs where entries, with their share of the roots they refer to,
@@ -158,17 +132,18 @@ impl Covering<'_> {
         for root in choices.iter().flat_map(roots_of) {
             uses[root as usize] += 1;
         }
-        for (block, choice) in choices.iter_mut().enumerate() {
-            let Choice::Entries(entries) = &*choice else { continue };
+        for choice in choices {
+            let entries = choice.as_deref().unwrap_or_default();
             if entries.len() < 4 {
                 continue;
             }
-            let bits = entries.len().next_power_of_two().trailing_zeros() as usize;
-            let shares =
-                roots_of(choice).map(|root| ROOT_BYTES as f32 / uses[root as usize] as f32);
-            let bytes = (1 + index_bytes(bits) + 2 * entries.len()) as f32 + shares.sum::<f32>();
-            if bytes > own_length(&self.own(block)) as f32 {
-                *choice = Choice::Own;
+            let root_bytes = (ROOT_WORDS as usize * WORD_BYTES) as f32;
+            let shares = roots_of(choice).map(|root| root_bytes / uses[root as usize] as f32);
+            let indices = data_words(index_class(entries.len())) * WORD_BYTES;
+            let bytes = (indices + 2 * entries.len()) as f32 + shares.sum::<f32>();
+            let cells = entries.iter().map(|(_, cells)| cells.count_ones()).sum::<u32>();
+            if bytes > (WORD_BYTES * own_words(OWN_4_4, cells as usize)) as f32 {
+                *choice = None;
             }
         }
     }
@@ -185,47 +160,89 @@ impl Covering<'_> {
             numbers[old] = roots.len();
             roots.push(self.roots.roots[old]);
         }
-        let entry = |&(draft, cells): &Draft| {
+        let entry = |(draft, cells): Draft| {
             if draft == NO_ROUTE_DRAFT {
                 return Some((NO_ROUTE_ENTRY, cells));
             }
             let number = numbers[(draft >> 1) as usize];
-            (number < MAX_ROOTS).then_some(((number << 1) as u16 | (draft & 1) as u16, cells))
+            (number < MAX_ROOTS).then_some(((number << 1) as u32 | draft & 1, cells))
         };
-        let blocks = choices.iter().enumerate().map(|(block, choice)| match choice {
-            Choice::Own => Block::Own(Box::new(self.own(block))),
-            Choice::Entries(entries) => match entries.iter().map(entry).collect() {
-                Some(entries) => Block::Palette(entries),
-                None => Block::Own(Box::new(self.own(block))),
-            },
-        });
-        Routes { blocks: blocks.collect(), roots }
+        let block = |choice: Choice| {
+            let entries = choice.and_then(|entries| entries.into_iter().map(entry).collect());
+            entries.map_or(Block::Own, Block::Palette)
+        };
+        Routes { blocks: choices.into_iter().map(block).collect(), roots }
     }
 
     /// Code and cost of each cell of a block.
-    pub(crate) fn own(&self, block: usize) -> [Option<(u8, u32)>; BLOCK_CELLS] {
-        let mut cells = [None; BLOCK_CELLS];
-        for (cell, column, row) in self.cells(block) {
-            let code = match self.code(column, row) {
+    pub(crate) fn own(&self, block: usize) -> OwnCells {
+        let corner = self.corner(block);
+        let Codes(codes) = codes_of(self.field, corner);
+        std::array::from_fn(|cell| {
+            let code = match codes[cell] {
                 code @ 0..MOVES => code,
                 GOAL => OWN_GOAL,
                 NO_ROUTE => OWN_NO_ROUTE,
-                _ => continue,
+                _ => return None,
             };
-            cells[cell] = Some((code, self.bordered.cost[self.bordered.index(column, row)]));
+            let (column, row) = (corner.column as usize + cell % 8, corner.row as usize + cell / 8);
+            Some((code, self.bordered.cost[self.bordered.index(column, row)]))
+        })
+    }
+}
+
+/// Roots that are tried on a block.
+struct Candidates<'c> {
+    cells: &'c BlockCells,
+    tried: Vec<u32>,
+    /// Entries and the cells that may have them.
+    served: Vec<Draft>,
+}
+
+impl Candidates<'_> {
+    /// Tries a root; the entry if it serves all cells.
+    fn add(&mut self, root: u32, roots: &Roots) -> Option<u32> {
+        if self.tried.contains(&root) {
+            return None;
         }
-        cells
+        self.tried.push(root);
+        for (way, cells) in self.cells.served_by(roots.roots[root as usize]).into_iter().enumerate()
+        {
+            let entry = root << 1 | way as u32;
+            if cells == self.cells.routed {
+                return Some(entry);
+            }
+            if cells != 0 {
+                self.served.push((entry, cells));
+            }
+        }
+        None
+    }
+
+    /// A greedy cover: always the entry that serves the most cells still without one. `None` if
+    /// some cell has none, which its own root should prevent.
+    fn greedy(&self) -> Choice {
+        let mut left = self.cells.routed;
+        let mut entries: Vec<Draft> = Vec::new();
+        while left != 0 {
+            // The first of the best: neighbours' roots stand at the front.
+            let best =
+                self.served.iter().rev().max_by_key(|(_, cells)| (cells & left).count_ones());
+            let &(entry, cells) = best.filter(|(_, cells)| cells & left != 0)?;
+            if entries.len() == MAX_BLOCK_ENTRIES {
+                return None;
+            }
+            entries.push((entry, cells & left));
+            left &= !cells;
+        }
+        Some(entries)
     }
 }
 
 /// The roots that a block refers to; one that it refers to in two ways comes twice.
 fn roots_of(choice: &Choice) -> impl Iterator<Item = u32> {
-    let entries: &[Draft] = match choice {
-        Choice::Entries(entries) => entries,
-        Choice::Own => &[],
-    };
-    entries
-        .iter()
-        .filter(|&&(draft, _)| draft != NO_ROUTE_DRAFT)
-        .map(|&(draft, _)| (draft >> 1) as u32)
+    let entries = choice.as_deref().unwrap_or_default();
+    entries.iter().filter(|&&(draft, _)| draft != NO_ROUTE_DRAFT).map(|&(draft, _)| draft >> 1)
 }
+
+const _: () = assert!(BLOCK_CELLS == u64::BITS as usize);

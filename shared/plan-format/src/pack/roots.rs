@@ -1,15 +1,18 @@
 //! Roots, handed from cell to cell outwards from the goal.
 //!
 //! A cell takes the root of a neighbour that its optimal moves lead to, if from the cell too the
-//! way to that root is as short as without obstacles; else that neighbour becomes a root. Cells
-//! are visited in buckets of cost one straight step wide: no step is shorter, so inside a bucket
-//! no cell leads to another and their order does not matter. That takes linear time.
+//! way to that root is as short as without obstacles; else that neighbour becomes a root. What
+//! leads by a root and is straight to the root's own root is straight to the root as well, so the
+//! nearest root on a way serves at least the cells that any farther one does: only the nearest is
+//! handed on, and the farther ones are found through it.
+//!
+//! Cells are visited in buckets of cost one straight step wide: no step is shorter, so inside a
+//! bucket no cell leads to another and their order does not matter. That takes linear time.
 
 use super::moves::Bordered;
 use crate::field::{Field, GOAL, UNREACHED};
 use crate::grid::{Cell, Direction, STRAIGHT_STEP};
-use crate::layer::Root;
-use std::collections::HashMap;
+use crate::layer::{Root, direction};
 
 /// The number of no root.
 pub(crate) const NO_ROOT: u32 = u32::MAX;
@@ -18,64 +21,51 @@ pub(crate) const NO_ROOT: u32 = u32::MAX;
 pub(crate) struct Roots {
     /// By their numbers.
     pub(crate) roots: Vec<Root>,
-    /// The number of each cell's root, bordered as [`Bordered`].
+    /// The root that each root had before it became one; [`NO_ROOT`] for a goal.
+    pub(crate) parents: Vec<u32>,
+    /// The number of each cell's root, a root's own for itself; bordered as [`Bordered`].
     pub(crate) of_cell: Vec<u32>,
 }
 
-/// How a cell may refer to a root: bit 0 diagonal steps first, bit 1 straight steps first.
-/// 0 if it may not.
+/// Whether a cell may refer to a root.
 #[inline]
-pub(crate) fn ways(root: Root, cell: Cell, cost: u32, moves: u8) -> u8 {
-    if root.cost_from(cell) != cost {
-        return 0;
-    }
-    let allowed = |straight_first| match root.direction_from(cell, straight_first) {
-        Some(direction) => moves >> direction.code() & 1,
-        None => u8::from(cost == 0),
+fn serves(root: Root, cell: Cell, cost: u32, moves: u8) -> bool {
+    let allowed = |straight_first| {
+        direction(cell, root.cell, straight_first)
+            .is_some_and(|direction| moves >> direction.code() & 1 == 1)
     };
-    let columns = root.cell.column.abs_diff(cell.column);
-    let rows = root.cell.row.abs_diff(cell.row);
-    // Where only one of straight and diagonal steps is needed, both ways are the same.
-    if columns == 0 || rows == 0 || columns == rows {
-        return 3 * allowed(false);
-    }
-    allowed(false) | allowed(true) << 1
+    root.cost_from(cell) == cost && (allowed(false) || allowed(true))
 }
 
 impl Roots {
     pub(crate) fn new(field: &Field, bordered: &Bordered) -> Self {
-        let mut this = Self { roots: Vec::new(), of_cell: vec![NO_ROOT; bordered.cost.len()] };
-        let mut root_at = HashMap::new();
+        let of_cell = vec![NO_ROOT; bordered.cost.len()];
+        let mut this = Self { roots: Vec::new(), parents: Vec::new(), of_cell };
         for (cell, _) in field.code.iter().enumerate().filter(|&(_, &code)| code == GOAL) {
             let columns = field.columns as usize;
             let index = bordered.index(cell % columns, cell / columns);
             if bordered.cost.get(index) == Some(&0) {
-                this.of_cell[index] = this.root_of(index, bordered, &mut root_at);
+                this.make_root(index, bordered);
             }
         }
         for index in by_cost(bordered) {
-            this.of_cell[index as usize] = this.choose(index as usize, bordered, &mut root_at);
+            this.of_cell[index as usize] = this.choose(index as usize, bordered);
         }
         this
     }
 
-    fn choose(
-        &mut self,
-        index: usize,
-        bordered: &Bordered,
-        root_at: &mut HashMap<usize, u32>,
-    ) -> u32 {
+    fn choose(&mut self, index: usize, bordered: &Bordered) -> u32 {
         let (column, row) = bordered.column_row(index);
         let cell = Cell::new(column, row);
         let (cost, moves) = (bordered.cost[index], bordered.moves[index]);
-        // The lowest number is the oldest root, nearest to the goal, which most cells share.
-        let mut best = NO_ROOT;
-        let mut last = NO_ROOT;
+        let (mut best, mut last) = (NO_ROOT, NO_ROOT);
         for direction in directions(moves) {
             let number = self.of_cell[bordered.neighbour(index, direction)];
-            if number < best
-                && number != last
-                && ways(self.roots[number as usize], cell, cost, moves) != 0
+            let is_better = best == NO_ROOT || number < best;
+            if number != last
+                && number != NO_ROOT
+                && is_better
+                && serves(self.roots[number as usize], cell, cost, moves)
             {
                 best = number;
             }
@@ -84,26 +74,26 @@ impl Roots {
         if best != NO_ROOT {
             return best;
         }
-        match directions(moves).next() {
-            Some(direction) => {
-                self.root_of(bordered.neighbour(index, direction), bordered, root_at)
+        // Beside it may be a way of the same length that passes a root.
+        for direction in Direction::ALL {
+            let number = self.of_cell[bordered.neighbour(index, direction)];
+            if number != NO_ROOT && serves(self.roots[number as usize], cell, cost, moves) {
+                return number;
             }
+        }
+        match directions(moves).next() {
+            Some(direction) => self.make_root(bordered.neighbour(index, direction), bordered),
             None => NO_ROOT,
         }
     }
 
-    /// The number of the root that stands at a cell, which becomes one if it is none.
-    fn root_of(
-        &mut self,
-        index: usize,
-        bordered: &Bordered,
-        root_at: &mut HashMap<usize, u32>,
-    ) -> u32 {
-        *root_at.entry(index).or_insert_with(|| {
-            let (column, row) = bordered.column_row(index);
-            self.roots.push(Root { cell: Cell::new(column, row), cost: bordered.cost[index] });
-            self.roots.len() as u32 - 1
-        })
+    /// Makes a cell a root; its number.
+    fn make_root(&mut self, index: usize, bordered: &Bordered) -> u32 {
+        let (column, row) = bordered.column_row(index);
+        let number = self.roots.len() as u32;
+        self.roots.push(Root { cell: Cell::new(column, row), cost: bordered.cost[index] });
+        self.parents.push(std::mem::replace(&mut self.of_cell[index], number));
+        number
     }
 }
 

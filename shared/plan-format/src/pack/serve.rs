@@ -1,0 +1,115 @@
+//! Which cells of a block a root serves, all 64 at a time.
+
+use super::moves::Bordered;
+use crate::blocks::BLOCK_CELLS;
+use crate::grid::{Cell, DIAGONAL_STEP, STRAIGHT_STEP};
+use crate::layer::Root;
+
+/// What decides which roots serve the cells of a block.
+pub(crate) struct BlockCells {
+    column: i32,
+    row: i32,
+    cost: [i32; BLOCK_CELLS],
+    /// For each direction, the cells that may move there.
+    moves: [u64; 8],
+    /// Cells that may refer to a root at all.
+    pub(crate) routed: u64,
+}
+
+/// A bit of each byte.
+const BYTES: u64 = 0x0101_0101_0101_0101;
+
+/// What a diagonal step saves over two straight ones.
+const SAVED: i32 = (2 * STRAIGHT_STEP - DIAGONAL_STEP) as i32;
+
+impl BlockCells {
+    /// The cells of the block whose south-west cell this is, those in `routed`.
+    pub(crate) fn new(bordered: &Bordered, corner: Cell, routed: u64) -> Self {
+        let mut cost = [-1; BLOCK_CELLS];
+        let mut moves = [0; 8];
+        let rows = cost.as_chunks_mut::<8>().0;
+        for ((y, cost), routed) in rows.iter_mut().enumerate().zip(routed.to_le_bytes()) {
+            if routed == 0 {
+                continue;
+            }
+            let start = bordered.index(corner.column as usize, corner.row as usize + y);
+            let end = bordered.cost.len().min(start + 8);
+            for (cost, &given) in cost.iter_mut().zip(&bordered.cost[start..end]) {
+                *cost = given as i32;
+            }
+            let mut bits = [0; 8];
+            bits[..end - start].copy_from_slice(&bordered.moves[start..end]);
+            for (direction, moves) in moves.iter_mut().enumerate() {
+                *moves |= gather(u64::from_le_bytes(bits) >> direction & BYTES) << (8 * y);
+            }
+        }
+        Self { column: corner.column as i32, row: corner.row as i32, cost, moves, routed }
+    }
+
+    /// The cells that may refer to a root, diagonal steps first and straight steps first.
+    pub(crate) fn served_by(&self, root: Root) -> [u64; 2] {
+        // Towards the root, from each column and each row of the block.
+        let dx: [i32; 8] =
+            std::array::from_fn(|x| root.cell.column as i32 - self.column - x as i32);
+        let dy: [i32; 8] = std::array::from_fn(|y| root.cell.row as i32 - self.row - y as i32);
+        let straight = self.straight(root, dx, dy);
+        if straight == 0 {
+            return [0; 2];
+        }
+        let columns =
+            |is: fn(i32) -> bool| (0..8).fold(0, |m, x| m | u64::from(is(dx[x])) << x) * BYTES;
+        let rows = |is: fn(i32) -> bool| {
+            (0..8).fold(0, |mask, y| mask | (255 * u64::from(is(dy[y]))) << (8 * y))
+        };
+        let (east, west) = (columns(|dx| dx > 0), columns(|dx| dx < 0));
+        let (north, south) = (rows(|dy| dy > 0), rows(|dy| dy < 0));
+        let (flat, upright) = (!north & !south, !east & !west);
+        let longer = self.longer(dx, dy);
+        let [e, ne, n, nw, w, sw, s, se] = self.moves;
+        let along_row = east & e | west & w;
+        let along_column = north & n | south & s;
+        let diagonal = east & (north & ne | south & se) | west & (north & nw | south & sw);
+        let goal = if root.cost == 0 { flat & upright } else { 0 };
+        let both = straight & (goal | flat & along_row | upright & along_column);
+        let [wide, high] = longer;
+        let straight_first = wide & along_row | high & along_column | !wide & !high & diagonal;
+        [both | straight & diagonal, both | straight & !flat & !upright & straight_first]
+    }
+
+    /// The cells whose cost is that of a way to the root without obstacles.
+    fn straight(&self, root: Root, dx: [i32; 8], dy: [i32; 8]) -> u64 {
+        let long = dx.map(|dx| dx.wrapping_abs().wrapping_mul(STRAIGHT_STEP as i32));
+        let saved = dx.map(|dx| dx.wrapping_abs().wrapping_mul(SAVED));
+        let mut straight = 0;
+        for (y, cost) in self.cost.as_chunks::<8>().0.iter().enumerate() {
+            let high = (root.cost as i32)
+                .wrapping_add(dy[y].wrapping_abs().wrapping_mul(STRAIGHT_STEP as i32));
+            let saved_high = dy[y].wrapping_abs().wrapping_mul(SAVED);
+            let mut equal = [0u8; 8];
+            for x in 0..8 {
+                let saved = saved[x].min(saved_high);
+                equal[x] = u8::from(high.wrapping_add(long[x]).wrapping_sub(saved) == cost[x]);
+            }
+            straight |= gather(u64::from_le_bytes(equal)) << (8 * y);
+        }
+        straight & self.routed
+    }
+
+    /// The cells that are farther from the root in columns than in rows, and the reverse.
+    fn longer(&self, dx: [i32; 8], dy: [i32; 8]) -> [u64; 2] {
+        let (dx, dy) = (dx.map(i32::abs), dy.map(i32::abs));
+        let (mut wide, mut high) = (0, 0);
+        for (y, dy) in dy.into_iter().enumerate() {
+            let wider = dx.map(|dx| u8::from(dx > dy));
+            let higher = dx.map(|dx| u8::from(dx < dy));
+            wide |= gather(u64::from_le_bytes(wider)) << (8 * y);
+            high |= gather(u64::from_le_bytes(higher)) << (8 * y);
+        }
+        [wide, high]
+    }
+}
+
+/// Eight bytes of 0 or 1 as eight bits.
+fn gather(bytes: u64) -> u64 {
+    bytes.wrapping_mul(0x0102_0408_1020_4080) >> 56
+}
