@@ -24,10 +24,13 @@ const fn must(must: Facts) -> Condition {
     Condition { must, must_not: 0 }
 }
 
+/// The edges of each production of a frame: from, to, symbol.
+type Productions<'a> = &'a [&'a [(u8, u8, Symbol)]];
+
 /// A mission of frames, each a list of productions, each a list of edges.
 fn mission(
     actions: &[Description],
-    frames: &[(Description, &[&[(u8, u8, Symbol)]])],
+    frames: &[(Description, Productions<'_>)],
     intervals: &[Interval],
 ) -> Vec<u8> {
     let mut draft = MissionDraft::default();
