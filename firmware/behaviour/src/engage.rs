@@ -1,10 +1,10 @@
 //! Who has the robot: dormant, sleeping, active, and the ways from one to the other.
 
 use crate::report::{Decision, Refusal, Report};
-use crate::{ACTIVITY, Behaviours, Phase, behaviour_bit};
+use crate::{ACTIVITY, Behaviours, Phase, Status, behaviour_bit, behaviours_in};
 use grammar::Owner;
 use heapless::Vec;
-use monitor::{Held, Signal, Violation};
+use monitor::{Signal, Violation};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
 use plan_format::mission::{Behaviour, Condition, Facts, Life, Mission, SwitchPoint, Symbol};
 
@@ -31,6 +31,11 @@ impl Effects {
 
     fn endanger(self, held: Condition) -> bool {
         held.must & self.may_delete != 0 || held.must_not & self.may_add != 0
+    }
+
+    /// Whether there are none.
+    fn is_empty(self) -> bool {
+        self.may_add | self.may_delete == 0
     }
 }
 
@@ -97,9 +102,8 @@ impl Behaviours {
             }
             Outcome::Excluded(by) => by,
         };
-        for index in bits(by & self.holding()) {
-            let Some(behaviour) = mission.behaviours().get(index) else { continue };
-            let in_its_place = Claim { index, resources: behaviour.resources, ..*claim };
+        for index in behaviours_in(by & self.holding()) {
+            let in_its_place = Claim { index, resources: self.status(index).resources, ..*claim };
             if *taken & in_its_place.resources == 0
                 && self.claim(mission, &in_its_place, report) == Outcome::Holds
             {
@@ -111,21 +115,18 @@ impl Behaviours {
     /// Everyone who wants the robot, the weightiest first, among equals by index.
     fn claims(&self, mission: &Mission<'_>) -> Vec<Claim, MAX_BEHAVIOURS> {
         let mut claims: Vec<Claim, MAX_BEHAVIOURS> = Vec::new();
-        for ((index, status), behaviour) in
-            self.statuses.iter().enumerate().zip(mission.behaviours().iter())
-        {
+        let statuses = self.statuses.iter().take(mission.behaviours().len());
+        for (index, status) in statuses.enumerate() {
             let is_engaged = status.is_engaged();
             if !is_engaged && (status.is_dormant || self.now_us < status.rests_until_us) {
                 continue;
             }
-            let hysteresis = if is_engaged { behaviour.hysteresis } else { 0.0 };
-            let weight = status.criticality + hysteresis;
             let claim = Claim {
                 index,
-                resources: behaviour.resources,
+                resources: status.resources,
                 is_engaged,
-                is_urgent: !status.is_dormant && weight >= behaviour.unconditional,
-                weight: if status.is_dormant { 0.0 } else { weight },
+                is_urgent: status.is_urgent,
+                weight: if status.is_dormant { 0.0 } else { status.weight },
             };
             let at = claims.iter().position(|other| !other.outranks(&claim));
             // There are as many places as behaviours.
@@ -139,9 +140,9 @@ impl Behaviours {
         let Some(behaviour) = mission.behaviours().get(claim.index) else {
             return Outcome::Excluded(0);
         };
-        let in_the_way = self.in_the_way(mission, claim);
+        let in_the_way = self.in_the_way(claim);
         let effects = Effects::of(mission, &behaviour);
-        let excluding = self.excluding(mission, claim, effects, in_the_way, report);
+        let excluding = self.excluding(claim, effects, in_the_way, report);
         if excluding != 0 && !claim.is_urgent {
             return Outcome::Excluded(excluding);
         }
@@ -154,7 +155,7 @@ impl Behaviours {
             self.yielding(mission, claim, effects, in_the_way, report)
         };
         let mut must_wait = yielding != in_the_way;
-        for other in bits(yielding) {
+        for other in behaviours_in(yielding) {
             must_wait |= self.interrupt(mission, other, claim, report);
         }
         if !must_wait {
@@ -164,35 +165,32 @@ impl Behaviours {
     }
 
     /// The engaged behaviours that need what a claim needs, one bit each.
-    fn in_the_way(&self, mission: &Mission<'_>, claim: &Claim) -> u16 {
-        let all = self.statuses.iter().enumerate().zip(mission.behaviours().iter());
-        all.filter(|((index, status), behaviour)| {
-            *index != claim.index
-                && status.is_engaged()
-                && behaviour.resources & claim.resources != 0
-        })
-        .fold(0, |set, ((index, _), _)| set | behaviour_bit(index))
+    fn in_the_way(&self, claim: &Claim) -> u16 {
+        let others = self.engaged & !behaviour_bit(claim.index);
+        behaviours_in(others)
+            .filter(|&index| self.status(index).resources & claim.resources != 0)
+            .fold(0, |set, index| set | behaviour_bit(index))
     }
 
     /// Those who are not in the way but protect what would suffer, one bit each. That they do is
     /// noted of what is urgent, too, though it does not keep it out.
     fn excluding(
         &self,
-        mission: &Mission<'_>,
         claim: &Claim,
         effects: Effects,
         in_the_way: u16,
         report: &mut Report,
     ) -> u16 {
         let mut excluding = 0;
-        for (index, status) in self.statuses.iter().enumerate() {
-            let bit = behaviour_bit(index);
-            let is_concerned = status.is_engaged() || status.is_holding();
-            let stands_aside = index == claim.index || in_the_way & bit != 0;
-            if stands_aside || !is_concerned || !self.endangers_held(mission, index, effects) {
+        if effects.is_empty() {
+            return excluding;
+        }
+        let aside = in_the_way | behaviour_bit(claim.index);
+        for index in behaviours_in((self.engaged | self.holding()) & !aside) {
+            if !self.endangers_held(index, effects) {
                 continue;
             }
-            excluding |= bit;
+            excluding |= behaviour_bit(index);
             let (behaviour, by) = (claim.index as u8, index as u8);
             report.note(if claim.is_urgent {
                 Decision::Overruled { behaviour: by, by: behaviour }
@@ -214,7 +212,7 @@ impl Behaviours {
     ) -> u16 {
         let mut yielding = in_the_way;
         let mut is_soon = true;
-        for other in bits(in_the_way) {
+        for other in behaviours_in(in_the_way) {
             let Some(why) = self.keeps_the_robot(mission, other, effects) else { continue };
             let (behaviour, by) = (claim.index as u8, other as u8);
             report.note(Decision::Refused { behaviour, by, why });
@@ -241,7 +239,7 @@ impl Behaviours {
             _ if ran_us < u64::from(behaviour.dwell_ms) * 1_000 => return Some(Refusal::Dwell),
             _ => {}
         }
-        if self.is_acting(index) || self.endangers_held(mission, index, effects) {
+        if self.is_acting(index) || self.endangers_held(index, effects) {
             return Some(Refusal::NoPointYet);
         }
         let is_better_ahead = behaviour.switch_point == SwitchPoint::Best && {
@@ -255,20 +253,29 @@ impl Behaviours {
     }
 
     /// Whether a behaviour's plan, or the activity that prepares it, protects what would suffer.
-    fn endangers_held(&self, mission: &Mission<'_>, index: usize, effects: Effects) -> bool {
-        let mut is_endangered = false;
-        for owner in [index as Owner, index as Owner + ACTIVITY] {
-            self.plans.grid.held(mission, owner, 0, &mut |held: Held| {
-                is_endangered |= effects.endanger(held.condition);
-            });
+    fn endangers_held(&self, index: usize, effects: Effects) -> bool {
+        if effects.is_empty() {
+            return false;
         }
-        is_endangered
+        let status = self.status(index);
+        if status.phase == Phase::Sleeping {
+            return effects.endanger(status.held);
+        }
+        let owner = index as Owner;
+        effects.endanger(self.held_by(owner))
+            || status.phase != Phase::Active && effects.endanger(self.held_by(owner + ACTIVITY))
+    }
+
+    /// What the protection intervals in force in a plan protect, all together.
+    fn held_by(&self, owner: Owner) -> Condition {
+        self.plans.grid.held(owner).fold(Condition::default(), |all, (_, held)| all.and(held))
     }
 
     /// Whether some action of a behaviour's plan runs: it is between vertices.
     fn is_acting(&self, index: usize) -> bool {
-        let mut all = self.plans.forest.iter();
-        all.any(|(_, component)| usize::from(component.owner) == index && component.is_running())
+        let forest = &self.plans.forest;
+        let owner = |id| forest.get(id).map(|component| usize::from(component.owner));
+        forest.running().any(|id| owner(id) == Some(index))
     }
 
     /// Puts an engaged behaviour to sleep for another. Returns whether that one has to wait for its
@@ -284,7 +291,7 @@ impl Behaviours {
         let lost_work =
             if by.is_urgent { self.work_under_way(mission, owner) } else { status.lost_work };
         let behaviour = mission.behaviours().get(index);
-        self.plans.change(|forest, tell| {
+        self.plans.change(mission, |forest, tell| {
             forest.uproot(owner + ACTIVITY, tell);
             forest.suspend(owner, tell);
         });
@@ -292,7 +299,9 @@ impl Behaviours {
             .and_then(|behaviour| behaviour.shut_down)
             .filter(|_| !by.is_urgent && status.phase == Phase::Active);
         let waits = shut_down.is_some_and(|frame| {
-            self.plans.change(|forest, tell| forest.plant(owner + ACTIVITY, frame, tell)).is_some()
+            self.plans
+                .change(mission, |forest, tell| forest.plant(owner + ACTIVITY, frame, tell))
+                .is_some()
         });
         let has_plan = self.plans.forest.root(owner).is_some();
         self.set_phase(
@@ -303,8 +312,9 @@ impl Behaviours {
                 (false, false) => Phase::Idle,
             },
         );
+        let held = if by.is_urgent { Condition::default() } else { self.held_by(owner) };
         if let Some(status) = self.statuses.get_mut(index) {
-            status.holds = !by.is_urgent;
+            status.held = held;
         }
         report.note(Decision::Interrupted {
             behaviour: index as u8,
@@ -318,8 +328,8 @@ impl Behaviours {
     /// What the mission says that the actions which run now cost to do again.
     fn work_under_way(&self, mission: &Mission<'_>, owner: Owner) -> u16 {
         let forest = &self.plans.forest;
-        let running = forest.iter().filter(|(_, c)| c.owner == owner && c.is_running());
-        running.fold(0, |sum, (_, component)| {
+        let running = forest.running().filter_map(|id| forest.get(id));
+        running.filter(|component| component.owner == owner).fold(0, |sum, component| {
             let production = component.parent.and_then(|id| forest.production_of(mission, id));
             let edge = production.and_then(|production| {
                 let first = usize::from(production.first_edge);
@@ -340,17 +350,17 @@ impl Behaviours {
         let now_us = self.now_us;
         if let Some(status) = self.statuses.get_mut(index) {
             status.engaged_us = now_us;
-            status.holds = false;
+            status.held = Condition::default();
         }
         let Some(frame) = behaviour.start_up else {
             return self.begin_work(mission, index, report);
         };
         let owner = index as Owner + ACTIVITY;
-        if self.plans.change(|forest, tell| forest.plant(owner, frame, tell)).is_some() {
+        if self.plans.change(mission, |forest, tell| forest.plant(owner, frame, tell)).is_some() {
             self.set_phase(index, Phase::StartingUp);
             report.note(Decision::Prepared { behaviour: index as u8 });
         } else {
-            self.fail_behaviour(index, report);
+            self.fail_behaviour(mission, index, report);
         }
     }
 
@@ -358,21 +368,21 @@ impl Behaviours {
     pub(crate) fn begin_work(&mut self, mission: &Mission<'_>, index: usize, report: &mut Report) {
         let (owner, behaviour) = (index as Owner, index as u8);
         if self.plans.forest.root(owner).is_some() {
-            self.plans.change(|forest, tell| forest.resume(owner, tell));
+            self.plans.change(mission, |forest, tell| forest.resume(owner, tell));
             self.set_phase(index, Phase::Active);
             report.note(Decision::Resumed { behaviour });
             self.mend_deviations(mission, owner, report);
             return;
         }
         let root = mission.behaviours().get(index).map_or(0, |behaviour| behaviour.root);
-        if self.plans.change(|forest, tell| forest.plant(owner, root, tell)).is_some() {
+        if self.plans.change(mission, |forest, tell| forest.plant(owner, root, tell)).is_some() {
             self.set_phase(index, Phase::Active);
             if let Some(status) = self.statuses.get_mut(index) {
                 status.lost_work = 0;
             }
             report.note(Decision::Engaged { behaviour });
         } else {
-            self.fail_behaviour(index, report);
+            self.fail_behaviour(mission, index, report);
         }
     }
 
@@ -383,7 +393,7 @@ impl Behaviours {
         for _ in 0..MAX_DEPTH {
             let Some((signal, frame)) = self.outermost_deviation(mission, owner) else { return };
             report.note(Decision::Conflict(signal));
-            self.plans.change(|forest, tell| forest.begin_anew(frame, tell));
+            self.plans.change(mission, |forest, tell| forest.begin_anew(frame, tell));
         }
     }
 
@@ -403,7 +413,7 @@ impl Behaviours {
                 found = Some((depth, signal, frame));
             }
         };
-        grid.evident(mission, owner, 0, facts, &mut consider);
+        grid.evident(owner, facts).for_each(&mut consider);
         for (id, entry) in grid.iter() {
             let is_action = matches!(entry.symbol, Symbol::Action(_));
             if entry.owner == owner && entry.life == Life::Scheduled && is_action {
@@ -414,10 +424,15 @@ impl Behaviours {
     }
 
     /// A behaviour has given up: its plans are gone, and it rests.
-    pub(crate) fn fail_behaviour(&mut self, index: usize, report: &mut Report) {
+    pub(crate) fn fail_behaviour(
+        &mut self,
+        mission: &Mission<'_>,
+        index: usize,
+        report: &mut Report,
+    ) {
         let owner = index as Owner;
         let now_us = self.now_us;
-        self.plans.change(|forest, tell| {
+        self.plans.change(mission, |forest, tell| {
             forest.uproot(owner, tell);
             forest.uproot(owner + ACTIVITY, tell);
         });
@@ -431,15 +446,14 @@ impl Behaviours {
     pub(crate) fn set_phase(&mut self, index: usize, phase: Phase) {
         if let Some(status) = self.statuses.get_mut(index) {
             status.phase = phase;
+            let (bit, is_engaged) = (behaviour_bit(index), status.is_engaged());
+            self.engaged = if is_engaged { self.engaged | bit } else { self.engaged & !bit };
+            let is_asleep = phase == Phase::Sleeping;
+            self.asleep = if is_asleep { self.asleep | bit } else { self.asleep & !bit };
         }
     }
 
-    pub(crate) fn status(&self, index: usize) -> crate::Status {
+    pub(crate) fn status(&self, index: usize) -> Status {
         self.statuses.get(index).copied().unwrap_or_default()
     }
-}
-
-/// The indices in a set of behaviours.
-fn bits(set: u16) -> impl Iterator<Item = usize> {
-    (0..MAX_BEHAVIOURS).filter(move |&index| set & behaviour_bit(index) != 0)
 }

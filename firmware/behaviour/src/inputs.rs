@@ -37,8 +37,10 @@ pub struct Observations<'a> {
 pub(crate) struct Senses {
     /// The last value of each input, and when it was had, microseconds.
     last: [Option<(f32, u64)>; MAX_INPUTS],
-    /// The results of the rule bases in this tick.
-    results: [f32; MAX_RULE_BASES],
+    /// The value of each input in this tick, in its own unit.
+    values: [f32; MAX_INPUTS],
+    /// Where that lies in the input's universe, 0 ..= 1.
+    positions: [f32; MAX_INPUTS],
     /// Facts that hold by what is sensed in this tick.
     sensed: Facts,
     /// Facts that are symbols instead.
@@ -57,7 +59,8 @@ impl Default for Senses {
     fn default() -> Self {
         Self {
             last: [None; MAX_INPUTS],
-            results: [0.5; MAX_RULE_BASES],
+            values: [0.0; MAX_INPUTS],
+            positions: [0.0; MAX_INPUTS],
             sensed: 0,
             symbolic: 0,
             about_progress: 0,
@@ -67,9 +70,22 @@ impl Default for Senses {
 }
 
 impl Senses {
-    /// The result of a rule base in this tick, 0 ..= 1.
-    pub(crate) fn result(&self, rules: u16) -> f32 {
-        self.results.get(usize::from(rules)).copied().unwrap_or(0.0)
+    /// The result of a rule base in this tick, 1/18 ..= 17/18. Worked out when it is needed:
+    /// most are applicabilities, and most ticks choose no production.
+    pub(crate) fn infer(&self, mission: &Mission<'_>, rules: u16) -> f32 {
+        let Some(base) = mission.rule_bases().get(usize::from(rules)) else { return 0.0 };
+        let position = |input: u8| self.positions.get(usize::from(input)).copied().unwrap_or(0.0);
+        let rows = mission.rules_of(&base).map(|rule| (rule.labels, position(rule.input)));
+        fuzzy::infer(rows, base.inference)
+    }
+
+    /// Takes down what an input is in this tick.
+    fn set(&mut self, index: usize, input: &Input, value: f32) {
+        let slots = self.values.get_mut(index).zip(self.positions.get_mut(index));
+        if let Some((slot, position)) = slots {
+            *slot = value;
+            *position = fuzzy::position(value, input.low, input.high);
+        }
     }
 
     /// Progress counts from here and now.
@@ -80,35 +96,50 @@ impl Senses {
 }
 
 impl Behaviours {
-    /// Takes in what is seen, and evaluates every rule base in order and every fact.
+    /// Takes in what is seen: every input, those that are results of rules among them, and every
+    /// fact.
     pub(crate) fn sense(&mut self, mission: &Mission<'_>, seen: &Observations<'_>) {
+        let mut results_wanted = 0;
         for (index, input) in mission.inputs().iter().enumerate() {
-            if !matches!(input.source, Source::Rules(_)) {
-                self.take_in(index, &input, seen);
+            if let Source::Rules(rules) = input.source {
+                results_wanted |= rules_bit(rules);
+                continue;
             }
+            self.take_in(index, &input, seen);
+            let value = self.sensed_value(index, &input, seen.time_us);
+            self.senses.set(index, &input, value);
         }
-        for (index, base) in mission.rule_bases().iter().enumerate() {
-            let rules = mission.rules_of(&base).map(|rule| {
-                let position = self.position_of(mission, usize::from(rule.input), seen.time_us);
-                (rule.labels, position)
-            });
-            let result = fuzzy::infer(rules, base.inference);
-            if let Some(slot) = self.senses.results.get_mut(index) {
-                *slot = result;
-            }
+        if results_wanted != 0 {
+            self.sense_results(mission, results_wanted);
         }
         self.track_progress(mission, seen);
         self.sense_facts(mission, seen);
     }
 
-    /// The criticality of every behaviour is the result of its rule base.
+    /// The inputs that are results of these rule bases, in order: each builds on earlier ones only.
+    fn sense_results(&mut self, mission: &Mission<'_>, wanted: u64) {
+        for rules in (0..MAX_RULE_BASES as u16).filter(|&rules| wanted & rules_bit(rules) != 0) {
+            let result = self.senses.infer(mission, rules);
+            for (index, input) in mission.inputs().iter().enumerate() {
+                if input.source == Source::Rules(rules) {
+                    self.senses.set(index, &input, result);
+                }
+            }
+        }
+    }
+
+    /// The criticality of every behaviour is the result of its rule base; what it weighs against
+    /// others follows.
     pub(crate) fn infer_criticalities(&mut self, mission: &Mission<'_>, report: &mut Report) {
         let behaviours = mission.behaviours().iter().zip(&mut self.statuses);
         for ((behaviour, status), noted) in behaviours.zip(&mut report.criticalities) {
-            let result = self.senses.results.get(usize::from(behaviour.rules));
-            status.criticality = result.copied().unwrap_or(0.0);
-            status.is_dormant = status.criticality <= behaviour.dormant;
-            *noted = status.criticality;
+            let criticality = self.senses.infer(mission, behaviour.rules);
+            *noted = criticality;
+            status.resources = behaviour.resources;
+            status.is_dormant = criticality <= behaviour.dormant;
+            status.weight =
+                criticality + if status.is_engaged() { behaviour.hysteresis } else { 0.0 };
+            status.is_urgent = !status.is_dormant && status.weight >= behaviour.unconditional;
         }
     }
 
@@ -128,7 +159,7 @@ impl Behaviours {
                     false
                 }
                 FactKind::Level { input, low, high } => {
-                    let value = self.value_of(mission, usize::from(input), seen.time_us);
+                    let value = self.value_of(usize::from(input));
                     (low..=high).contains(&value)
                 }
                 FactKind::Near { x_m, y_m, radius_m } => seen
@@ -172,24 +203,16 @@ impl Behaviours {
         }
     }
 
-    /// The value of an input, or what stands in for it, in its own unit.
-    pub fn value_of(&self, mission: &Mission<'_>, index: usize, time_us: u64) -> f32 {
-        let Some(input) = mission.inputs().get(index) else { return 0.0 };
-        if let Source::Rules(rules) = input.source {
-            return self.senses.result(rules);
-        }
-        match self.senses.last.get(index).copied().flatten() {
-            Some((value, at)) if at == time_us || !is_over(at, input.hold_ms, time_us) => value,
-            _ => input.missing,
-        }
+    /// The value of an input in the last tick, or what stood in for it, in its own unit.
+    pub fn value_of(&self, index: usize) -> f32 {
+        self.senses.values.get(index).copied().unwrap_or(0.0)
     }
 
-    fn position_of(&self, mission: &Mission<'_>, index: usize, time_us: u64) -> f32 {
-        let value = self.value_of(mission, index, time_us);
-        mission
-            .inputs()
-            .get(index)
-            .map_or(0.0, |input| fuzzy::position(value, input.low, input.high))
+    fn sensed_value(&self, index: usize, input: &Input, time_us: u64) -> f32 {
+        match self.senses.last.get(index).copied().flatten() {
+            Some((value, at)) if !is_over(at, input.hold_ms, time_us) => value,
+            _ => input.missing,
+        }
     }
 
     fn track_progress(&mut self, mission: &Mission<'_>, seen: &Observations<'_>) {
@@ -206,6 +229,12 @@ impl Behaviours {
             }
         }
     }
+}
+
+/// The bit of a rule base.
+fn rules_bit(rules: u16) -> u64 {
+    const { assert!(MAX_RULE_BASES <= u64::BITS as usize, "sets of rule bases are u64") };
+    1_u64.wrapping_shl(u32::from(rules))
 }
 
 /// Whether more than a time has passed since a moment.

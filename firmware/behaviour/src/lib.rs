@@ -62,7 +62,7 @@ use grammar::{Event, Forest, Owner};
 use inputs::Senses;
 use monitor::{Entry, Grid};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
-use plan_format::mission::{FactKind, Facts, Mission};
+use plan_format::mission::{Condition, FactKind, Facts, Mission};
 
 /// For how long a behaviour that has failed is left alone, microseconds.
 pub const REST_US: u64 = 1_000_000;
@@ -91,15 +91,21 @@ pub enum Phase {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Status {
     pub(crate) phase: Phase,
-    pub(crate) criticality: f32,
-    /// Whether that is too little to be considered.
+    /// Its criticality in this tick, and its hysteresis while it has the robot.
+    pub(crate) weight: f32,
+    /// Whether its criticality is too little to be considered.
     pub(crate) is_dormant: bool,
+    /// Whether its weight is above its unconditional threshold.
+    pub(crate) is_urgent: bool,
+    /// What it needs, one bit each.
+    pub(crate) resources: u16,
     /// When it was engaged.
     pub(crate) engaged_us: u64,
     /// Not considered before.
     pub(crate) rests_until_us: u64,
-    /// Whether it was put to sleep at a point: what it protects is as its plan wants it.
-    pub(crate) holds: bool,
+    /// What it protects while it sleeps; nothing after an unconditional switch, which may have left
+    /// anything.
+    pub(crate) held: Condition,
     /// What it costs to interrupt it at the vertex that it reached last.
     pub(crate) lost_work: u16,
 }
@@ -112,7 +118,7 @@ impl Status {
 
     /// Whether it sleeps and what it protects is held against others.
     pub(crate) fn is_holding(&self) -> bool {
-        self.phase == Phase::Sleeping && self.holds && !self.is_dormant
+        self.phase == Phase::Sleeping && !self.is_dormant && !self.held.is_empty()
     }
 }
 
@@ -125,6 +131,9 @@ pub struct Behaviours {
     pub(crate) seen_us: Option<u64>,
     pub(crate) plans: Plans,
     pub(crate) statuses: [Status; MAX_BEHAVIOURS],
+    /// Behaviours that have the robot and those that sleep, one bit each: few of many do.
+    pub(crate) engaged: u16,
+    pub(crate) asleep: u16,
     pub(crate) senses: Senses,
     /// Symbols that hold, one bit each.
     pub(crate) symbols: Facts,
@@ -160,6 +169,8 @@ impl Behaviours {
             seen_us: None,
             plans: Plans::default(),
             statuses: [Status::default(); MAX_BEHAVIOURS],
+            engaged: 0,
+            asleep: 0,
             senses: Senses::default(),
             symbols,
             outputs: 0,
@@ -169,19 +180,23 @@ impl Behaviours {
     }
 
     /// One tick: decides which behaviours have the robot and carries their plans on. Returns the
-    /// atomic actions that run, and why.
-    pub fn step(&mut self, mission: &Mission<'_>, seen: &Observations<'_>) -> (Running, Report) {
-        let mut report = Report::default();
+    /// atomic actions that run; why goes into the report, which is new for each tick.
+    pub fn step(
+        &mut self,
+        mission: &Mission<'_>,
+        seen: &Observations<'_>,
+        report: &mut Report,
+    ) -> Running {
         let passed_us = seen.time_us.saturating_sub(self.seen_us.unwrap_or(seen.time_us));
         self.now_us = self.now_us.saturating_add(passed_us);
         self.seen_us = Some(seen.time_us);
         self.sense(mission, seen);
-        self.infer_criticalities(mission, &mut report);
-        self.watch(mission, seen, &mut report);
-        self.engage(mission, &mut report);
-        let running = self.run(mission, seen, &mut report);
+        self.infer_criticalities(mission, report);
+        self.watch(mission, seen, report);
+        self.engage(mission, report);
+        let running = self.run(mission, seen, report);
         report.facts = self.facts();
-        (running, report)
+        running
     }
 
     /// A tick in which nothing is done since nothing may move: plans wait as they are, and the time
@@ -215,15 +230,16 @@ impl Plans {
     /// Changes the plans; the grid hears of it.
     pub(crate) fn change<T>(
         &mut self,
+        mission: &Mission<'_>,
         act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T,
     ) -> T {
         let Self { forest, grid, .. } = self;
-        act(forest, &mut |event| tell(grid, event))
+        act(forest, &mut |event| tell(grid, mission, event))
     }
 }
 
 /// Passes a message on to the situation grid.
-fn tell(grid: &mut Grid, event: Event) {
+fn tell(grid: &mut Grid, mission: &Mission<'_>, event: Event) {
     match event {
         Event::Planned { id, component } => {
             let entry = Entry {
@@ -239,9 +255,9 @@ fn tell(grid: &mut Grid, event: Event) {
             };
             grid.planned(id, entry);
         }
-        Event::Decomposed { id, production } => grid.decomposed(id, production),
+        Event::Decomposed { id, production } => grid.decomposed(mission, id, production),
         Event::CameRound { id } => grid.came_round(id),
-        Event::Became { id, life } => grid.became(id, life),
+        Event::Became { id, life } => grid.became(mission, id, life),
         Event::Deleted { id } => grid.deleted(id),
     }
 }
@@ -249,6 +265,15 @@ fn tell(grid: &mut Grid, event: Event) {
 /// The bit of a fact.
 pub(crate) fn fact_bit(index: u32) -> Facts {
     1_u64.checked_shl(index).unwrap_or(0)
+}
+
+/// The behaviours in a set, in order.
+pub(crate) fn behaviours_in(mut set: u16) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let index = set.trailing_zeros();
+        set &= set.wrapping_sub(1);
+        (index < u16::BITS).then_some(index as usize)
+    })
 }
 
 /// The bit of a behaviour, in a set of behaviours or resources.

@@ -2,12 +2,12 @@
 
 use crate::inputs::Observations;
 use crate::report::{Decision, Report};
-use crate::{Behaviours, behaviour_bit};
+use crate::{Behaviours, behaviour_bit, behaviours_in};
 use grammar::{Choice, Id, Owner};
 use heapless::Vec;
 use monitor::Entry;
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS, MAX_STEPS};
-use plan_format::mission::{Action, ActionKind, Life, Mission, Production, Symbol};
+use plan_format::mission::{Action, ActionKind, Condition, Life, Mission, Production, Symbol};
 
 /// Atomic actions that run at once; further ones wait for their turn.
 pub const MAX_RUNNING: usize = 8;
@@ -19,8 +19,10 @@ pub struct RunningAction {
     pub behaviour: u8,
     /// Its place in the plans.
     pub component: Id,
-    /// What it is.
-    pub action: Action,
+    /// Which it is: index into the mission.
+    pub action: u16,
+    /// What it does.
+    pub kind: ActionKind,
     /// Never faster, m/s; infinite for no constraint.
     pub max_speed_mps: f32,
     /// Never nearer to an obstacle, metres; 0 for no constraint.
@@ -39,35 +41,42 @@ impl Behaviours {
         report: &mut Report,
     ) -> Running {
         let mut running = Running::new();
+        let mut is_busy = false;
         self.plans.reached = 0;
-        for index in 0..mission.behaviours().len().min(MAX_BEHAVIOURS) {
+        for index in behaviours_in(self.engaged) {
             let Some(owner) = self.running_owner(index) else { continue };
-            self.advance(mission, owner, seen, report);
+            is_busy |= self.advance(mission, owner, seen, report);
             // Its start-up may have ended at once, and its own plan taken over.
             if let Some(next) = self.running_owner(index).filter(|&next| next != owner) {
-                self.advance(mission, next, seen, report);
+                is_busy |= self.advance(mission, next, seen, report);
             }
             if let Some(owner) = self.running_owner(index) {
                 self.collect(mission, index as u8, owner, &mut running);
             }
         }
-        self.doubt(mission, report);
+        // Not when there was enough to do: doubts can wait, a tick cannot.
+        if !is_busy {
+            self.doubt(mission, report);
+        }
         running
     }
 
-    /// Decomposes what is scheduled and starts actions, a bounded number of steps.
+    /// Decomposes what is scheduled and starts actions, a bounded number of steps. Returns
+    /// whether there was anything to do.
     fn advance(
         &mut self,
         mission: &Mission<'_>,
         owner: Owner,
         seen: &Observations<'_>,
         report: &mut Report,
-    ) {
-        for _ in 0..MAX_STEPS {
-            let Some(id) = self.plans.forest.scheduled(owner) else { return };
+    ) -> bool {
+        for step in 0..MAX_STEPS {
+            let Some(id) = self.plans.forest.scheduled(owner) else { return step > 0 };
             let symbol = self.plans.forest.get(id).map(|component| component.symbol);
-            if matches!(symbol, Some(Symbol::Action(_))) && self.running_actions() >= MAX_RUNNING {
-                return;
+            if matches!(symbol, Some(Symbol::Action(_)))
+                && self.plans.forest.running().count() >= MAX_RUNNING
+            {
+                return step > 0;
             }
             if let Some(signal) = self.plans.grid.initial(mission, id, self.facts()) {
                 report.note(Decision::Conflict(signal));
@@ -77,14 +86,15 @@ impl Behaviours {
             match symbol {
                 Some(Symbol::Frame(frame)) => self.decompose(mission, owner, id, frame, report),
                 Some(Symbol::Action(_)) => self.start(mission, owner, id, seen, report),
-                None => return,
+                None => return true,
             }
             // Somebody waits for a vertex, and here is one: nothing new before that is decided.
             let bit = behaviour_bit(usize::from(owner));
             if self.plans.awaited & self.plans.reached & bit != 0 {
-                return;
+                return true;
             }
         }
+        true
     }
 
     fn decompose(
@@ -98,13 +108,14 @@ impl Behaviours {
         let senses = &self.senses;
         let mut best = 0.0;
         let mut applicability = |_: u16, production: &Production| {
-            let value = production.rules.map_or(1.0, |rules| senses.result(rules));
+            let value = production.rules.map_or(1.0, |rules| senses.infer(mission, rules));
             best = value.max(best);
             value
         };
         let plans = &mut self.plans;
-        let (id, choice) =
-            plans.change(|forest, tell| forest.decompose(mission, id, &mut applicability, tell));
+        let (id, choice) = plans.change(mission, |forest, tell| {
+            forest.decompose(mission, id, &mut applicability, tell)
+        });
         match choice {
             Choice::Production(production) => {
                 report.note(Decision::Chose { production, applicability: best });
@@ -126,11 +137,11 @@ impl Behaviours {
         seen: &Observations<'_>,
         report: &mut Report,
     ) {
-        self.plans.change(|forest, tell| forest.start(id, tell));
+        self.plans.change(mission, |forest, tell| forest.start(id, tell));
         if let Some(started_us) = self.started_us.get_mut(usize::from(id)) {
             *started_us = self.now_us;
         }
-        let Some(action) = self.running_action(mission, owner, id) else { return };
+        let Some((_, action)) = self.running_action(mission, owner, id) else { return };
         match action.kind {
             ActionKind::SetOutput { output, is_on } => {
                 let bit = 1_u16.checked_shl(u32::from(output)).unwrap_or(0);
@@ -163,41 +174,44 @@ impl Behaviours {
         let grid = &self.plans.grid;
         let mut note = |signal| report.note(Decision::Conflict(signal));
         grid.possible(mission, id, self.facts(), &mut note);
-        grid.choices(mission, id, self.holding(), &mut note);
+        grid.choices(mission, id, self.foreign(), &mut note);
+    }
+
+    /// What all sleeping behaviours protect.
+    fn foreign(&self) -> Condition {
+        behaviours_in(self.holding())
+            .fold(Condition::default(), |all, index| all.and(self.status(index).held))
     }
 
     fn collect(&self, mission: &Mission<'_>, behaviour: u8, owner: Owner, running: &mut Running) {
-        for component in 0..MAX_COMPONENTS as Id {
-            if let Some(action) = self.running_action(mission, owner, component) {
-                let (max_speed_mps, min_distance_m) =
-                    self.plans.grid.constraints(mission, component);
-                // No more actions are started than there is room for.
-                let _ = running.push(RunningAction {
-                    behaviour,
-                    component,
-                    action,
-                    max_speed_mps,
-                    min_distance_m,
-                });
-            }
+        for component in self.plans.forest.running() {
+            let Some((index, action)) = self.running_action(mission, owner, component) else {
+                continue;
+            };
+            let (max_speed_mps, min_distance_m) = self.plans.grid.constraints(mission, component);
+            // No more actions are started than there is room for.
+            let _ = running.push(RunningAction {
+                behaviour,
+                component,
+                action: index,
+                kind: action.kind,
+                max_speed_mps,
+                min_distance_m,
+            });
         }
     }
 
-    /// How many actions of all behaviours run.
-    fn running_actions(&self) -> usize {
-        self.plans.forest.iter().filter(|(_, component)| component.is_running()).count()
-    }
-
+    /// An action that runs for a plan, with its index in the mission.
     pub(crate) fn running_action(
         &self,
         mission: &Mission<'_>,
         owner: Owner,
         id: Id,
-    ) -> Option<Action> {
+    ) -> Option<(u16, Action)> {
         let component = self.plans.forest.get(id)?;
         match component.symbol {
             Symbol::Action(index) if component.owner == owner && component.is_running() => {
-                mission.actions().get(usize::from(index))
+                Some((index, mission.actions().get(usize::from(index))?))
             }
             _ => None,
         }

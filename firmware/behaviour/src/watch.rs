@@ -2,12 +2,12 @@
 
 use crate::inputs::{Observations, is_over};
 use crate::report::{Decision, Report};
-use crate::{ACTIVITY, Behaviours, Phase, behaviour_bit};
+use crate::{ACTIVITY, Behaviours, Phase, behaviour_bit, behaviours_in};
 use grammar::{Ended, Id, Owner};
 use heapless::Vec;
 use math::Vec2;
 use monitor::{Signal, Violation};
-use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS, MAX_DEPTH};
+use plan_format::limits::MAX_DEPTH;
 use plan_format::mission::{Action, ActionKind, Mission};
 
 impl Behaviours {
@@ -19,24 +19,29 @@ impl Behaviours {
         seen: &Observations<'_>,
         report: &mut Report,
     ) {
-        for index in 0..mission.behaviours().len().min(MAX_BEHAVIOURS) {
+        for index in behaviours_in(self.engaged) {
             let Some(owner) = self.running_owner(index) else { continue };
             self.heed_conflicts(mission, owner, report);
             self.end_actions(mission, owner, seen, report);
         }
-        let holding = self.holding();
-        if holding != 0 {
-            // Nobody's own view: what sleepers protect is the same in everybody's.
-            let mut note = |signal| report.note(Decision::Conflict(signal));
-            self.plans.grid.evident(mission, Owner::MAX, holding, self.facts(), &mut note);
+        self.heed_sleepers(report);
+    }
+
+    /// What sleeping behaviours protect and is violated is reported; they look after it when they
+    /// wake.
+    fn heed_sleepers(&self, report: &mut Report) {
+        for index in behaviours_in(self.holding()) {
+            let (root, held) = (self.plans.forest.root(index as Owner), self.status(index).held);
+            let signal = root.and_then(|id| Signal::foreign(id, held, self.facts()));
+            signal.into_iter().for_each(|signal| report.note(Decision::Conflict(signal)));
         }
     }
 
     /// The sleeping behaviours whose protection intervals are held against others, one bit each.
     pub(crate) fn holding(&self) -> u16 {
-        let all = self.statuses.iter().enumerate();
-        all.filter(|(_, status)| status.is_holding())
-            .fold(0, |set, (index, _)| set | behaviour_bit(index))
+        behaviours_in(self.asleep)
+            .filter(|&index| self.status(index).is_holding())
+            .fold(0, |set, index| set | behaviour_bit(index))
     }
 
     /// Whose plan carries a behaviour at the moment: its own, or its activity's.
@@ -51,17 +56,15 @@ impl Behaviours {
     /// A component whose transient description does not hold fails; a frame whose protection
     /// interval does not hold chooses anew.
     fn heed_conflicts(&mut self, mission: &Mission<'_>, owner: Owner, report: &mut Report) {
-        let mut signals: Vec<Signal, MAX_DEPTH> = Vec::new();
-        self.plans.grid.evident(mission, owner, 0, self.facts(), &mut |signal| {
-            // What finds no room is still violated in the next tick.
-            let _ = signals.push(signal);
-        });
+        // What finds no room is still violated in the next tick.
+        let evident = self.plans.grid.evident(owner, self.facts());
+        let signals: Vec<Signal, MAX_DEPTH> = evident.take(MAX_DEPTH).collect();
         // By reference: the loop over a `heapless::Vec` itself may panic where it is dropped.
         for &signal in &signals {
             report.note(Decision::Conflict(signal));
             match signal {
                 Signal::Evident { id, what: Violation::Interval, .. } => {
-                    self.plans.change(|forest, tell| forest.fall_back(id, tell));
+                    self.plans.change(mission, |forest, tell| forest.fall_back(id, tell));
                 }
                 Signal::Evident { id, what: Violation::Transient, .. } => {
                     self.fail(mission, owner, id, report);
@@ -79,8 +82,8 @@ impl Behaviours {
         seen: &Observations<'_>,
         report: &mut Report,
     ) {
-        for id in 0..MAX_COMPONENTS as Id {
-            let Some(action) = self.running_action(mission, owner, id) else { continue };
+        for id in self.plans.forest.running() {
+            let Some((_, action)) = self.running_action(mission, owner, id) else { continue };
             let started_us = self.started_us.get(usize::from(id)).copied().unwrap_or(0);
             if self.is_done(&action, started_us, seen) {
                 self.complete(mission, owner, id, report);
@@ -124,16 +127,17 @@ impl Behaviours {
         for _ in 0..=MAX_DEPTH {
             let Some(component) = self.plans.forest.get(id).copied() else { return };
             let before = self.symbols;
-            if let Some(description) = mission.description(component.symbol) {
-                self.symbols = self.symbols & !description.delete | description.add;
-            }
-            if let Some(signal) = self.plans.grid.goal(mission, id, self.facts()) {
+            let Some(description) = mission.description(component.symbol) else { return };
+            self.symbols = self.symbols & !description.delete | description.add;
+            if !description.goal.holds(self.facts()) {
                 self.symbols = before;
-                report.note(Decision::Conflict(signal));
+                if let Some(signal) = self.plans.grid.goal(mission, id, self.facts()) {
+                    report.note(Decision::Conflict(signal));
+                }
                 return self.fail(mission, owner, id, report);
             }
             self.reach(mission, owner, &component);
-            match self.plans.change(|forest, tell| forest.finish(mission, id, tell)) {
+            match self.plans.change(mission, |forest, tell| forest.finish(mission, id, tell)) {
                 Ended::Completes(frame) => id = frame,
                 Ended::RootFinished => return self.end_plan(mission, owner, report),
                 Ended::GoesOn | Ended::FallsBack(_) | Ended::RootFailed => return,
@@ -160,16 +164,16 @@ impl Behaviours {
         id: Id,
         report: &mut Report,
     ) {
-        if self.plans.change(|forest, tell| forest.fail(id, tell)) != Ended::RootFailed {
+        if self.plans.change(mission, |forest, tell| forest.fail(id, tell)) != Ended::RootFailed {
             return;
         }
         match owner.checked_sub(ACTIVITY).map(usize::from) {
-            None => self.fail_behaviour(usize::from(owner), report),
+            None => self.fail_behaviour(mission, usize::from(owner), report),
             // A shut-down that fails has done what it could.
             Some(index) if self.status(index).phase == Phase::ShuttingDown => {
                 self.end_plan(mission, owner, report);
             }
-            Some(index) => self.fail_behaviour(index, report),
+            Some(index) => self.fail_behaviour(mission, index, report),
         }
     }
 

@@ -55,13 +55,14 @@ pub enum Way {
     Straight(Guidance),
 }
 
-/// Lets the behaviours take their step, and says what they want.
+/// Lets the behaviours take their step, and says what they want; why goes into the report.
 pub fn behave(
     plan: &Plan<'_>,
     behaviours: &mut Behaviours,
     percepts: &Percepts,
     position: Option<Vec2>,
-) -> (Wish, Report) {
+    report: &mut Report,
+) -> Wish {
     let parameters = plan.parameters();
     let mission = plan.mission();
     let wish = Wish {
@@ -74,11 +75,11 @@ pub fn behave(
     };
     if mission.behaviours().is_empty() {
         let target = Target { plan: parameters.plan, gains: parameters.gains };
-        return (Wish { motion: Motion::Follow(target), ..wish }, Report::default());
+        return Wish { motion: Motion::Follow(target), ..wish };
     }
     if !percepts.operator.is_armed || percepts.operator.is_emergency_stop {
         behaviours.pause(percepts.time_us);
-        return (wish, Report::default());
+        return wish;
     }
     let seen = Observations {
         time_us: percepts.time_us,
@@ -86,15 +87,15 @@ pub fn behave(
         channels: &percepts.inputs,
         world: &Surroundings { plan, position },
     };
-    let (running, report) = behaviours.step(&mission, &seen);
-    (Wish { outputs: behaviours.outputs(), ..wish.of(&running) }, report)
+    let running = behaviours.step(&mission, &seen, report);
+    Wish { outputs: behaviours.outputs(), ..wish.of(&running) }
 }
 
 impl Wish {
     /// What the running actions want, all together.
     fn of(self, running: &Running) -> Self {
         running.iter().fold(self, |wish, part| {
-            let motion = match part.action.kind {
+            let motion = match part.kind {
                 ActionKind::Follow { plan, reactive, advice, noise } => {
                     let gains = Gains { reactive, plan: advice, noise };
                     Motion::Follow(Target { plan, gains })

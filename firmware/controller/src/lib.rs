@@ -115,8 +115,9 @@ pub struct Blend {
 pub fn explain(plan: &Plan<'_>, state: &mut State, percepts: &Percepts) -> Explanation {
     let percepts = percepts.sanitised();
     let sensed = sense::sense(plan, &mut state.track, &percepts);
-    let (wish, report) =
-        behave::behave(plan, &mut state.behaviours, &percepts, sensed.position.ok());
+    let mut report = behaviour::Report::default();
+    let position = sensed.position.ok();
+    let wish = behave::behave(plan, &mut state.behaviours, &percepts, position, &mut report);
     let vehicle = wish.constrained(&plan.parameters().vehicle);
     let decided = decide(plan, &vehicle, state, &percepts, &sensed, &wish);
     let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));

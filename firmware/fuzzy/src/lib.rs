@@ -23,7 +23,7 @@
 mod shape;
 
 use math::scalar;
-use plan_format::mission::{Inference, Label};
+use plan_format::mission::{Inference, Label, Row};
 use shape::Shape;
 
 /// Number of intervals between the seven labels' centres.
@@ -46,23 +46,21 @@ pub fn fuzzify(position: f32) -> (usize, f32) {
 
 /// The centre of gravity of some rules' joined consequences, 1/18 ..= 17/18.
 ///
-/// Each rule is its seven consequences and the position of its input in 0 ..= 1. Without any rule
+/// Each rule is its row of consequences and the position of its input in 0 ..= 1. Without any rule
 /// the result is 1/2: nothing speaks for or against.
-pub fn infer(rules: impl Iterator<Item = ([Label; 7], f32)>, inference: Inference) -> f32 {
+pub fn infer(rules: impl Iterator<Item = (Row, f32)>, inference: Inference) -> f32 {
     let mut total = Shape::EMPTY;
     for (consequences, position) in rules {
-        total = total + consequence(&consequences, position, inference);
+        total = total + consequence(consequences, position, inference);
     }
     if total.area > 0.0 { total.moment / total.area } else { 0.5 }
 }
 
 /// The joined consequences of one input's rules.
-fn consequence(labels: &[Label; 7], position: f32, inference: Inference) -> Shape {
+fn consequence(labels: Row, position: f32, inference: Inference) -> Shape {
     let (lower, upper_degree) = fuzzify(position);
     let lower_degree = 1.0 - upper_degree;
-    // `lower` is at most 5; the fallbacks are never taken, and keep this without a panic.
-    let first = labels.get(lower).copied().unwrap_or(Label::NB);
-    let second = labels.get(lower + 1).copied().unwrap_or(first);
+    let (first, second) = (labels.get(lower), labels.get(lower + 1));
     let cut = |label: Label, degree: f32| match inference {
         Inference::Min => Shape::clipped(label, degree),
         Inference::Product => Shape::scaled(label, degree),

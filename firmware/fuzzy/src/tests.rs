@@ -11,7 +11,7 @@ const ROAD: [Label; 7] = [PB, PS, PS, ZO, NS, NM, NB];
 const LOAD: [Label; 7] = [PB, PB, PS, ZO, NS, NS, NB];
 
 fn one(labels: [Label; 7], position: f32, inference: Inference) -> f32 {
-    infer(core::iter::once((labels, position)), inference)
+    infer(core::iter::once((labels.into(), position)), inference)
 }
 
 #[track_caller]
@@ -59,7 +59,7 @@ fn h40_golden_values() {
         ([0.3, 0.6, 0.45], 0.4095, 0.3950),
     ];
     for (at, min, product) in drive {
-        let rules = || [VISIBILITY, ROAD, LOAD].into_iter().zip(at);
+        let rules = || [VISIBILITY, ROAD, LOAD].map(Row::from).into_iter().zip(at);
         close(infer(rules(), Inference::Min), min);
         close(infer(rules(), Inference::Product), product);
     }
@@ -119,7 +119,7 @@ proptest! {
         rules in prop::collection::vec((labels(), 0.0_f32..=1.0), 1..5),
         inference in inference(),
     ) {
-        let exact = infer(rules.iter().copied(), inference);
+        let exact = infer(rules.iter().map(|&(row, at)| (row.into(), at)), inference);
         prop_assert!((f64::from(exact) - sampled(&rules, inference)).abs() < 1e-4);
     }
 
@@ -129,7 +129,7 @@ proptest! {
         rules in prop::collection::vec((labels(), any::<f32>()), 1..5),
         inference in inference(),
     ) {
-        let result = infer(rules.into_iter(), inference);
+        let result = infer(rules.into_iter().map(|(row, at)| (row.into(), at)), inference);
         prop_assert!((1.0 / 18.0 - 1e-5..=17.0 / 18.0 + 1e-5).contains(&result), "{}", result);
     }
 

@@ -33,6 +33,8 @@ pub struct Component {
     tried: u16,
     /// Edges of its production that are finished, one bit each.
     finished: u16,
+    /// Places of its parts, one bit each.
+    parts: u32,
     /// Whether end recursion has come round.
     has_come_round: bool,
     /// What its life was before it was suspended.
@@ -118,11 +120,16 @@ pub enum Ended {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forest {
     slots: [Option<Component>; MAX_COMPONENTS],
+    /// Places that are taken, those whose component is scheduled, and those of actions that run, one
+    /// bit each: every tick asks for them often.
+    taken: u32,
+    scheduled: u32,
+    running: u32,
 }
 
 impl Default for Forest {
     fn default() -> Self {
-        Self { slots: [None; MAX_COMPONENTS] }
+        Self { slots: [None; MAX_COMPONENTS], taken: 0, scheduled: 0, running: 0 }
     }
 }
 
@@ -142,6 +149,7 @@ impl Forest {
             production: None,
             tried: 0,
             finished: 0,
+            parts: 0,
             has_come_round: false,
             was: Life::Planned,
         };
@@ -157,12 +165,17 @@ impl Forest {
 
     /// All components with their places, in the order of the places.
     pub fn iter(&self) -> impl Iterator<Item = (Id, &Component)> {
-        (0..).zip(&self.slots).filter_map(|(id, slot)| Some((id, slot.as_ref()?)))
+        self.ids().filter_map(|id| Some((id, self.get(id)?)))
+    }
+
+    /// The places of all components, in order, as they are now.
+    pub fn ids(&self) -> impl Iterator<Item = Id> + use<> {
+        bits(self.taken)
     }
 
     /// How many components live.
     pub fn len(&self) -> usize {
-        self.iter().count()
+        self.taken.count_ones() as usize
     }
 
     /// Whether nothing lives.
@@ -179,9 +192,12 @@ impl Forest {
 
     /// The next scheduled component of a behaviour, frames and actions alike.
     pub fn scheduled(&self, owner: Owner) -> Option<Id> {
-        let mut all = self.iter();
-        all.find(|(_, component)| component.owner == owner && component.life == Life::Scheduled)
-            .map(|(id, _)| id)
+        bits(self.scheduled).find(|&id| self.get(id).is_some_and(|part| part.owner == owner))
+    }
+
+    /// The places of all atomic actions that run, in order.
+    pub fn running(&self) -> impl Iterator<Item = Id> + use<> {
+        bits(self.running)
     }
 
     /// A scheduled atomic action begins.
@@ -244,12 +260,13 @@ impl Forest {
                 production: None,
                 tried: 0,
                 finished: 0,
+                parts: 0,
                 has_come_round: false,
                 was: Life::Planned,
             };
             self.add(place, part, tell);
         }
-        self.schedule_reached(mission, id, &production, tell);
+        self.schedule_at(id, 0, tell);
         (id, Choice::Production(chosen))
     }
 
@@ -267,7 +284,7 @@ impl Forest {
         if self.get(parent).is_some_and(|frame| frame.finished == all_edges(&production)) {
             return Ended::Completes(parent);
         }
-        self.schedule_reached(mission, parent, &production, tell);
+        self.schedule_at(parent, component.to, tell);
         Ended::GoesOn
     }
 
@@ -315,7 +332,7 @@ impl Forest {
 
     /// Puts a behaviour's plan to sleep as it is.
     pub fn suspend(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
-        for id in 0..MAX_COMPONENTS as Id {
+        for id in self.ids() {
             let Some(component) = self.get_mut(id).filter(|component| component.owner == owner)
             else {
                 continue;
@@ -330,7 +347,7 @@ impl Forest {
     /// Wakes a behaviour's plan as it was. Frames go on; an interrupted action is scheduled, so
     /// that its initial description is checked again.
     pub fn resume(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
-        for id in 0..MAX_COMPONENTS as Id {
+        for id in self.ids() {
             let Some(component) = self.get(id).filter(|component| component.owner == owner) else {
                 continue;
             };
@@ -344,38 +361,12 @@ impl Forest {
 
     /// Gives up a behaviour's whole plan.
     pub fn uproot(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
-        for id in (0..MAX_COMPONENTS as Id).rev() {
+        for id in self.ids() {
             if self.get(id).is_some_and(|component| component.owner == owner) {
                 self.set_life(id, Life::Abandoned, tell);
                 self.delete(id, tell);
             }
         }
-    }
-
-    /// Whether a component lies below a frame, at any depth.
-    pub fn is_below(&self, id: Id, frame: Id) -> bool {
-        let mut above = self.get(id).and_then(|component| component.parent);
-        for _ in 0..MAX_DEPTH {
-            match above {
-                Some(parent) if parent == frame => return true,
-                Some(parent) => above = self.get(parent).and_then(|component| component.parent),
-                None => return false,
-            }
-        }
-        false
-    }
-
-    /// Whether every edge into a vertex of a decomposed frame's production is finished.
-    pub fn is_reached(
-        &self,
-        mission: &Mission<'_>,
-        frame: Id,
-        production: &Production,
-        vertex: u8,
-    ) -> bool {
-        let finished = self.get(frame).map_or(0, |component| component.finished);
-        let edges = mission.edges_of(production);
-        (0..).zip(edges).all(|(number, edge)| edge.to != vertex || finished & bit(number) != 0)
     }
 
     /// The production that a frame was replaced by.
@@ -441,36 +432,38 @@ impl Forest {
         Some(production)
     }
 
-    fn schedule_reached(
-        &mut self,
-        mission: &Mission<'_>,
-        frame: Id,
-        production: &Production,
-        tell: &mut dyn FnMut(Event),
-    ) {
-        for id in 0..MAX_COMPONENTS as Id {
-            let Some(component) = self.get(id) else { continue };
-            if component.parent == Some(frame)
-                && component.life == Life::Planned
-                && self.is_reached(mission, frame, production, component.from)
-            {
+    /// A vertex of a frame's production may be reached: if no part leads there any more, those that
+    /// leave it are scheduled.
+    fn schedule_at(&mut self, frame: Id, vertex: u8, tell: &mut dyn FnMut(Event)) {
+        let parts = self.get(frame).map_or(0, |component| component.parts);
+        if bits(parts).any(|id| self.get(id).is_some_and(|part| part.to == vertex)) {
+            return;
+        }
+        for id in bits(parts) {
+            if self.get(id).is_some_and(|part| part.from == vertex) {
                 self.set_life(id, Life::Scheduled, tell);
             }
         }
     }
 
     fn abandon_below(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
-        let mut doomed = 0_u32;
-        for (id, _) in self.iter() {
-            if self.is_below(id, frame) {
-                doomed |= 1 << id;
+        let parts_of = |set| {
+            let parts = bits(set).filter_map(|id: Id| Some(self.get(id)?.parts));
+            parts.fold(0, |all, parts| all | parts)
+        };
+        let mut level = self.get(frame).map_or(0, |component| component.parts);
+        let mut doomed = level;
+        // A tree is no deeper than this, so nothing is left out.
+        for _ in 0..MAX_DEPTH {
+            if level == 0 {
+                break;
             }
+            level = parts_of(level);
+            doomed |= level;
         }
-        for id in 0..MAX_COMPONENTS as Id {
-            if doomed & 1 << id != 0 {
-                self.set_life(id, Life::Abandoned, tell);
-                self.delete(id, tell);
-            }
+        for id in bits(doomed) {
+            self.set_life(id, Life::Abandoned, tell);
+            self.delete(id, tell);
         }
     }
 
@@ -479,12 +472,17 @@ impl Forest {
     }
 
     fn free_slot(&self) -> Option<Id> {
-        self.slots.iter().position(Option::is_none).map(|index| index as Id)
+        let id = self.taken.trailing_ones();
+        ((id as usize) < MAX_COMPONENTS).then_some(id as Id)
     }
 
     fn add(&mut self, id: Id, component: Component, tell: &mut dyn FnMut(Event)) {
         if let Some(slot) = self.slots.get_mut(usize::from(id)) {
             *slot = Some(component);
+            if let Some(frame) = component.parent.and_then(|parent| self.get_mut(parent)) {
+                frame.parts |= 1 << id;
+            }
+            self.taken |= 1 << id;
             tell(Event::Planned { id, component });
         }
     }
@@ -494,14 +492,28 @@ impl Forest {
             && component.life.may_become(life)
         {
             component.life = life;
+            let is_running = component.is_running();
+            let bit = 1 << id;
+            self.scheduled &= !bit;
+            self.running &= !bit;
+            if life == Life::Scheduled {
+                self.scheduled |= bit;
+            } else if is_running {
+                self.running |= bit;
+            }
             tell(Event::Became { id, life });
         }
     }
 
     fn delete(&mut self, id: Id, tell: &mut dyn FnMut(Event)) {
-        if let Some(slot) = self.slots.get_mut(usize::from(id))
-            && slot.take().is_some()
-        {
+        if let Some(component) = self.slots.get_mut(usize::from(id)).and_then(Option::take) {
+            let others = !(1 << id);
+            if let Some(frame) = component.parent.and_then(|parent| self.get_mut(parent)) {
+                frame.parts &= others;
+            }
+            self.taken &= others;
+            self.scheduled &= others;
+            self.running &= others;
             tell(Event::Deleted { id });
         }
     }
@@ -545,7 +557,16 @@ fn all_edges(production: &Production) -> u16 {
     }
 }
 
+/// The places in a set, in order.
+fn bits(mut set: u32) -> impl Iterator<Item = Id> {
+    core::iter::from_fn(move || {
+        let id = set.trailing_zeros();
+        set &= set.wrapping_sub(1);
+        (id < u32::BITS).then_some(id as Id)
+    })
+}
+
 /// The bit of an edge or a production.
 fn bit(number: u8) -> u16 {
-    1_u16.checked_shl(u32::from(number)).unwrap_or(0)
+    1_u16.wrapping_shl(u32::from(number))
 }

@@ -110,7 +110,7 @@ impl Grammar {
             hold_ms: 0,
             missing: 0.0,
         });
-        draft.rules.push(Rule { input: 0, labels: [Label::PS; 7] });
+        draft.rules.push(Rule { input: 0, labels: [Label::PS; 7].into() });
         draft.rule_bases.push(RuleBase { first: 0, count: 1, inference: Inference::Min });
         draft.behaviours.push(Behaviour {
             name,

@@ -1,6 +1,6 @@
 //! What is violated now, and what may be violated later.
 
-use crate::grid::{Entry, Grid, Id, Owner, is_reached};
+use crate::grid::{Entry, Grid, Id, Owner};
 use crate::relation::{Node, Relation};
 use plan_format::mission::{Condition, Description, Facts, Life, Mission, Symbol};
 
@@ -27,6 +27,14 @@ pub enum Signal {
     },
 }
 
+impl Signal {
+    /// What a sleeping behaviour holds against all others is violated; `root` is that of its plan.
+    pub fn foreign(root: Id, held: Condition, facts: Facts) -> Option<Self> {
+        let facts = held.violated(facts);
+        (facts != 0).then_some(Self::Evident { id: root, what: Violation::Foreign, facts })
+    }
+}
+
 /// What is violated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Violation {
@@ -38,7 +46,7 @@ pub enum Violation {
     Goal,
     /// A protection interval of the behaviour's own plan; the component is the frame that set it up.
     Interval,
-    /// A protection interval that a sleeping behaviour holds; the component is that one's frame.
+    /// A protection interval that a sleeping behaviour holds; the component is the root of its plan.
     Foreign,
 }
 
@@ -51,29 +59,6 @@ pub enum Doubt {
     Clobberer(Id),
     /// This choice of a frame may violate a protection interval that is in force.
     Choice(u16),
-}
-
-/// A protection interval in force.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Held {
-    /// The frame whose production set it up.
-    pub frame: Id,
-    /// The behaviour that it belongs to.
-    pub owner: Owner,
-    /// What it protects.
-    pub condition: Condition,
-}
-
-impl Held {
-    /// The protected facts that something with these effects may violate.
-    pub const fn endangered(&self, may_add: Facts, may_delete: Facts) -> Facts {
-        self.condition.must & may_delete | self.condition.must_not & may_add
-    }
-}
-
-/// The facts of a condition that are not as it wants them.
-fn violated(condition: Condition, facts: Facts) -> Facts {
-    condition.must & !facts | condition.must_not & facts
 }
 
 /// What carrying out a component may make true, and what it may make false.
@@ -101,48 +86,15 @@ impl Grid {
         self.check(mission, id, facts, Violation::Goal, |description| description.goal)
     }
 
-    /// Every evident conflict of a behaviour's view: the transient descriptions of what runs, and
-    /// the protection intervals in force, foreign ones of the behaviours in `holding` (one bit
-    /// each) included. Checked every tick.
-    pub fn evident(
-        &self,
-        mission: &Mission<'_>,
-        owner: Owner,
-        holding: u16,
-        facts: Facts,
-        tell: &mut dyn FnMut(Signal),
-    ) {
-        for (id, entry) in self.iter() {
-            if entry.owner == owner && entry.life == Life::Started {
-                let signal = self.check(mission, id, facts, Violation::Transient, |d| d.transient);
-                signal.into_iter().for_each(&mut *tell);
-            }
-        }
-        self.held(mission, owner, holding, &mut |held| {
-            let facts = violated(held.condition, facts);
-            if facts != 0 {
-                let is_own = held.owner == owner;
-                let what = if is_own { Violation::Interval } else { Violation::Foreign };
-                tell(Signal::Evident { id: held.frame, what, facts });
-            }
-        });
-    }
-
-    /// The protection intervals in force in a behaviour's view: those of its own plan, and those of
-    /// the behaviours in `holding`.
-    pub fn held(
-        &self,
-        mission: &Mission<'_>,
-        owner: Owner,
-        holding: u16,
-        tell: &mut dyn FnMut(Held),
-    ) {
-        for (frame, entry) in self.iter() {
-            let is_foreign = 1_u16.checked_shl(u32::from(entry.owner)).unwrap_or(0) & holding != 0;
-            if entry.owner == owner || is_foreign {
-                self.held_by(mission, frame, entry, tell);
-            }
-        }
+    /// Every evident conflict of a behaviour's own plan: the transient descriptions of what runs,
+    /// and the protection intervals in force. Checked every tick.
+    pub fn evident(&self, owner: Owner, facts: Facts) -> impl Iterator<Item = Signal> {
+        let transients = self.transients(owner).map(|part| (part, Violation::Transient));
+        let held = self.held(owner).map(|frame| (frame, Violation::Interval));
+        transients.chain(held).filter_map(move |((id, condition), what)| {
+            let facts = condition.violated(facts);
+            (facts != 0).then_some(Signal::Evident { id, what, facts })
+        })
     }
 
     /// Doubts about one component that is planned or scheduled, after the Modal Truth Criterion:
@@ -163,21 +115,28 @@ impl Grid {
         let root = self.above(id).last().map_or(entry.symbol, |(_, root)| root.symbol);
         let (may_add, may_delete) = effects(mission, root);
         let mut missing =
-            violated(needs, facts) & (needs.must & may_add | needs.must_not & may_delete);
+            needs.violated(facts) & (needs.must & may_add | needs.must_not & may_delete);
         let mut at_risk = needs.must | needs.must_not;
         for (other, before) in self.iter().filter(|(_, other)| !is_over(other)) {
-            let relation = self.relation(mission, Node::from(other), Node::from(id));
-            if before.owner != entry.owner || !matches!(relation, Some(Relation::CB | Relation::NE))
-            {
+            if before.owner != entry.owner {
                 continue;
             }
             let (adds, deletes) = effects(mission, before.symbol);
-            let provides = needs.must & adds | needs.must_not & deletes;
-            let destroys = needs.must & deletes & !adds | needs.must_not & adds & !deletes;
+            let provides = missing & (needs.must & adds | needs.must_not & deletes);
+            let destroys =
+                at_risk & (needs.must & deletes & !adds | needs.must_not & adds & !deletes);
+            // Relations are what costs; most components have nothing to do with these facts.
+            if provides | destroys == 0 {
+                continue;
+            }
+            let relation = self.relation(mission, Node::from(other), Node::from(id));
             if relation == Some(Relation::CB) {
                 missing &= !provides;
             }
-            let facts = destroys & at_risk & !self.restored(mission, other, id, needs);
+            if destroys == 0 || !matches!(relation, Some(Relation::CB | Relation::NE)) {
+                continue;
+            }
+            let facts = destroys & !self.restored(mission, other, id, needs);
             if facts != 0 {
                 at_risk &= !facts;
                 tell(Signal::Possible { id, why: Doubt::Clobberer(other), facts });
@@ -189,17 +148,18 @@ impl Grid {
     }
 
     /// Doubts about the choices of a frame that is not decomposed yet: productions some part of
-    /// which may violate a protection interval in force.
+    /// which may violate what its plan protects now, or what others hold against it (`foreign`).
     pub fn choices(
         &self,
         mission: &Mission<'_>,
         id: Id,
-        holding: u16,
+        foreign: Condition,
         tell: &mut dyn FnMut(Signal),
     ) {
         let Some(entry) = self.get(id).filter(|entry| entry.production.is_none()) else { return };
         let Symbol::Frame(index) = entry.symbol else { return };
         let Some(frame) = mission.frames().get(usize::from(index)) else { return };
+        let held = self.held(entry.owner).fold(foreign, |all, (_, held)| all.and(held));
         let numbers = (frame.first..).zip(0..frame.count);
         for production in numbers.map(|(production, _)| production) {
             let Some(record) = mission.productions().get(usize::from(production)) else { continue };
@@ -208,10 +168,7 @@ impl Grid {
                 let (more, less) = effects(mission, edge.symbol);
                 (adds | more, deletes | less)
             });
-            let mut facts = 0;
-            self.held(mission, entry.owner, holding, &mut |held| {
-                facts |= held.endangered(adds, deletes)
-            });
+            let facts = held.must & deletes | held.must_not & adds;
             if facts != 0 {
                 tell(Signal::Possible { id, why: Doubt::Choice(production), facts });
             }
@@ -227,17 +184,8 @@ impl Grid {
         which: impl FnOnce(Description) -> Condition,
     ) -> Option<Signal> {
         let description = mission.description(self.get(id)?.symbol)?;
-        let facts = violated(which(description), facts);
+        let facts = which(description).violated(facts);
         (facts != 0).then_some(Signal::Evident { id, what, facts })
-    }
-
-    fn held_by(&self, mission: &Mission<'_>, frame: Id, entry: &Entry, tell: &mut dyn FnMut(Held)) {
-        let Some(production) = self.production_of(mission, entry) else { return };
-        let all = mission.intervals_of(&production);
-        let reached = |vertex| is_reached(mission, &production, entry.finished, vertex);
-        for interval in all.filter(|interval| reached(interval.from) && !reached(interval.to)) {
-            tell(Held { frame, owner: entry.owner, condition: interval.condition });
-        }
     }
 
     /// The needs of `id` that some component between `clobberer` and it brings about again (the
@@ -249,10 +197,13 @@ impl Grid {
         let before = |knight| {
             self.relation(mission, Node::from(knight), Node::from(id)) == Some(Relation::CB)
         };
-        self.iter()
-            .filter(|&(knight, entry)| !is_over(entry) && after(knight) && before(knight))
-            .map(|(_, entry)| effects(mission, entry.symbol))
-            .fold(0, |facts, (adds, deletes)| facts | needs.must & adds | needs.must_not & deletes)
+        let knights = self.iter().filter(|(_, entry)| !is_over(entry));
+        knights.fold(0, |restored, (knight, entry)| {
+            let (adds, deletes) = effects(mission, entry.symbol);
+            let provides = (needs.must & adds | needs.must_not & deletes) & !restored;
+            let is_between = provides != 0 && after(knight) && before(knight);
+            restored | if is_between { provides } else { 0 }
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! The store, and the messages that keep it.
 
 use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
-use plan_format::mission::{Life, Mission, Production, Symbol};
+use plan_format::mission::{Condition, Life, Mission, Production, Symbol};
 
 /// A component's place.
 pub type Id = u8;
@@ -35,11 +35,27 @@ pub struct Entry {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     entries: [Option<Entry>; MAX_COMPONENTS],
+    /// Places that are taken, one bit each: most are free, and every tick looks at all often.
+    taken: u32,
+    /// What every tick checks is worked out when a message changes it, not in every tick: the
+    /// transient descriptions of the components that run, and what the protection intervals in
+    /// force of each frame protect, all together. Valid where the bit of the place is set.
+    transient: [Condition; MAX_COMPONENTS],
+    watched: u32,
+    held: [Condition; MAX_COMPONENTS],
+    holding: u32,
 }
 
 impl Default for Grid {
     fn default() -> Self {
-        Self { entries: [None; MAX_COMPONENTS] }
+        Self {
+            entries: [None; MAX_COMPONENTS],
+            taken: 0,
+            transient: [Condition::default(); MAX_COMPONENTS],
+            watched: 0,
+            held: [Condition::default(); MAX_COMPONENTS],
+            holding: 0,
+        }
     }
 }
 
@@ -48,14 +64,16 @@ impl Grid {
     pub fn planned(&mut self, id: Id, entry: Entry) {
         if let Some(slot) = self.entries.get_mut(usize::from(id)) {
             *slot = Some(entry);
+            self.taken |= place_bit(id);
         }
     }
 
     /// Message: a frame chose a production.
-    pub fn decomposed(&mut self, id: Id, production: u16) {
+    pub fn decomposed(&mut self, mission: &Mission<'_>, id: Id, production: u16) {
         if let Some(entry) = self.get_mut(id) {
             entry.production = Some(production);
             entry.finished = 0;
+            self.take_hold(mission, id);
         }
     }
 
@@ -64,18 +82,23 @@ impl Grid {
         if let Some(entry) = self.get_mut(id) {
             entry.production = None;
             entry.finished = 0;
+            self.holding &= !place_bit(id);
         }
     }
 
     /// Message: a component's life went on.
-    pub fn became(&mut self, id: Id, life: Life) {
+    pub fn became(&mut self, mission: &Mission<'_>, id: Id, life: Life) {
         let Some(entry) = self.get_mut(id) else { return };
         entry.life = life;
-        let (parent, edge) = (entry.parent, entry.edge);
+        let Entry { symbol, parent, edge, to, .. } = *entry;
+        self.watched &= !place_bit(id);
         match life {
+            Life::Started => self.watch(mission, id, symbol),
             Life::Finished => {
-                if let Some(parent) = parent.and_then(|parent| self.get_mut(parent)) {
-                    parent.finished |= bit(edge);
+                let Some(parent) = parent else { return };
+                if let Some(entry) = self.get_mut(parent) {
+                    entry.finished |= bit(edge);
+                    self.reached(mission, parent, to);
                 }
             }
             // A frame that falls back has given its production up.
@@ -88,7 +111,77 @@ impl Grid {
     pub fn deleted(&mut self, id: Id) {
         if let Some(slot) = self.entries.get_mut(usize::from(id)) {
             *slot = None;
+            let others = !place_bit(id);
+            self.taken &= others;
+            self.watched &= others;
+            self.holding &= others;
         }
+    }
+
+    /// From now on its transient description is checked, if there is one.
+    fn watch(&mut self, mission: &Mission<'_>, id: Id, symbol: Symbol) {
+        let transient = mission.description(symbol).map(|description| description.transient);
+        if let (Some(transient), Some(slot)) = (transient, self.transient.get_mut(usize::from(id)))
+            && !transient.is_empty()
+        {
+            *slot = transient;
+            self.watched |= place_bit(id);
+        }
+    }
+
+    /// An edge into a vertex of a frame's production is finished: protection intervals may begin or
+    /// end there.
+    fn reached(&mut self, mission: &Mission<'_>, id: Id, vertex: u8) {
+        let production = self.get(id).and_then(|entry| self.production_of(mission, entry));
+        let Some(production) = production else { return };
+        let mut intervals = mission.intervals_of(&production);
+        if intervals.any(|interval| interval.from == vertex || interval.to == vertex) {
+            self.take_hold(mission, id);
+        }
+    }
+
+    /// Works out which protection intervals of a frame are in force.
+    fn take_hold(&mut self, mission: &Mission<'_>, id: Id) {
+        self.holding &= !place_bit(id);
+        let Some((production, finished)) = self
+            .get(id)
+            .and_then(|entry| Some((self.production_of(mission, entry)?, entry.finished)))
+        else {
+            return;
+        };
+        if production.intervals == 0 {
+            return;
+        }
+        let ahead = ahead(mission, &production, finished);
+        let is_ahead = |vertex| ahead & vertex_bit(vertex) != 0;
+        let in_force = mission
+            .intervals_of(&production)
+            .filter(|interval| !is_ahead(interval.from) && is_ahead(interval.to));
+        let held = in_force.fold(Condition::default(), |held, each| held.and(each.condition));
+        if let Some(slot) = self.held.get_mut(usize::from(id))
+            && !held.is_empty()
+        {
+            *slot = held;
+            self.holding |= place_bit(id);
+        }
+    }
+
+    /// The transient descriptions of a behaviour's components that run.
+    pub(crate) fn transients(&self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
+        places(self.watched)
+            .filter(move |&id| self.owner(id) == Some(owner))
+            .filter_map(|id| Some((id, *self.transient.get(usize::from(id))?)))
+    }
+
+    /// What the frames of a behaviour's plan protect now, each all together.
+    pub fn held(&self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
+        places(self.holding)
+            .filter(move |&id| self.owner(id) == Some(owner))
+            .filter_map(|id| Some((id, *self.held.get(usize::from(id))?)))
+    }
+
+    fn owner(&self, id: Id) -> Option<Owner> {
+        self.get(id).map(|entry| entry.owner)
     }
 
     /// What the grid knows of a component.
@@ -98,7 +191,7 @@ impl Grid {
 
     /// Everything that the grid knows, in the order of the places.
     pub fn iter(&self) -> impl Iterator<Item = (Id, &Entry)> {
-        (0..).zip(&self.entries).filter_map(|(id, entry)| Some((id, entry.as_ref()?)))
+        places(self.taken).filter_map(|id| Some((id, self.get(id)?)))
     }
 
     /// The components above one, from its parent to the root.
@@ -132,18 +225,34 @@ impl Grid {
     }
 }
 
-/// Whether every edge into a vertex is finished.
-pub(crate) fn is_reached(
-    mission: &Mission<'_>,
-    production: &Production,
-    finished: u16,
-    vertex: u8,
-) -> bool {
-    let edges = mission.edges_of(production);
-    (0..).zip(edges).all(|(number, edge)| edge.to != vertex || finished & bit(number) != 0)
+/// The vertices, one bit each, into which some edge is not finished.
+pub(crate) fn ahead(mission: &Mission<'_>, production: &Production, finished: u16) -> u32 {
+    let edges = (0..).zip(mission.edges_of(production));
+    edges
+        .filter(|&(number, _)| finished & bit(number) == 0)
+        .fold(0, |ahead, (_, edge)| ahead | vertex_bit(edge.to))
 }
 
-/// The bit of an edge.
+/// The places in a set, in order.
+fn places(mut set: u32) -> impl Iterator<Item = Id> {
+    core::iter::from_fn(move || {
+        let id = set.trailing_zeros();
+        set &= set.wrapping_sub(1);
+        (id < u32::BITS).then_some(id as Id)
+    })
+}
+
+/// The bit of a place.
+fn place_bit(id: Id) -> u32 {
+    1_u32.wrapping_shl(u32::from(id))
+}
+
+/// The bit of a vertex.
+pub(crate) fn vertex_bit(vertex: u8) -> u32 {
+    1_u32.wrapping_shl(u32::from(vertex))
+}
+
+/// The bit of an edge of a production, of which there are no more than bits.
 pub(crate) fn bit(edge: u8) -> u16 {
-    1_u16.checked_shl(u32::from(edge)).unwrap_or(0)
+    1_u16.wrapping_shl(u32::from(edge))
 }

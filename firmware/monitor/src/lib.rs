@@ -18,8 +18,12 @@
 //! CB is transitive, and a new component never changes the relation of two old ones.
 //!
 //! One grid per behaviour, as in the paper: the components share one store, each view contains
-//! one owner's, and the protection intervals that sleeping behaviours still hold enter every other
-//! view as if they were top-level components parallel to all.
+//! one owner's. What a sleeping behaviour still protects was handed over when it was put to sleep,
+//! and is held against all others as one foreign condition ([`Signal::foreign`]): the paper's
+//! top-level component parallel to all.
+//!
+//! What every tick asks for is kept up to date by the messages, not worked out again: the transient
+//! descriptions of what runs and the intervals in force of each frame.
 //!
 //! Deliberately absent: repair. A conflict's remedy is to fall back and choose anew.
 #![no_std]
@@ -29,7 +33,7 @@ mod grid;
 mod points;
 mod relation;
 
-pub use conflicts::{Doubt, Held, Signal, Violation};
+pub use conflicts::{Doubt, Signal, Violation};
 pub use grid::{Entry, Grid, Id, Owner};
 pub use points::Point;
 pub use relation::{Node, Relation};

@@ -1,6 +1,6 @@
 //! Where a behaviour can be interrupted: the coming vertices, and what is protected there.
 
-use crate::grid::{Entry, Grid, Id, Owner, is_reached};
+use crate::grid::{Entry, Grid, Id, Owner, ahead, vertex_bit};
 use crate::relation::leads;
 use plan_format::mission::{Condition, Life, Mission, Production};
 
@@ -44,8 +44,9 @@ impl Grid {
     fn points_of(&self, mission: &Mission<'_>, id: Id, frame: &Entry, tell: &mut dyn FnMut(Point)) {
         let Some(production) = self.production_of(mission, frame) else { return };
         let outer = self.held_above(mission, id);
+        let ahead = ahead(mission, &production, frame.finished);
         for vertex in 1..production.vertices.saturating_sub(1) {
-            if is_reached(mission, &production, frame.finished, vertex) {
+            if ahead & vertex_bit(vertex) == 0 {
                 continue;
             }
             let held = with_held_at(mission, &production, vertex, outer);
@@ -67,7 +68,7 @@ impl Grid {
                     if leads(mission, &production, interval.from, below.from)
                         && leads(mission, &production, below.to, interval.to)
                     {
-                        held = and(held, interval.condition);
+                        held = held.and(interval.condition);
                     }
                 }
             }
@@ -88,7 +89,7 @@ fn with_held_at(
             leads(mission, production, interval.from, vertex)
                 && !leads(mission, production, interval.to, vertex)
         })
-        .fold(outer, |held, interval| and(held, interval.condition))
+        .fold(outer, |held, interval| held.and(interval.condition))
 }
 
 fn intervals(
@@ -96,8 +97,4 @@ fn intervals(
     production: &Production,
 ) -> impl Iterator<Item = plan_format::mission::Interval> {
     mission.intervals_of(production)
-}
-
-fn and(a: Condition, b: Condition) -> Condition {
-    Condition { must: a.must | b.must, must_not: a.must_not | b.must_not }
 }

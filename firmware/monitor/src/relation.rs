@@ -1,6 +1,6 @@
 //! How two components stand to each other.
 
-use crate::grid::{Grid, Id};
+use crate::grid::{Grid, Id, vertex_bit};
 use plan_format::mission::{Mission, Production};
 
 /// The relation of one component to another (H, "Situation Grid").
@@ -148,8 +148,4 @@ pub(crate) fn leads(mission: &Mission<'_>, production: &Production, from: u8, to
         }
     }
     reached & vertex_bit(to) != 0
-}
-
-fn vertex_bit(vertex: u8) -> u32 {
-    1_u32.checked_shl(u32::from(vertex)).unwrap_or(0)
 }

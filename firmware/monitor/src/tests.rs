@@ -1,7 +1,6 @@
 extern crate std;
 
 use super::*;
-use crate::grid::bit;
 use plan_format::mission::{
     Action, ActionKind, Behaviour, Condition, Description, Edge, Facts, Frame, Inference, Input,
     Interval, Label, Life, Mission, MissionDraft, Production, Rule, RuleBase, Source, SwitchPoint,
@@ -92,7 +91,7 @@ fn mission(
         hold_ms: 0,
         missing: 0.0,
     });
-    draft.rules.push(Rule { input: 0, labels: [Label::PS; 7] });
+    draft.rules.push(Rule { input: 0, labels: [Label::PS; 7].into() });
     draft.rule_bases.push(RuleBase { first: 0, count: 1, inference: Inference::Min });
     draft.behaviours.push(Behaviour {
         name,
@@ -121,8 +120,8 @@ fn entry(symbol: Symbol, owner: Owner, parent: Option<(Id, &Edge, u8)>, life: Li
 /// Tells the grid that a frame chose a production, whose parts take the places from `first` on.
 fn decompose(grid: &mut Grid, mission: &Mission<'_>, frame: Id, production: u16, first: Id) {
     let owner = grid.get(frame).expect("the frame is in the grid").owner;
-    grid.became(frame, Life::Started);
-    grid.decomposed(frame, production);
+    grid.became(mission, frame, Life::Started);
+    grid.decomposed(mission, frame, production);
     let record = mission.productions().get(usize::from(production)).expect("it exists");
     for (number, edge) in (0..).zip(mission.edges_of(&record)) {
         grid.planned(
@@ -208,13 +207,9 @@ fn h14_initial_transient_goal_and_inherited_constraints() {
     assert_eq!(grid.initial(&mission, 1, 1), None);
     assert_eq!(grid.goal(&mission, 1, 1), evident(1, Violation::Goal, 4));
     assert_eq!(grid.goal(&mission, 1, 4), None);
-    let transients = |grid: &Grid| {
-        let mut all = vec![];
-        grid.evident(&mission, 0, 0, 2, &mut |signal| all.push(signal));
-        all
-    };
+    let transients = |grid: &Grid| grid.evident(0, 2).collect::<Vec<_>>();
     assert_eq!(transients(&grid), [], "what does not run is not checked");
-    grid.became(1, Life::Started);
+    grid.became(&mission, 1, Life::Started);
     assert_eq!(
         transients(&grid),
         evident(1, Violation::Transient, 2).into_iter().collect::<Vec<_>>()
@@ -241,25 +236,23 @@ fn h26_intervals_and_the_points_of_figure_4() {
         grid.points(&mission, 0, &mut |p| all.push((p.vertex, p.held.must, p.lost_work)));
         all
     };
-    let violations = |grid: &Grid, owner, holding| {
-        let mut all = vec![];
-        grid.evident(&mission, owner, holding, 0, &mut |signal| all.push(signal));
-        all
-    };
+    let violations = |grid: &Grid, owner| grid.evident(owner, 0).collect::<Vec<_>>();
     assert_eq!(points(&grid), [(1, 1, 10), (2, 0, 20)], "point 1 is protected, point 2 is not");
     let own = Signal::Evident { id: 0, what: Violation::Interval, facts: 1 };
-    assert_eq!(violations(&grid, 0, 0), [own]);
-    assert_eq!(violations(&grid, 1, 0), [], "not held against anybody");
+    assert_eq!(violations(&grid, 0), [own]);
+    assert_eq!(violations(&grid, 1), [], "in nobody else's view while its behaviour runs");
+    let (frame, held) = grid.held(0).next().expect("it is in force");
     let foreign = Signal::Evident { id: 0, what: Violation::Foreign, facts: 1 };
-    assert_eq!(violations(&grid, 1, 0b1), [foreign]);
+    assert_eq!(Signal::foreign(frame, held, 0), Some(foreign));
+    assert_eq!(Signal::foreign(frame, held, 1), None);
     for part in [1, 2] {
-        grid.became(part, Life::Scheduled);
-        grid.became(part, Life::Started);
-        grid.became(part, Life::Finished);
+        grid.became(&mission, part, Life::Scheduled);
+        grid.became(&mission, part, Life::Started);
+        grid.became(&mission, part, Life::Finished);
         grid.deleted(part);
     }
     assert_eq!(points(&grid), []);
-    assert_eq!(violations(&grid, 0, 0), [], "the interval has ended");
+    assert_eq!(violations(&grid, 0), [], "the interval has ended");
 }
 
 /// H19: a choice that may violate what is protected is named before it is made.
@@ -280,7 +273,7 @@ fn h19_a_doubtful_choice_is_named() {
     grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
     decompose(&mut grid, &mission, 0, 0, 1);
     let mut all = vec![];
-    grid.choices(&mission, 2, 0, &mut |signal| all.push(signal));
+    grid.choices(&mission, 2, Condition::default(), &mut |signal| all.push(signal));
     assert_eq!(all, [Signal::Possible { id: 2, why: Doubt::Choice(2), facts: 1 }]);
 }
 
@@ -427,9 +420,4 @@ proptest! {
             }
         }
     }
-}
-
-#[test]
-fn bits_beyond_the_word_are_no_bits() {
-    assert_eq!((bit(0), bit(15), bit(16)), (1, 1 << 15, 0));
 }

@@ -53,7 +53,10 @@ impl<'d> Drawn<'d> {
         let input = |index: u8| self.mission.inputs().get(usize::from(index));
         rules
             .map(|rule| {
-                (input(rule.input).map_or("", |input| self.mission.name(input.name)), rule.labels)
+                (
+                    input(rule.input).map_or("", |input| self.mission.name(input.name)),
+                    rule.labels.labels(),
+                )
             })
             .collect()
     }

@@ -215,7 +215,7 @@ impl Lowering<'_> {
         let first = self.draft.rules.len() as u16;
         for (name, labels) in &rules.rows {
             let input = self.input(name).unwrap_or(0);
-            self.draft.rules.push(Rule { input, labels: *labels });
+            self.draft.rules.push(Rule { input, labels: (*labels).into() });
         }
         // Rows are of different inputs, of which there are few.
         let count = rules.rows.len().min(usize::from(u8::MAX)) as u8;

@@ -70,7 +70,7 @@ fn write_all(
     }
     let mission = plan.mission();
     if !mission.behaviours().is_empty() {
-        write_behaviours(text, &mission, &state.behaviours, percepts.time_us, explanation)?;
+        write_behaviours(text, &mission, &state.behaviours, explanation)?;
     }
     if let Ok(at) = explanation.sensed.position {
         write_layers(text, plan, at)?;
@@ -88,7 +88,6 @@ fn write_behaviours(
     text: &mut String,
     mission: &Mission<'_>,
     behaviours: &Behaviours,
-    time_us: u64,
     explanation: &Explanation,
 ) -> std::fmt::Result {
     let report = &explanation.report;
@@ -110,7 +109,7 @@ fn write_behaviours(
             behaviour.unconditional
         )?;
         if let Some(base) = mission.rule_bases().get(behaviour.rules.into()) {
-            write_rules(text, mission, behaviours, &base, time_us)?;
+            write_rules(text, mission, behaviours, &base)?;
         }
     }
     writeln!(text, "facts      {}", facts(mission, report.facts))?;
@@ -129,17 +128,16 @@ fn write_rules(
     mission: &Mission<'_>,
     behaviours: &Behaviours,
     base: &RuleBase,
-    time_us: u64,
 ) -> std::fmt::Result {
     for rule in mission.rules_of(base) {
         let Some(input) = mission.inputs().get(rule.input.into()) else { continue };
-        let value = behaviours.value_of(mission, rule.input.into(), time_us);
+        let value = behaviours.value_of(rule.input.into());
         let (lower, upper_degree) = fuzzy::fuzzify(fuzzy::position(value, input.low, input.high));
         write!(text, "  rule     {} = {value:.3}:", mission.name(input.name))?;
         for (label, degree) in [(lower, 1.0 - upper_degree), (lower + 1, upper_degree)] {
             if degree > 0.0 {
                 let is = Label::from_index(label as u8);
-                let then = rule.labels.get(label).copied().unwrap_or(Label::ZO);
+                let then = rule.labels.get(label);
                 write!(text, " {is:?} to {degree:.2}, so {then:?};")?;
             }
         }

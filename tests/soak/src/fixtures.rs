@@ -56,6 +56,12 @@ fn open_field(column: u32, row: u32) -> Field {
     }
 }
 
+/// An input channel that rises and falls between 0 and 1, once in 64 ticks.
+pub fn wave(tick: u32) -> f32 {
+    let phase = (tick % 64) as f32 / 32.0;
+    if phase < 1.0 { phase } else { 2.0 - phase }
+}
+
 /// A behaviour that switches an output on and itself round, for ever: an iteration takes no time,
 /// so several fit into a tick.
 pub fn endless_loop() -> MissionDraft {
@@ -88,18 +94,19 @@ pub fn sixteen() -> MissionDraft {
         let down = [PM, PM, PS, ZO, NS, NM, NM];
         let labels = if index < 8 { up } else { down };
         let first = draft.rules.len() as u16;
-        draft.rules.push(Rule { input: index % 8, labels });
+        draft.rules.push(Rule { input: index % 8, labels: labels.into() });
         draft.rule_bases.push(RuleBase { first, count: 1, inference: Inference::Product });
         behaviour(&mut draft, 0, u16::from(index), 1);
     }
     draft
 }
 
-/// The mission of the instruction budget: four behaviours, two of which run together, sixteen rows
-/// of one input each, twelve components that live, every kind of fact, descriptions and protection
-/// intervals that are watched.
+/// The mission of the instruction budget: four behaviours, two and two for the same resource, each
+/// pair changing places as the channels 1 and 3 rise and fall; sixteen rows of one input each;
+/// twelve components and more when all have plans; every kind of fact, descriptions that ask for all of them,
+/// protection intervals. Something drives in every tick.
 pub fn budget() -> MissionDraft {
-    use Label::{NB, NM, NS, PB, PM, PS, ZO};
+    use Label::{NM, NS, PB, PM, PS, ZO};
     let mut draft = MissionDraft::default();
     let name = draft.name("");
     for channel in 0..4 {
@@ -110,53 +117,62 @@ pub fn budget() -> MissionDraft {
         FactKind::Level { input: 0, low: -1.0, high: 2.0 },
         FactKind::Near { x_m: 10.0, y_m: 10.0, radius_m: 50.0 },
         FactKind::Inside { west_m: -90.0, south_m: -90.0, east_m: 90.0, north_m: 90.0 },
-        FactKind::NoProgress { distance_m: 0.5, within_ms: 3_600_000 },
+        FactKind::NoProgress { distance_m: 0.5, within_ms: 99 },
     ];
     draft.facts.extend(facts.map(|kind| Fact { name, kind }));
-    // One row each for four criticalities and twelve applicabilities.
+    // Four criticalities, and applicabilities of which not all are needed.
     for row in 0..16_u8 {
         let labels = match row {
-            0 | 1 => [PS, PS, PM, PM, PM, PS, PS],
-            2 | 3 => [PS, ZO, ZO, NS, NS, NM, NB],
-            _ => [PB, PM, PS, ZO, NS, NM, NB],
+            0 | 2 => [ZO, ZO, PS, PS, PS, ZO, ZO],
+            1 | 3 => [NM, NS, ZO, PS, PM, PM, PB],
+            _ => [PB, PM, PS, ZO, PS, PM, PB],
         };
-        draft.rules.push(Rule { input: row % 4, labels });
+        draft.rules.push(Rule { input: row % 4, labels: labels.into() });
         let base = RuleBase { first: u16::from(row), count: 1, inference: Inference::Min };
         draft.rule_bases.push(base);
     }
-    let watched = Condition { must: 0b01110, must_not: 0b10000 };
-    draft.descriptions.push(Description {
-        initial: watched,
-        transient: watched,
-        goal: Condition::default(),
-        add: 0b00001,
-        delete: 0,
-        max_speed_mps: 1.0,
-        min_distance_m: 0.2,
-    });
-    action(&mut draft, ActionKind::Follow { plan: 0, reactive: 0.5, advice: 0.5, noise: 0.1 }, 0);
-    action(&mut draft, ActionKind::Hold { for_ms: 150 }, 0);
-    action(&mut draft, ActionKind::Hold { for_ms: 50 }, 0);
-    let kept = Condition { must: 0b00110, must_not: 0 };
-    let whole = |to| Interval { from: 0, to, condition: kept, is_derived: false };
-    // A root, a frame in it, and that one's four parts: six components for each of two plans.
-    let parts = |kind| {
-        [
-            (0, 1, Symbol::Action(kind)),
-            (1, 2, Symbol::Action(2)),
-            (2, 3, Symbol::Action(1)),
-            (3, 4, Symbol::Frame(if kind == 0 { 1 } else { 3 })),
-        ]
-    };
-    frame(&mut draft, &[(0, 1, Symbol::Frame(1))], &[whole(1)], 0);
-    frame(&mut draft, &parts(0), &[whole(3)], 0);
-    frame(&mut draft, &[(0, 1, Symbol::Frame(3))], &[whole(1)], 0);
-    frame(&mut draft, &parts(1), &[whole(3)], 0);
+    let watched = Condition { must: 0b01110, must_not: 0 };
+    let needed = Condition { must: 0b01111, must_not: 0 };
+    // Most need the symbol; one takes it away, and another brings it back before the next needs it.
+    for (initial, add, delete) in
+        [(needed, 0, 0), (needed, 0, 0b00001), (watched, 0b00001, 0), (watched, 0, 0)]
+    {
+        draft.descriptions.push(Description {
+            initial,
+            transient: watched,
+            goal: watched,
+            add,
+            delete,
+            max_speed_mps: 1.0,
+            min_distance_m: 0.2,
+        });
+    }
+    let follow = ActionKind::Follow { plan: 0, reactive: 0.5, advice: 0.5, noise: 0.1 };
+    for (kind, description) in [
+        (ActionKind::Hold { for_ms: 100 }, 3),
+        (follow, 0),
+        (ActionKind::Wander { for_ms: 50 }, 1),
+        (ActionKind::SetOutput { output: 1, is_on: true }, 2),
+        (ActionKind::Wander { for_ms: 50 }, 3),
+    ] {
+        action(&mut draft, kind, description);
+    }
+    // The robot of the measurement stands still, so the fact ends what would last.
+    draft.actions[1].until = Condition { must: 0b10000, must_not: 0 };
+    let whole = |to| Interval { from: 0, to, condition: watched, is_derived: true };
+    let (hold, follow, wander) = (Symbol::Action(0), Symbol::Action(1), Symbol::Action(2));
+    frame(&mut draft, &[(0, 1, hold), (1, 2, hold), (2, 3, hold)], &[whole(3)], 3);
+    frame(&mut draft, &[(0, 1, Symbol::Frame(2))], &[whole(1)], 3);
+    let (set, other) = (Symbol::Action(3), Symbol::Action(4));
+    let round =
+        [(0, 1, follow), (0, 1, set), (1, 2, wander), (2, 3, set), (3, 4, Symbol::Frame(2))];
+    frame(&mut draft, &round, &[whole(2)], 0);
+    frame(&mut draft, &[(0, 1, other), (1, 2, other), (2, 3, other)], &[whole(3)], 3);
     for (number, production) in (4..).zip(&mut draft.productions) {
         production.rules = Some(number);
     }
-    for (index, (root, resources)) in [(0, 1), (2, 2), (0, 1), (2, 2)].into_iter().enumerate() {
-        behaviour(&mut draft, root, index as u16, resources);
+    for (rules, (root, resources)) in (0..).zip([(0, 2), (0, 2), (1, 1), (3, 1)]) {
+        behaviour(&mut draft, root, rules, resources);
     }
     close_effects(&mut draft);
     draft
@@ -170,7 +186,7 @@ fn input(name: plan_format::mission::Name, source: Source) -> Input {
 fn always(draft: &mut MissionDraft, label: Label) -> u16 {
     let name = draft.name("");
     draft.inputs.push(input(name, Source::Time));
-    draft.rules.push(Rule { input: 0, labels: [label; 7] });
+    draft.rules.push(Rule { input: 0, labels: [label; 7].into() });
     draft.rule_bases.push(RuleBase { first: 0, count: 1, inference: Inference::Min });
     0
 }

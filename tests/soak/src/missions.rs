@@ -172,7 +172,7 @@ impl Artist<'_> {
         for _ in 0..count {
             let input = self.random.index(self.draft.inputs.len()) as u8;
             let labels = [(); 7].map(|()| Label::from_index(self.random.index(7) as u8));
-            self.draft.rules.push(Rule { input, labels });
+            self.draft.rules.push(Rule { input, labels: labels.into() });
         }
         let inference = if self.random.chance(0.5) { Inference::Min } else { Inference::Product };
         self.draft.rule_bases.push(RuleBase { first, count: count as u8, inference });

@@ -58,11 +58,8 @@ fn sixteen_behaviours_starve_nobody() {
     let mut state = State::new(&plan);
     let (mut waits, mut longest, mut switches) = ([0_u32; 16], 0, 0);
     for tick in 1..=20_000_u32 {
-        // Eight waves of different lengths, each a triangle over 0 ..= 1.
-        let wave = |channel: u32| {
-            let phase = (tick % (7 + 4 * channel)) as f32 / (7 + 4 * channel) as f32;
-            Some(if phase < 0.5 { 2.0 * phase } else { 2.0 - 2.0 * phase })
-        };
+        // Eight waves of different lengths.
+        let wave = |channel: u32| Some(fixtures::wave(tick * 64 / (7 + 4 * channel)));
         let inputs = [0, 1, 2, 3, 4, 5, 6, 7].map(wave);
         let explanation = explain(&plan, &mut state, &armed(u64::from(tick) * 50_000, inputs));
         let criticalities = explanation.report.criticalities;
@@ -81,4 +78,38 @@ fn sixteen_behaviours_starve_nobody() {
     assert!(switches > 2_000, "only {switches} switches");
     // An action of 100 ms is two ticks of 50 ms.
     assert!(longest <= 2, "somebody waited for {longest} ticks");
+}
+
+/// The mission of the instruction budget is what it says: all behaviours have the robot in turn,
+/// twelve components live, and something always drives.
+#[test]
+fn the_mission_of_the_budget_is_as_large_as_it_says() {
+    let blob = fixtures::blob(fixtures::budget()).expect("the mission is sound");
+    let plan = Plan::parse(&blob).expect("the blob is sound");
+    let mission = plan.mission();
+    assert_eq!((mission.behaviours().len(), mission.rules().len()), (4, 16));
+    let mut state = State::new(&plan);
+    let (mut most, mut engaged) = (0, 0_u16);
+    for tick in 1..=400_u32 {
+        let mut percepts = armed(u64::from(tick) * 50_000, [Some(fixtures::wave(tick)); 8]);
+        percepts.fix = plan.frame().map(|frame| robot_io::Fix {
+            time_us: percepts.time_us,
+            is_valid: true,
+            place: frame.to_geodetic(math::Vec2::new(3.5, 3.5)),
+            accuracy_mm: 500,
+            velocity_mmps: None,
+        });
+        percepts.heading_rad = Some(0.0);
+        let explanation = explain(&plan, &mut state, &percepts);
+        assert_eq!(explanation.commands.reason, robot_io::Reason::Driving, "tick {tick}");
+        assert_eq!(explanation.report.omitted, 0, "tick {tick}");
+        most = most.max(state.behaviours.components());
+        for decision in &explanation.report.decisions {
+            if let Decision::Interrupted { by, .. } = decision {
+                engaged |= 1 << by;
+            }
+        }
+    }
+    assert!(most >= 12, "only {most} components");
+    assert_eq!(engaged, 0b1111, "each has interrupted another");
 }

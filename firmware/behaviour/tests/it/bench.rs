@@ -255,12 +255,13 @@ impl Writer {
     fn rules(&mut self, words: &[&str]) -> u16 {
         let first = self.draft.rules.len() as u16;
         if words[0] == "always" {
-            self.draft.rules.push(Rule { input: 0, labels: [label(words[1]); 7] });
+            self.draft.rules.push(Rule { input: 0, labels: [label(words[1]); 7].into() });
         }
         for row in words.chunks_exact(8) {
             let input = self.index("input", row[0]) as u8;
             let labels: Vec<Label> = row[1..].iter().map(|word| label(word)).collect();
-            self.draft.rules.push(Rule { input, labels: labels.try_into().expect("seven") });
+            let labels = <[Label; 7]>::try_from(labels).expect("seven").into();
+            self.draft.rules.push(Rule { input, labels });
         }
         let count = (self.draft.rules.len() - usize::from(first)) as u8;
         self.draft.rule_bases.push(RuleBase { first, count, inference: Inference::Min });
@@ -425,7 +426,8 @@ impl<'a> Robot<'a> {
             channels: &self.channels,
             world: &world,
         };
-        let (running, report) = self.behaviours.step(&self.mission, &seen);
+        let mut report = Report::default();
+        let running = self.behaviours.step(&self.mission, &seen, &mut report);
         assert_eq!(report.omitted, 0, "a test shall see everything");
         let mut parts: Vec<String> =
             report.decisions.iter().filter_map(|decision| self.decision(decision)).collect();
@@ -438,9 +440,14 @@ impl<'a> Robot<'a> {
         }
     }
 
+    fn action(&self, index: u16) -> &'a str {
+        let record = self.mission.actions().get(usize::from(index)).expect("an action");
+        self.mission.name(record.name)
+    }
+
     fn names(&self, running: &Running) -> String {
         let mut all = running.iter().map(|part| {
-            let mut text = String::from(self.mission.name(part.action.name));
+            let mut text = String::from(self.action(part.action));
             if part.max_speed_mps.is_finite() {
                 write!(text, "<={}", part.max_speed_mps).expect("a string takes everything");
             }
@@ -494,7 +501,7 @@ impl<'a> Robot<'a> {
             Decision::TimedOut { component } => {
                 let mut running = self.running.iter();
                 let part = running.find(|part| part.component == component);
-                format!("{} timed out", part.map_or("?", |p| self.mission.name(p.action.name)))
+                format!("{} timed out", part.map_or("?", |part| self.action(part.action)))
             }
             Decision::Conflict(signal) => return self.conflict(signal),
         })

@@ -209,9 +209,8 @@ fn doubts_are_reported_in_advance() {
         "doubts=shown x6",
         "1: a engaged, [step make|spoil use], step
          2: step
-         3: may lose: done, step
-         4: step
-         6: may lose: done, step",
+         4: may lose: done, step
+         5: step",
     );
 }
 

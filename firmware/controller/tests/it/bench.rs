@@ -57,7 +57,7 @@ fn mission(criticality: Label, actions: &[ActionKind]) -> MissionDraft {
         hold_ms: 0,
         missing: 0.0,
     });
-    draft.rules.push(Rule { input: 0, labels: [criticality; 7] });
+    draft.rules.push(Rule { input: 0, labels: [criticality; 7].into() });
     draft.rule_bases.push(RuleBase { first: 0, count: 1, inference: Inference::Min });
     draft.descriptions.push(Description {
         initial: Condition::default(),

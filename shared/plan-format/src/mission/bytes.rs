@@ -20,16 +20,19 @@ pub trait Record: Sized + 'static {
 pub struct Reader<'a>(pub(crate) &'a [u8]);
 
 impl Reader<'_> {
+    #[inline]
     fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
         let (first, rest) = self.0.split_first_chunk::<N>()?;
         self.0 = rest;
         Some(*first)
     }
 
+    #[inline]
     pub(crate) fn u8(&mut self) -> Option<u8> {
         self.take::<1>().map(|[byte]| byte)
     }
 
+    #[inline]
     pub(crate) fn u16(&mut self) -> Option<u16> {
         self.take().map(u16::from_le_bytes)
     }
@@ -39,14 +42,17 @@ impl Reader<'_> {
         self.u16().map(|number| (number != u16::MAX).then_some(number))
     }
 
+    #[inline]
     pub(crate) fn u32(&mut self) -> Option<u32> {
         self.take().map(u32::from_le_bytes)
     }
 
+    #[inline]
     pub(crate) fn u64(&mut self) -> Option<u64> {
         self.take().map(u64::from_le_bytes)
     }
 
+    #[inline]
     pub(crate) fn f32(&mut self) -> Option<f32> {
         self.take().map(f32::from_le_bytes)
     }
@@ -120,6 +126,7 @@ impl<'a, T: Record> Table<'a, T> {
     }
 
     /// A record; `None` past the end.
+    #[inline]
     pub fn get(&self, index: usize) -> Option<T> {
         let from = index.checked_mul(T::SIZE)?;
         T::decode(&mut Reader(self.bytes.get(from..)?.get(..T::SIZE)?))
@@ -127,13 +134,14 @@ impl<'a, T: Record> Table<'a, T> {
 
     /// The records in order, from `first`, at most `count`.
     pub fn range(self, first: u16, count: u8) -> impl Iterator<Item = T> + use<'a, T> {
-        let first = usize::from(first);
-        (first..first + usize::from(count)).map_while(move |index| self.get(index))
+        let bytes = self.bytes.get(usize::from(first) * T::SIZE..).unwrap_or(&[]);
+        Table::<T>::new(bytes).iter().take(count.into())
     }
 
     /// All records in order.
     pub fn iter(self) -> impl Iterator<Item = T> + use<'a, T> {
-        (0..self.len()).map_while(move |index| self.get(index))
+        let records = self.bytes.chunks_exact(T::SIZE);
+        records.map_while(|bytes| T::decode(&mut Reader(bytes)))
     }
 
     /// Whether the bytes are whole records and each of them can be read.

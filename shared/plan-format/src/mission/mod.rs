@@ -21,7 +21,7 @@ pub use check::MissionError;
 pub use life::Life;
 pub use records::{
     Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Frame,
-    Inference, Input, Interval, Label, Name, Production, Rule, RuleBase, Source, SwitchPoint,
+    Inference, Input, Interval, Label, Name, Production, Row, Rule, RuleBase, Source, SwitchPoint,
     Symbol,
 };
 #[cfg(feature = "std")]
@@ -154,6 +154,7 @@ impl<'a> Mission<'a> {
     }
 
     /// The description of a frame or an action.
+    #[inline]
     pub fn description(&self, symbol: Symbol) -> Option<Description> {
         let index = match symbol {
             Symbol::Frame(index) => self.frames().get(usize::from(index))?.description,
@@ -180,7 +181,7 @@ mod tests {
             missing: 0.25,
         });
         use Label::{NB, NM, NS, PB, PM, PS, ZO};
-        draft.rules.push(Rule { input: 0, labels: [NB, NM, NS, ZO, PS, PM, PB] });
+        draft.rules.push(Rule { input: 0, labels: [NB, NM, NS, ZO, PS, PM, PB].into() });
         draft.rule_bases.push(RuleBase { first: 0, count: 1, inference: Inference::Product });
         let name = draft.name("on field");
         let kind = FactKind::Inside { west_m: -1.0, south_m: 0.0, east_m: 9.0, north_m: 5.0 };

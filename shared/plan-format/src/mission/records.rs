@@ -54,6 +54,41 @@ impl Label {
     }
 }
 
+/// Seven labels, NB's first, as the blob has them: three bits each. An inference looks at two of
+/// them, so they stay packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Row(u32);
+
+impl Row {
+    /// Bits that make up a row.
+    const BITS: u32 = (1 << (3 * Label::ALL.len())) - 1;
+
+    /// The label at a place 0 ..= 6; places beyond have the last.
+    pub const fn get(self, place: usize) -> Label {
+        let place = if place < Label::ALL.len() { place } else { Label::ALL.len() - 1 };
+        Label::from_index((self.0 >> (3 * place) & 7) as u8)
+    }
+
+    /// All seven.
+    pub fn labels(self) -> [Label; 7] {
+        [0, 1, 2, 3, 4, 5, 6].map(|place| self.get(place))
+    }
+
+    /// A row as it stands in the blob; `None` where some three bits are no label.
+    fn unpack(bits: u32) -> Option<Self> {
+        let all_three = bits & bits >> 1 & bits >> 2;
+        // The lowest bit of each three.
+        let is_label = all_three & 0o1_111_111 == 0;
+        (is_label && bits <= Self::BITS).then_some(Self(bits))
+    }
+}
+
+impl From<[Label; 7]> for Row {
+    fn from(labels: [Label; 7]) -> Self {
+        Self(labels.into_iter().rev().fold(0, |bits, label| bits << 3 | label as u32))
+    }
+}
+
 /// Where the value of an aspect of interest comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {
@@ -110,7 +145,7 @@ pub struct Rule {
     /// Index of the input.
     pub input: u8,
     /// The result's label for each of the input's seven.
-    pub labels: [Label; 7],
+    pub labels: Row,
 }
 
 /// How a rule's consequence is cut to the degree of its premise.
@@ -149,6 +184,16 @@ impl Condition {
     /// Whether it holds where exactly `facts` do.
     pub const fn holds(self, facts: Facts) -> bool {
         facts & self.must == self.must && facts & self.must_not == 0
+    }
+
+    /// The facts that are not as it wants them.
+    pub const fn violated(self, facts: Facts) -> Facts {
+        self.must & !facts | self.must_not & facts
+    }
+
+    /// Both at once.
+    pub const fn and(self, other: Self) -> Self {
+        Self { must: self.must | other.must, must_not: self.must_not | other.must_not }
     }
 
     /// Whether it says nothing.
@@ -408,6 +453,7 @@ pub struct Behaviour {
 impl Record for Input {
     const SIZE: usize = 32;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
         Some(Self {
             name: Name::decode(r)?,
@@ -448,6 +494,7 @@ impl Record for Input {
 impl Record for Name {
     const SIZE: usize = 3;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
         Some(Self { offset: r.u16()?, length: r.u8()? })
     }
@@ -461,30 +508,21 @@ impl Record for Name {
 impl Record for Rule {
     const SIZE: usize = 5;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
-        let input = r.u8()?;
-        let packed = r.u32()?;
-        let mut labels = [Label::NB; 7];
-        for (i, label) in labels.iter_mut().enumerate() {
-            let index = (packed >> (3 * i)) & 7;
-            if index == 7 {
-                return None;
-            }
-            *label = Label::from_index(index as u8);
-        }
-        Some(Self { input, labels })
+        Some(Self { input: r.u8()?, labels: Row::unpack(r.u32()?)? })
     }
 
     #[cfg(feature = "std")]
     fn encode(&self, w: &mut super::bytes::Writer) {
-        let packed = self.labels.iter().rev().fold(0, |packed, &label| packed << 3 | label as u32);
-        w.u8(self.input).u32(packed);
+        w.u8(self.input).u32(self.labels.0);
     }
 }
 
 impl Record for RuleBase {
     const SIZE: usize = 4;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
         let (first, count) = (r.u16()?, r.u8()?);
         let inference = match r.u8()? {
@@ -504,6 +542,7 @@ impl Record for RuleBase {
 impl Record for Condition {
     const SIZE: usize = 16;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
         Some(Self { must: r.u64()?, must_not: r.u64()? })
     }
@@ -517,6 +556,7 @@ impl Record for Condition {
 impl Record for Fact {
     const SIZE: usize = 20;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
         let name = Name::decode(r)?;
         let (tag, a, b, c, d) = (r.u8()?, r.u32()?, r.f32()?, r.f32()?, r.f32()?);
@@ -550,6 +590,7 @@ impl Record for Fact {
 impl Record for Description {
     const SIZE: usize = 72;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
         Some(Self {
             initial: Condition::decode(r)?,
@@ -574,6 +615,7 @@ impl Record for Description {
 impl Record for Action {
     const SIZE: usize = 44;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
         let name = Name::decode(r)?;
         let (tag, a, x, y, z) = (r.u8()?, r.u32()?, r.f32()?, r.f32()?, r.f32()?);
@@ -620,6 +662,7 @@ impl Record for Action {
 impl Record for Frame {
     const SIZE: usize = 30;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
         Some(Self {
             name: Name::decode(r)?,
@@ -644,6 +687,7 @@ impl Record for Frame {
 impl Record for Production {
     const SIZE: usize = 12;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
         Some(Self {
             name: Name::decode(r)?,
@@ -667,6 +711,7 @@ impl Record for Production {
 impl Record for Edge {
     const SIZE: usize = 7;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
         let (from, to, tag, index, work) = (r.u8()?, r.u8()?, r.u8()?, r.u16()?, r.u16()?);
         let symbol = match tag {
@@ -690,6 +735,7 @@ impl Record for Edge {
 impl Record for Interval {
     const SIZE: usize = 19;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
         Some(Self {
             from: r.u8()?,
@@ -709,6 +755,7 @@ impl Record for Interval {
 impl Record for Behaviour {
     const SIZE: usize = 30;
 
+    #[inline]
     fn decode(r: &mut Reader<'_>) -> Option<Self> {
         Some(Self {
             name: Name::decode(r)?,

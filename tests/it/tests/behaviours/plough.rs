@@ -35,7 +35,7 @@ fn h39_the_papers_tables_compile_to_the_golden_bytes() {
     let mission = Mission::parse(&section).expect("a good mission");
     let rules = |base: u16| {
         let base = mission.rule_bases().get(base.into()).expect("checked");
-        mission.rules_of(&base).map(|rule| rule.labels).collect::<Vec<_>>()
+        mission.rules_of(&base).map(|rule| rule.labels.labels()).collect::<Vec<_>>()
     };
     let behaviour = |index: usize| mission.behaviours().get(index).expect("checked");
     assert_eq!(rules(behaviour(0).rules), [TABLE_4]);

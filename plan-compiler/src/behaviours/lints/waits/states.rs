@@ -60,7 +60,7 @@ impl States {
             return Self { is_complete: false, ..states };
         };
         let mut plan = Plan::default();
-        plan.change(|forest, tell| forest.plant(OWNER, frame, tell));
+        plan.change(&mission, |forest, tell| forest.plant(OWNER, frame, tell));
         let mut known = HashMap::new();
         let mut waiting: Vec<(usize, Plan)> = Vec::new();
         states.add(&mission, plan, &mut known, &mut waiting);
@@ -144,7 +144,11 @@ impl States {
 }
 
 impl Plan {
-    fn change<T>(&mut self, act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T) -> T {
+    fn change<T>(
+        &mut self,
+        mission: &Mission<'_>,
+        act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T,
+    ) -> T {
         let Self { forest, grid } = self;
         act(forest, &mut |event| match event {
             Event::Planned { id, component } => grid.planned(
@@ -161,9 +165,9 @@ impl Plan {
                     finished: 0,
                 },
             ),
-            Event::Decomposed { id, production } => grid.decomposed(id, production),
+            Event::Decomposed { id, production } => grid.decomposed(mission, id, production),
             Event::CameRound { id } => grid.came_round(id),
-            Event::Became { id, life } => grid.became(id, life),
+            Event::Became { id, life } => grid.became(mission, id, life),
             Event::Deleted { id } => grid.deleted(id),
         })
     }
@@ -193,18 +197,14 @@ impl Plan {
     fn end(&mut self, mission: &Mission<'_>, id: Id, has_failed: bool) -> Option<Stop> {
         let work = self.work_after(mission, id);
         if has_failed {
-            self.change(|forest, tell| forest.fail(id, tell));
+            self.change(mission, |forest, tell| forest.fail(id, tell));
         } else {
             self.complete(mission, id);
         }
         if !self.running(mission).is_empty() {
             return None;
         }
-        let mut held = Condition::default();
-        self.grid.held(mission, OWNER, 0, &mut |interval| {
-            held.must |= interval.condition.must;
-            held.must_not |= interval.condition.must_not;
-        });
+        let held = self.grid.held(OWNER).fold(Condition::default(), |all, (_, held)| all.and(held));
         let mut ahead = Vec::new();
         self.grid.points(mission, OWNER, &mut |point| ahead.push((point.lost_work, point.held)));
         Some(Stop { held, lost_work: work.filter(|_| !has_failed), ahead })
@@ -228,7 +228,7 @@ impl Plan {
     fn complete(&mut self, mission: &Mission<'_>, id: Id) {
         let mut id = id;
         for _ in 0..=MAX_DEPTH {
-            match self.change(|forest, tell| forest.finish(mission, id, tell)) {
+            match self.change(mission, |forest, tell| forest.finish(mission, id, tell)) {
                 Ended::Completes(frame) => id = frame,
                 _ => return,
             }
@@ -253,7 +253,7 @@ impl Plan {
             match plan.forest.get(id).map(|component| component.symbol) {
                 Some(Symbol::Frame(frame)) => plan.choices(mission, id, frame, &mut open),
                 _ => {
-                    plan.change(|forest, tell| forest.start(id, tell));
+                    plan.change(mission, |forest, tell| forest.start(id, tell));
                     open.push(plan);
                 }
             }
@@ -267,7 +267,7 @@ impl Plan {
     fn choices(&self, mission: &Mission<'_>, id: Id, frame: u16, open: &mut Vec<Self>) {
         let Some(frame) = mission.frames().get(usize::from(frame)) else { return };
         let decompose = |plan: &mut Self, value: &mut dyn FnMut(u16, &Production) -> f32| {
-            plan.change(|forest, tell| forest.decompose(mission, id, value, tell))
+            plan.change(mission, |forest, tell| forest.decompose(mission, id, value, tell))
         };
         for chosen in frame.first..frame.first.saturating_add(frame.count.into()) {
             let mut plan = self.clone();
@@ -275,7 +275,7 @@ impl Plan {
             match decompose(&mut plan, wanted) {
                 (_, Choice::Production(_)) => open.push(plan),
                 (id, Choice::NoRoom | Choice::TooDeep) => {
-                    plan.change(|forest, tell| forest.fail(id, tell));
+                    plan.change(mission, |forest, tell| forest.fail(id, tell));
                     open.push(plan);
                 }
                 _ => {}
@@ -287,7 +287,7 @@ impl Plan {
         match decompose(&mut plan, none) {
             (id, Choice::LoopEnded) => plan.complete(mission, id),
             (id, Choice::NothingApplicable) => {
-                plan.change(|forest, tell| forest.fail(id, tell));
+                plan.change(mission, |forest, tell| forest.fail(id, tell));
             }
             _ => return,
         }
