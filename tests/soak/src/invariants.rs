@@ -2,7 +2,7 @@
 
 use behaviour::{Behaviours, Decision, MAX_RUNNING, Phase, REST_US};
 use controller::{Explanation, State};
-use monitor::{Entry, Id, Node, Relation, Signal, Violation};
+use monitor::{Entry, Grid, Id, Node, Relation, Signal, Violation};
 use plan_format::Plan;
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
 use plan_format::mission::{Life, Mission, Symbol};
@@ -15,6 +15,8 @@ pub struct Watch {
     now_us: u64,
     seen_us: Option<u64>,
     failed_us: [Option<u64>; MAX_BEHAVIOURS],
+    /// What the plans were.
+    grid: Grid,
 }
 
 impl Watch {
@@ -38,6 +40,7 @@ impl Watch {
             self.now_us = self.now_us.saturating_add(passed_us);
             self.no_tick_is_dead(&mission, &state.behaviours, explanation)?;
         }
+        self.grid.clone_from(state.behaviours.grid());
         Ok(())
     }
 
@@ -54,8 +57,8 @@ impl Watch {
         if is_possible { Ok(()) } else { Err(format!("impossible commands: {commands:?}")) }
     }
 
-    /// If some behaviour is critical, does not rest and could run, then something runs or the report
-    /// says why not.
+    /// If some behaviour is critical, does not rest and could run, then something runs, the plans
+    /// have changed (actions that take no time may fill a tick), or the report says why not.
     fn no_tick_is_dead(
         &mut self,
         mission: &Mission<'_>,
@@ -72,7 +75,8 @@ impl Watch {
             )
         };
         let is_told = report.decisions.iter().filter(tells).count() > 0 || report.omitted > 0;
-        if !is_told && running(behaviours).count() == 0 {
+        let has_changed = *behaviours.grid() != self.grid;
+        if !is_told && !has_changed && running(behaviours).count() == 0 {
             for (index, behaviour) in mission.behaviours().iter().enumerate() {
                 let is_engaged = is_engaged(behaviours.phase(index));
                 let is_dormant = report.criticalities[index] <= behaviour.dormant;

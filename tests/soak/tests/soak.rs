@@ -21,6 +21,12 @@ fn equal_seeds_give_equal_runs() {
     assert_eq!(run(), run());
 }
 
+/// In tick 732 of this mission eight actions that take no time begin and end, and nothing else.
+#[test]
+fn a_tick_full_of_actions_that_take_no_time_is_not_dead() {
+    soak(1666, 1, &mut |_| {}).unwrap_or_else(|failure| panic!("{failure}"));
+}
+
 fn armed(time_us: u64, inputs: [Option<f32>; 8]) -> Percepts {
     Percepts {
         time_us,
