@@ -7,6 +7,7 @@ mod mistakes;
 mod pictures;
 mod plough;
 mod rounds;
+mod waits;
 
 use plan_compiler::behaviours::{PlanNames, Plans, compile};
 use plan_compiler::mission::parse;

@@ -5,7 +5,7 @@
 //! shown elsewhere.
 
 use super::plough::section;
-use behaviour::{Behaviours, Decision, Observations, Phase, World};
+use behaviour::{Behaviours, Decision, Observations, Phase, Report, World};
 use math::{Vec2, vector};
 use plan_format::mission::{ActionKind, FactKind, Mission};
 
@@ -74,7 +74,8 @@ fn run(fuel_per_m: f32, mut thirst: impl FnMut(&mut Point)) -> (Point, Log) {
             channels: &channels,
             world: &point,
         };
-        let (running, report) = behaviours.step(&mission, &seen);
+        let mut report = Report::default();
+        let running = behaviours.step(&mission, &seen, &mut report);
         for decision in &report.decisions {
             match decision {
                 Decision::Interrupted { behaviour, by, is_unconditional, .. } => {
@@ -90,11 +91,7 @@ fn run(fuel_per_m: f32, mut thirst: impl FnMut(&mut Point)) -> (Point, Log) {
                 _ => {}
             }
         }
-        let actions: Vec<_> = mission.actions().iter().collect();
-        let strip = running
-            .iter()
-            .filter_map(|part| strip_of(actions.iter().position(|a| *a == part.action)?))
-            .next();
+        let strip = running.iter().find_map(|part| strip_of(part.action.into()));
         if strip != last_strip {
             // Ended only if it came to its end, and not where it was left.
             if let Some(ended) = last_strip
@@ -109,7 +106,7 @@ fn run(fuel_per_m: f32, mut thirst: impl FnMut(&mut Point)) -> (Point, Log) {
             last_strip = strip;
         }
         for part in &running {
-            let to = match part.action.kind {
+            let to = match part.kind {
                 ActionKind::Follow { plan: 0, .. } => GALLON,
                 ActionKind::Follow { .. } => FIELD,
                 ActionKind::GoTo { x_m, y_m } => Vec2::new(x_m, y_m),

@@ -1,0 +1,160 @@
+//! H36: nobody waits longer for the robot than the compiler has said.
+
+use super::compiled;
+use behaviour::{Behaviours, Decision, Observations, Phase, Report, World};
+use math::Vec2;
+use plan_compiler::problem::Problem;
+use plan_format::mission::Mission;
+use std::fmt::Write;
+
+const TICK_US: u64 = 50_000;
+/// Ends of actions are seen at the next tick, and so is a claim.
+const SEEN_MS: u64 = 2 * TICK_US / 1_000;
+
+/// The missions below ask for no place and no plan.
+struct Nowhere;
+
+impl World for Nowhere {
+    fn cost_to_goal(&self, _: u16) -> Option<f32> {
+        None
+    }
+    fn price(&self, _: u16, _: u8) -> Option<f32> {
+        None
+    }
+    fn is_at_goal(&self, _: u16) -> bool {
+        false
+    }
+    fn is_at(&self, _: Vec2) -> bool {
+        false
+    }
+}
+
+/// Behaviours for one robot, as critical as the eight channels say, from the ninth on the other way
+/// round, and their steps of different length.
+fn mission(count: usize, plan: impl Fn(usize) -> String) -> String {
+    let mut text = String::from("[facts]\nready = false\n[inputs]\n");
+    for channel in 0..8 {
+        let source = match channel {
+            0 => "battery".into(),
+            1 => "fuel".into(),
+            2 => "link".into(),
+            _ => format!("custom {}", channel - 2),
+        };
+        writeln!(text, "in{channel} = {{ source = \"{source}\", missing = {{ then = 0 }} }}")
+            .unwrap();
+    }
+    text += "[actions]\nprepare = { do = \"hold 0.2 s\" }\ntidy = { do = \"hold 0.3 s\" }\n";
+    for index in 0..count {
+        let time = 0.1 + 0.1 * (index % 5) as f64;
+        writeln!(text, "begin{index} = {{ do = \"hold {time:.1} s\", add = [\"ready\"] }}")
+            .unwrap();
+        writeln!(text, "end{index} = {{ do = \"hold 0.2 s\", delete = [\"ready\"] }}").unwrap();
+    }
+    for index in 0..count {
+        let row = if index < 8 { "NM NM NS ZO PS PM PM" } else { "PM PM PS ZO NS NM NM" };
+        let channel = index % 8;
+        writeln!(text, "[behaviours.b{index}]\nplan = \"work{index}\"").unwrap();
+        writeln!(text, "criticality = {{ in{channel} = \"{row}\" }}\n{}", plan(index)).unwrap();
+    }
+    text
+}
+
+/// As many as there may be; a component is all that each has room for besides its root.
+fn sixteen() -> String {
+    let dwell = |index| String::from(if index % 5 == 2 { "dwell_s = 1" } else { "" });
+    let mut text = mission(16, dwell);
+    text += "[frames]\n";
+    for index in 0..16 {
+        writeln!(text, "work{index} = {{ productions = [\"entry -> begin{index} -> exit\"] }}")
+            .unwrap();
+    }
+    text
+}
+
+/// With loops, start-up, shut-down and protection intervals.
+fn five() -> String {
+    let activities = |index: usize| match index % 2 {
+        0 => String::from("start_up = \"set_up\"\nshut_down = \"put_away\""),
+        _ => String::from("dwell_s = 1"),
+    };
+    let mut text = mission(5, activities);
+    text += "[frames]\nset_up = { productions = [\"entry -> prepare -> exit\"] }\n";
+    text += "put_away = { productions = [\"entry -> tidy -> exit\"] }\n";
+    for index in 0..5 {
+        let graph = format!("entry -> begin{index} -> end{index} -> work{index} -> exit");
+        let protect = format!("protect = [\"ready from begin{index} to end{index}\"]");
+        let protect = if index % 3 == 0 { protect } else { "protect = []".into() };
+        writeln!(text, "work{index} = {{ productions = [{{ graph = \"{graph}\", {protect} }}] }}")
+            .unwrap();
+    }
+    text
+}
+
+/// What the compiler says of each behaviour's longest wait, milliseconds.
+fn bounds(problems: &[Problem], count: usize) -> Vec<u64> {
+    let said: Vec<String> = problems.iter().map(ToString::to_string).collect();
+    let note = said
+        .iter()
+        .find(|said| said.contains("longest waits"))
+        .unwrap_or_else(|| panic!("waits are not said: {said:#?}"));
+    (0..count)
+        .map(|index| {
+            let name = format!("`b{index}` ");
+            let from = note.find(&name).unwrap_or_else(|| panic!("{name} in {note}")) + name.len();
+            let seconds = note[from..].split(' ').next().expect("a number");
+            let seconds: f64 = seconds.parse().unwrap_or_else(|_| panic!("{name} in {note}"));
+            (seconds * 1e3).round() as u64
+        })
+        .collect()
+}
+
+#[track_caller]
+fn check(text: &str, count: usize) {
+    let (draft, problems) = compiled(text);
+    let bounds = bounds(&problems, count);
+    let section = draft.expect("the mission is sound").write().expect("it fits");
+    let mission = Mission::parse(&section).expect("it is sound");
+    let hysteresis = mission.behaviours().iter().map(|b| b.hysteresis).fold(0.0, f32::max);
+    let mut behaviours = Behaviours::new(&mission);
+    let (mut waits, mut longest, mut changes) = ([0_u64; 16], [0_u64; 16], 0);
+    for tick in 1..=40_000_u64 {
+        // Triangles of eight lengths: places change within seconds.
+        let wave = |channel: u64| {
+            let half = 13 + 9 * channel;
+            let phase = tick % (2 * half);
+            Some(phase.min(2 * half - phase) as f32 / half as f32)
+        };
+        let seen = Observations {
+            time_us: tick * TICK_US,
+            position: None,
+            channels: &[0, 1, 2, 3, 4, 5, 6, 7].map(wave),
+            world: &Nowhere,
+        };
+        let mut report = Report::default();
+        behaviours.step(&mission, &seen, &mut report);
+        let changed =
+            |d: &&Decision| matches!(d, Decision::Engaged { .. } | Decision::Resumed { .. });
+        changes += report.decisions.iter().filter(changed).count();
+        for (index, wait) in waits.iter_mut().enumerate().take(count) {
+            let own = report.criticalities[index];
+            let others = report.criticalities.iter().enumerate();
+            let others = others.filter(|&(other, _)| other != index).map(|(_, &value)| value);
+            let is_first = own > others.fold(0.0, f32::max) + hysteresis;
+            let has_robot = !matches!(behaviours.phase(index), Phase::Idle | Phase::Sleeping);
+            *wait = if is_first && !has_robot { *wait + TICK_US / 1_000 } else { 0 };
+            longest[index] = longest[index].max(*wait);
+        }
+    }
+    assert!(changes > 500, "only {changes} changes");
+    let waited = longest.iter().filter(|&&wait| wait > SEEN_MS).count();
+    assert!(waited > count / 2, "hardly anybody waits: {longest:?}");
+    for (index, (wait, bound)) in longest.iter().zip(&bounds).enumerate() {
+        assert!(*wait <= bound + SEEN_MS, "b{index} waited {wait} ms, and {bound} were said");
+    }
+}
+
+#[test]
+fn h36_nobody_waits_longer_than_the_compiler_said() {
+    check(&sixteen(), 16);
+    check(&five(), 5);
+}
