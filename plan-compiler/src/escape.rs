@@ -128,18 +128,19 @@ impl pulp::WithSimd for Escape<'_> {
         let Self { costs, blocked, field } = self;
         let (columns, rows) = (field.columns as usize, field.rows as usize);
         let mut moves = vec![0; columns];
-        let mut lines = [(); 3].map(|()| vec![UNREACHED; columns]);
-        let read = |row: usize, line: &mut [u32]| {
-            if row < rows { costs.read(row, line) } else { line.fill(UNREACHED) }
-        };
-        read(0, &mut lines[2]);
-        for (row, code) in field.code.chunks_exact_mut(columns.max(1)).enumerate() {
-            lines.rotate_left(1);
-            read(row + 1, &mut lines[2]);
+        let (mut near, mut line) = (Near::new(columns), vec![UNREACHED; columns]);
+        for row in 0..=rows {
+            if row < rows {
+                costs.read(row, &mut line);
+                near.go_north(&line);
+            } else {
+                near.go_beyond();
+            }
+            let Some(row) = row.checked_sub(1) else { continue };
+            let code = &mut field.code[row * columns..][..columns];
             let words = blocked.row(row as u32);
             if words.iter().any(|&word| word != 0) {
-                let [south, here, north] = &lines;
-                Near { south, here, north }.codes(Corners::Allow, &mut moves);
+                near.codes(Corners::Allow, &mut moves);
                 for (at, &word) in words.iter().enumerate().filter(|&(_, &word)| word != 0) {
                     let cells = at * SIDE..columns.min((at + 1) * SIDE);
                     mark(word, &mut code[cells.clone()], &moves[cells]);

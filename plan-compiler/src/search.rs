@@ -128,11 +128,11 @@ impl Solver {
         match self.method.unwrap_or_else(|| suitable(blocked)) {
             Method::Tiles => {
                 self.tiles.search(blocked, goal, corners);
-                advice::advise(&self.tiles, blocked, corners, field);
+                advice::advise(&self.tiles, blocked, goal, corners, field);
             }
             Method::Buckets => {
                 self.buckets.search(blocked, goal, corners);
-                advice::advise(&self.buckets, blocked, corners, field);
+                advice::advise(&self.buckets, blocked, goal, corners, field);
             }
         }
     }

@@ -4,14 +4,19 @@
 //! Costs are integers, so that is a comparison for equality, and every cell is decided by its
 //! eight neighbours alone: one pass over the field, row by row, many columns at once.
 //!
+//! Sixteen bits of a cost are enough for that, and twice as many columns fit in a vector.
+//! The costs of two cells with a route, one step apart, differ by that step at most; so if they
+//! differ by a step modulo 2^15, which is more than twice the longest, they do so in truth. The
+//! sixteenth bit says that there is no route ([`NOWHERE`]).
+//!
 //! Among equally good moves a diagonal is preferred to a straight one (the paper's "minimal
 //! adjacent cell"), else NE, NW, SW, SE, E, N, W, S in this order.
 
 use super::Corners;
 use crate::bitmap::Bitmap;
-use plan_format::Direction;
 use plan_format::field::{self, Field, UNREACHED};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
+use plan_format::{Cell, Direction};
 
 /// Where the costs of a search come from.
 pub(crate) trait Rows {
@@ -21,9 +26,17 @@ pub(crate) trait Rows {
 
 /// Fills in a field, whose arrays have their right lengths: the costs, and the codes of all
 /// cells, blocked ones being left without an escape.
-pub(super) fn advise(costs: &impl Rows, blocked: &Bitmap, corners: Corners, field: &mut Field) {
-    let nowhere = vec![UNREACHED; field.columns as usize];
-    pulp::Arch::new().dispatch(Advise { costs, blocked, corners, nowhere: &nowhere, field });
+pub(super) fn advise(
+    costs: &impl Rows,
+    blocked: &Bitmap,
+    goal: Option<Cell>,
+    corners: Corners,
+    field: &mut Field,
+) {
+    pulp::Arch::new().dispatch(Advise { costs, blocked, corners, field });
+    if let Some(goal) = goal {
+        field.code[goal.row as usize * field.columns as usize + goal.column as usize] = field::GOAL;
+    }
 }
 
 /// The pass itself, compiled once for each kind of vector unit.
@@ -31,7 +44,6 @@ struct Advise<'a, R> {
     costs: &'a R,
     blocked: &'a Bitmap,
     corners: Corners,
-    nowhere: &'a [u32],
     field: &'a mut Field,
 }
 
@@ -40,26 +52,26 @@ impl<R: Rows> pulp::WithSimd for Advise<'_, R> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Self { costs, blocked, corners, nowhere, field } = self;
-        let (columns, rows) = (field.columns as usize, field.rows as usize);
-        if columns == 0 || rows == 0 {
+        let Self { costs, blocked, corners, field } = self;
+        let columns = field.columns as usize;
+        if field.cost.is_empty() {
             return;
         }
-        costs.read(0, &mut field.cost[..columns]);
-        for row in 0..rows {
-            let start = row * columns;
-            if row + 1 < rows {
-                costs.read(row + 1, &mut field.cost[start + columns..][..columns]);
+        let mut near = Near::new(columns);
+        let rows = field.cost.len() / columns;
+        for row in 0..=rows {
+            if row < rows {
+                let cost = &mut field.cost[row * columns..][..columns];
+                costs.read(row, cost);
+                near.go_north(cost);
+            } else {
+                near.go_beyond();
             }
-            let line = |row: usize| field.cost.get(row * columns..(row + 1) * columns);
-            let near = Near {
-                south: row.checked_sub(1).and_then(line).unwrap_or(nowhere),
-                here: &field.cost[start..][..columns],
-                north: line(row + 1).unwrap_or(nowhere),
-            };
-            let code = &mut field.code[start..][..columns];
-            near.codes(corners, code);
-            mark(blocked.row(row as u32), code);
+            if row > 0 {
+                let code = &mut field.code[(row - 1) * columns..][..columns];
+                near.codes(corners, code);
+                mark(blocked.row(row as u32 - 1), code);
+            }
         }
     }
 }
@@ -79,15 +91,48 @@ fn mark(blocked: &[u64], code: &mut [u8]) {
     }
 }
 
-/// A row's costs and those of the rows beside it.
-pub(crate) struct Near<'a> {
-    pub(crate) south: &'a [u32],
-    pub(crate) here: &'a [u32],
-    pub(crate) north: &'a [u32],
+/// A cell without a route, or beyond the map.
+const NOWHERE: u16 = 1 << 15;
+/// The bits that costs are compared by.
+const KEPT: u16 = NOWHERE - 1;
+
+const _: () = assert!(2 * DIAGONAL_STEP < KEPT as u32, "steps are told apart");
+
+/// Columns that are decided at once: whole vectors, however long.
+const BLOCK: usize = 64;
+/// The shortened costs of a block's columns and of one beside it at either end.
+type Line = [u16; BLOCK + 2];
+
+/// A row's costs and those of the rows south and north of it, shortened, with a column beyond the
+/// map before them and as many after them as make whole blocks.
+pub(crate) struct Near {
+    lines: [Vec<u16>; 3],
 }
 
-impl Near<'_> {
-    /// The codes of the row's cells, all taken for free.
+impl Near {
+    /// South of all rows of a map.
+    pub(crate) fn new(columns: usize) -> Self {
+        Self { lines: [(); 3].map(|()| vec![NOWHERE; columns.next_multiple_of(BLOCK) + 2]) }
+    }
+
+    /// Takes in the costs of the next row north.
+    #[inline(always)]
+    pub(crate) fn go_north(&mut self, cost: &[u32]) {
+        self.lines.rotate_left(1);
+        for (short, &cost) in self.lines[2][1..].iter_mut().zip(cost) {
+            *short = if cost == UNREACHED { NOWHERE } else { cost as u16 & KEPT };
+        }
+    }
+
+    /// There is no further row north.
+    #[inline(always)]
+    pub(crate) fn go_beyond(&mut self) {
+        self.lines.rotate_left(1);
+        self.lines[2].fill(NOWHERE);
+    }
+
+    /// The codes of the row's cells, all taken for free; a cell without a move has no route, be
+    /// it the goal.
     #[inline(always)]
     pub(crate) fn codes(&self, corners: Corners, code: &mut [u8]) {
         match corners {
@@ -98,55 +143,57 @@ impl Near<'_> {
 
     #[inline(always)]
     fn codes_by<const ALLOW: bool>(&self, code: &mut [u8]) {
-        let last = code.len() - 1;
-        code[0] = self.outer::<ALLOW>(0);
-        if last > 0 {
-            code[last] = self.outer::<ALLOW>(last);
-            let inner = &mut code[1..last];
-            let count = inner.len();
-            let [w, c, e] = [0, 1, 2].map(|shift| &self.here[shift..][..count]);
-            let [sw, s, se] = [0, 1, 2].map(|shift| &self.south[shift..][..count]);
-            let [nw, n, ne] = [0, 1, 2].map(|shift| &self.north[shift..][..count]);
-            for x in 0..count {
-                let around = [e[x], ne[x], n[x], nw[x], w[x], sw[x], s[x], se[x]];
-                inner[x] = best::<ALLOW>(c[x], around) as u8;
-            }
+        let [south, here, north] = &self.lines;
+        for (at, code) in code.chunks_mut(BLOCK).enumerate() {
+            let start = at * BLOCK;
+            let (Some(south), Some(here), Some(north)) = (
+                south[start..].first_chunk(),
+                here[start..].first_chunk(),
+                north[start..].first_chunk(),
+            ) else {
+                return;
+            };
+            let codes = block::<ALLOW>(south, here, north);
+            code.copy_from_slice(&codes[..code.len()]);
         }
     }
+}
 
-    /// The code of a cell at the map's western or eastern border.
-    #[inline(always)]
-    fn outer<const ALLOW: bool>(&self, x: usize) -> u8 {
-        let at = |line: &[u32], x: usize| line.get(x).copied().unwrap_or(UNREACHED);
-        let (west, east) = (x.wrapping_sub(1), x + 1);
+/// The codes of the columns of a block, from the lines south of them, through them and north of
+/// them, which begin a column before and end a column after.
+#[inline(always)]
+fn block<const ALLOW: bool>(south: &Line, here: &Line, north: &Line) -> [u8; BLOCK] {
+    let mut codes = [0; BLOCK];
+    for x in 0..BLOCK {
         let around = [
-            at(self.here, east),
-            at(self.north, east),
-            at(self.north, x),
-            at(self.north, west),
-            at(self.here, west),
-            at(self.south, west),
-            at(self.south, x),
-            at(self.south, east),
+            here[x + 2],
+            north[x + 2],
+            north[x + 1],
+            north[x],
+            here[x],
+            south[x],
+            south[x + 1],
+            south[x + 2],
         ];
-        best::<ALLOW>(self.here[x], around) as u8
+        codes[x] = best::<ALLOW>(here[x + 1], around) as u8;
     }
+    codes
 }
 
 /// The code of a free cell from its cost and those around it, in the order of directions.
 ///
 /// A blocked neighbour is told by its cost: neighbours of a cell with a route have a route, if
-/// they are free. [`UNREACHED`] plus a step wraps to less than any cost but 0.
+/// they are free.
 #[inline(always)]
-fn best<const ALLOW: bool>(cost: u32, around: [u32; 8]) -> u32 {
-    let straight = cost.wrapping_sub(STRAIGHT_STEP);
-    let diagonal = cost.wrapping_sub(DIAGONAL_STEP);
+fn best<const ALLOW: bool>(cost: u16, around: [u16; 8]) -> u16 {
+    let straight = cost.wrapping_sub(STRAIGHT_STEP as u16) & KEPT;
+    let diagonal = cost.wrapping_sub(DIAGONAL_STEP as u16) & KEPT;
     let [e, ne, n, nw, w, sw, s, se] = around;
-    let passes = |a: u32, b: u32| ALLOW || (a != UNREACHED) & (b != UNREACHED);
+    let passes = |a: u16, b: u16| ALLOW || (a | b) < NOWHERE;
     // From the least preferred to the most, each overriding the one before.
-    let mut code = if cost == 0 { u32::from(field::GOAL) } else { u32::from(field::NO_ROUTE) };
+    let mut code = u16::from(field::NO_ROUTE);
     let mut offer = |good: bool, direction: Direction| {
-        code = if good { direction as u32 } else { code };
+        code = if good { direction as u16 } else { code };
     };
     offer(s == straight, Direction::S);
     offer(w == straight, Direction::W);
@@ -156,5 +203,5 @@ fn best<const ALLOW: bool>(cost: u32, around: [u32; 8]) -> u32 {
     offer((sw == diagonal) & passes(s, w), Direction::SW);
     offer((nw == diagonal) & passes(n, w), Direction::NW);
     offer((ne == diagonal) & passes(n, e), Direction::NE);
-    code
+    if cost < NOWHERE { code } else { u16::from(field::NO_ROUTE) }
 }
