@@ -140,7 +140,7 @@ impl pulp::WithSimd for Escape<'_> {
             let code = &mut field.code[row * columns..][..columns];
             let words = blocked.row(row as u32);
             if words.iter().any(|&word| word != 0) {
-                near.codes(Corners::Allow, &mut moves);
+                near.codes(Corners::Allow, &[], &mut moves);
                 for (at, &word) in words.iter().enumerate().filter(|&(_, &word)| word != 0) {
                     let cells = at * SIDE..columns.min((at + 1) * SIDE);
                     mark(word, &mut code[cells.clone()], &moves[cells]);

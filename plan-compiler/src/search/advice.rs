@@ -69,23 +69,7 @@ impl<R: Rows> pulp::WithSimd for Advise<'_, R> {
             }
             if row > 0 {
                 let code = &mut field.code[(row - 1) * columns..][..columns];
-                near.codes(corners, code);
-                mark(blocked.row(row as u32 - 1), code);
-            }
-        }
-    }
-}
-
-/// Overwrites the codes of blocked cells.
-#[inline(always)]
-fn mark(blocked: &[u64], code: &mut [u8]) {
-    for (&word, code) in blocked.iter().zip(code.chunks_mut(64)) {
-        if word == 0 {
-            continue;
-        }
-        for (byte, code) in word.to_le_bytes().into_iter().zip(code.chunks_mut(8)) {
-            for (bit, code) in code.iter_mut().enumerate() {
-                *code = if byte & 1 << bit != 0 { field::NO_ESCAPE } else { *code };
+                near.codes(corners, blocked.row(row as u32 - 1), code);
             }
         }
     }
@@ -131,18 +115,18 @@ impl Near {
         self.lines[2].fill(NOWHERE);
     }
 
-    /// The codes of the row's cells, all taken for free; a cell without a move has no route, be
-    /// it the goal.
+    /// The codes of the row's cells. Of those that are not `blocked`, by words as in a [`Bitmap`],
+    /// one without a move has no route, be it the goal.
     #[inline(always)]
-    pub(crate) fn codes(&self, corners: Corners, code: &mut [u8]) {
+    pub(crate) fn codes(&self, corners: Corners, blocked: &[u64], code: &mut [u8]) {
         match corners {
-            Corners::Allow => self.codes_by::<true>(code),
-            Corners::Forbid => self.codes_by::<false>(code),
+            Corners::Allow => self.codes_by::<true>(blocked, code),
+            Corners::Forbid => self.codes_by::<false>(blocked, code),
         }
     }
 
     #[inline(always)]
-    fn codes_by<const ALLOW: bool>(&self, code: &mut [u8]) {
+    fn codes_by<const ALLOW: bool>(&self, blocked: &[u64], code: &mut [u8]) {
         let [south, here, north] = &self.lines;
         for (at, code) in code.chunks_mut(BLOCK).enumerate() {
             let start = at * BLOCK;
@@ -153,8 +137,12 @@ impl Near {
             ) else {
                 return;
             };
-            let codes = block::<ALLOW>(south, here, north);
-            code.copy_from_slice(&codes[..code.len()]);
+            let blocked = blocked.get(at).copied().unwrap_or(0);
+            let codes = block::<ALLOW>([south, here, north], blocked);
+            match code.first_chunk_mut() {
+                Some(code) => *code = codes,
+                None => code.copy_from_slice(&codes[..code.len()]),
+            }
         }
     }
 }
@@ -162,20 +150,26 @@ impl Near {
 /// The codes of the columns of a block, from the lines south of them, through them and north of
 /// them, which begin a column before and end a column after.
 #[inline(always)]
-fn block<const ALLOW: bool>(south: &Line, here: &Line, north: &Line) -> [u8; BLOCK] {
+fn block<const ALLOW: bool>([south, here, north]: [&Line; 3], blocked: u64) -> [u8; BLOCK] {
     let mut codes = [0; BLOCK];
-    for x in 0..BLOCK {
-        let around = [
-            here[x + 2],
-            north[x + 2],
-            north[x + 1],
-            north[x],
-            here[x],
-            south[x],
-            south[x + 1],
-            south[x + 2],
-        ];
-        codes[x] = best::<ALLOW>(here[x + 1], around) as u8;
+    // Sixteen bits at a time, so that a vector holds as many to be tested as costs.
+    for (word, first) in [0, 16, 32, 48].map(|first| ((blocked >> first) as u16, first)) {
+        for lane in 0..16 {
+            let x = first + lane;
+            let around = [
+                here[x + 2],
+                north[x + 2],
+                north[x + 1],
+                north[x],
+                here[x],
+                south[x],
+                south[x + 1],
+                south[x + 2],
+            ];
+            let free = best::<ALLOW>(here[x + 1], around);
+            let is_blocked = word & 1 << lane != 0;
+            codes[x] = if is_blocked { field::NO_ESCAPE } else { free as u8 };
+        }
     }
     codes
 }
