@@ -92,7 +92,7 @@ pub(crate) enum Command {
     Completions(Completions),
     /// Print the manual page, of the program or of one of its commands
     Man(Man),
-    /// Say why the robot did what it did in one tick of a recorded mission
+    /// Say how the behaviours of a recorded mission took turns, or why one tick went as it did
     Explain(Explain),
 }
 
@@ -100,9 +100,9 @@ pub(crate) enum Command {
 pub(crate) struct Explain {
     /// The trace, as `cargo mission --trace FILE` writes it
     pub(crate) trace: PathBuf,
-    /// Which tick, from 0
+    /// Everything about one tick, counted from 0, instead of all turns
     #[arg(long, value_name = "N")]
-    pub(crate) tick: usize,
+    pub(crate) tick: Option<usize>,
 }
 
 #[derive(Debug, Args)]

@@ -28,6 +28,12 @@ pub struct Overlay<'a> {
     pub start: Option<Point>,
     /// Where it drove.
     pub route: &'a [Point],
+    /// The same in pieces of different colours, by their CSS names, instead.
+    pub pieces: &'a [(&'a str, Vec<Point>)],
+    /// Where something happened: discs of these colours.
+    pub marks: &'a [(&'a str, Point)],
+    /// What the picture shows; the layer's name if this is empty.
+    pub caption: &'a str,
 }
 
 /// One of several layers that are drawn side by side.
@@ -115,7 +121,11 @@ fn draw(panel: &Panel<'_>, view: &View) -> Group {
         .add(arrows(layer, view))
         .add(track(overlay, view))
         .add(goal(parallel.goal_m(), view));
-    Group::new().add(map).add(footer(&name(panel), sampled.band_m(), view))
+    let caption = match overlay.caption {
+        "" => name(panel),
+        caption => caption.to_owned(),
+    };
+    Group::new().add(map).add(footer(&caption, sampled.band_m(), view))
 }
 
 /// A picture as PNG; the message of the rasteriser where that fails.
@@ -273,11 +283,13 @@ fn arrows(layer: &Layer<'_>, view: &View) -> Path {
 /// Where the robot started and drove.
 fn track(overlay: &Overlay<'_>, view: &View) -> Group {
     let mut group = Group::new();
-    if !overlay.route.is_empty() {
+    let route = (!overlay.route.is_empty()).then_some((ROUTE, overlay.route));
+    let pieces = overlay.pieces.iter().map(|(colour, points)| (*colour, points.as_slice()));
+    for (colour, points) in route.into_iter().chain(pieces) {
         let mut path = String::new();
-        line(overlay.route, view, &mut path);
+        line(points, view, &mut path);
         // A light rim keeps the line apart from arrows and dark obstacles.
-        for (colour, width) in [("#ffffff", 6.0), (ROUTE, 3.5)] {
+        for (colour, width) in [("#ffffff", 6.0), (colour, 3.5)] {
             let stroke = Path::new()
                 .set("d", path.clone())
                 .set("fill", "none")
@@ -287,6 +299,9 @@ fn track(overlay: &Overlay<'_>, view: &View) -> Group {
                 .set("stroke-linecap", "round");
             group = group.add(stroke);
         }
+    }
+    for &(colour, at) in overlay.marks {
+        group = group.add(disc(at, 9.0, "#ffffff", view)).add(disc(at, 7.0, colour, view));
     }
     if let Some(start) = overlay.start {
         group = group.add(disc(start, 7.0, "#ffffff", view)).add(disc(start, 5.0, ROUTE, view));

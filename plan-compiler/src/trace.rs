@@ -5,6 +5,8 @@
 //! as `u16`, the trace hash of the mission as `u64`, the blob's length as `u32` and the blob, then
 //! for each tick the length as `u16` and the percepts in postcard; all numbers little-endian.
 
+pub mod story;
+
 use plan_format::Plan;
 use robot_io::{Percepts, TraceHash};
 use thiserror::Error;

@@ -1,16 +1,17 @@
-//! `explain`: why the robot did what it did in one tick of a recorded mission.
+//! `explain`: why the robot did what it did in one tick of a recorded mission, or how its behaviours
+//! took turns in all of it.
 
 use super::Failure;
 use crate::cli::Explain;
-use behaviour::{Behaviours, Choice, Decision, Phase, Refusal};
+use behaviour::{Behaviours, Phase};
 use controller::{Blend, Explanation, State};
 use math::Vec2;
-use monitor::{Doubt, Signal, Violation};
 use plan_compiler::problem::Problem;
 use plan_compiler::source;
 use plan_compiler::trace::Trace;
+use plan_compiler::trace::story::{self, decided, facts};
 use plan_format::grid::cost_metres;
-use plan_format::mission::{Facts, Label, Mission, RuleBase};
+use plan_format::mission::{Label, Mission, RuleBase};
 use plan_format::{Answer, Plan};
 use robot_io::Percepts;
 use std::fmt::Write as _;
@@ -22,26 +23,47 @@ pub(super) fn run(args: &Explain) -> Result<(), Failure> {
         .map_err(|error| Problem::error(format!("{}: {error}", args.trace.display())))?;
     let plan = Plan::parse_exact(&trace.blob)
         .map_err(|error| Problem::error(format!("the plans in the trace are refused: {error}")))?;
-    let Some((before, [percepts, ..])) = trace.percepts.split_at_checked(args.tick) else {
-        let message =
-            format!("the trace has {} ticks, no tick {}", trace.percepts.len(), args.tick);
-        return Err(Problem::error(message).mend("ticks are counted from 0").into());
+    let text = match args.tick {
+        Some(tick) => one_tick(&plan, &trace, tick)?,
+        None => turns(&plan, &trace),
     };
-    let mut state = State::new(&plan);
-    for earlier in before {
-        controller::tick(&plan, &mut state, earlier);
-    }
-    let explanation = controller::explain(&plan, &mut state, percepts);
-    let mut text = format!("tick {} at {:.2} s\n", args.tick, percepts.time_us as f64 / 1e6);
-    if trace.replayed_hash(&plan) != trace.hash {
-        text.push_str("warning: this build decides otherwise than the one that was recorded\n");
-    }
-    // Writing to a string does not fail.
-    let _ = write_all(&mut text, &plan, &state, percepts, &explanation);
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes())?;
     out.flush()?;
     Ok(())
+}
+
+/// A line for each turn of the mission.
+fn turns(plan: &Plan<'_>, trace: &Trace) -> String {
+    let mut text = format!("{} ticks\n", trace.percepts.len());
+    warn_of_another_build(&mut text, plan, trace);
+    for turn in story::of(plan, &trace.percepts).turns {
+        let _ = writeln!(text, "tick {:>6} {:>8.2} s  {}", turn.tick, turn.time_s, turn.text);
+    }
+    text
+}
+
+fn warn_of_another_build(text: &mut String, plan: &Plan<'_>, trace: &Trace) {
+    if trace.replayed_hash(plan) != trace.hash {
+        text.push_str("warning: this build decides otherwise than the one that was recorded\n");
+    }
+}
+
+fn one_tick(plan: &Plan<'_>, trace: &Trace, tick: usize) -> Result<String, Failure> {
+    let Some((before, [percepts, ..])) = trace.percepts.split_at_checked(tick) else {
+        let message = format!("the trace has {} ticks, no tick {tick}", trace.percepts.len());
+        return Err(Problem::error(message).mend("ticks are counted from 0").into());
+    };
+    let mut state = State::new(plan);
+    for earlier in before {
+        controller::tick(plan, &mut state, earlier);
+    }
+    let explanation = controller::explain(plan, &mut state, percepts);
+    let mut text = format!("tick {tick} at {:.2} s\n", percepts.time_us as f64 / 1e6);
+    warn_of_another_build(&mut text, plan, trace);
+    // Writing to a string does not fail.
+    let _ = write_all(&mut text, plan, &state, percepts, &explanation);
+    Ok(text)
 }
 
 fn write_all(
@@ -111,6 +133,7 @@ fn write_behaviours(
         if let Some(base) = mission.rule_bases().get(behaviour.rules.into()) {
             write_rules(text, mission, behaviours, &base)?;
         }
+        write_points(text, mission, behaviours, index as u8)?;
     }
     writeln!(text, "facts      {}", facts(mission, report.facts))?;
     for decision in &report.decisions {
@@ -119,6 +142,29 @@ fn write_behaviours(
     if report.omitted > 0 {
         writeln!(text, "           and {} more", report.omitted)?;
     }
+    Ok(())
+}
+
+/// The points ahead of a behaviour's plan at which it could be interrupted.
+fn write_points(
+    text: &mut String,
+    mission: &Mission<'_>,
+    behaviours: &Behaviours,
+    behaviour: u8,
+) -> std::fmt::Result {
+    let mut lines = String::new();
+    behaviours.grid().points(mission, behaviour, &mut |point| {
+        let production = behaviours.grid().get(point.frame).and_then(|entry| entry.production);
+        let record = production.and_then(|index| mission.productions().get(index.into()));
+        let name = record.map_or("?", |record| mission.name(record.name));
+        let protected = facts(mission, point.held.must | point.held.must_not);
+        let _ = writeln!(
+            lines,
+            "  point    vertex {} of `{name}`: protects {protected}, {} of work lost",
+            point.vertex, point.lost_work
+        );
+    });
+    text.push_str(&lines);
     Ok(())
 }
 
@@ -144,94 +190,6 @@ fn write_rules(
         text.push('\n');
     }
     Ok(())
-}
-
-fn decided(mission: &Mission<'_>, decision: &Decision) -> String {
-    let behaviour = |index: u8| {
-        mission.behaviours().get(index.into()).map_or("?", |b| mission.name(b.name)).to_owned()
-    };
-    match *decision {
-        Decision::Engaged { behaviour: who } => format!("{} is engaged", behaviour(who)),
-        Decision::Resumed { behaviour: who } => format!("{} is resumed", behaviour(who)),
-        Decision::Prepared { behaviour: who } => format!("{} starts up", behaviour(who)),
-        Decision::Interrupted { behaviour: who, by, is_unconditional, lost_work } => {
-            let how = if is_unconditional { "at once" } else { "at a switching point" };
-            let (who, by) = (behaviour(who), behaviour(by));
-            format!("{who} is interrupted by {by} {how}, at the cost of {lost_work}")
-        }
-        Decision::Overruled { behaviour: who, by } => {
-            format!(
-                "{} protects what {} may violate, and is overruled",
-                behaviour(who),
-                behaviour(by)
-            )
-        }
-        Decision::Refused { behaviour: who, by, why } => {
-            let why = match why {
-                Refusal::Dwell => "which has not run for its minimum dwell",
-                Refusal::NoPointYet => "which is at no point where nothing protected would suffer",
-                Refusal::BetterPointAhead => "which has a point of less lost work ahead",
-                Refusal::Excluded => "which holds a protection interval that it may violate",
-                Refusal::ShuttingDown => "which is shutting down",
-            };
-            format!("{} waits for {}, {why}", behaviour(who), behaviour(by))
-        }
-        Decision::Chose { production, applicability } => {
-            let record = mission.productions().get(production.into());
-            let name = record.map_or("?", |record| mission.name(record.name));
-            format!("production {production} `{name}` is chosen, applicability {applicability:.4}")
-        }
-        Decision::NotDecomposed { frame, why } => {
-            let why = match why {
-                Choice::NoRoom => "there is no room for its components",
-                Choice::TooDeep => "it lies too deep",
-                _ => "no production that was not tried is applicable",
-            };
-            let record = mission.frames().get(frame.into());
-            let name = record.map_or("?", |record| mission.name(record.name));
-            format!("frame {frame} `{name}` fails: {why}")
-        }
-        Decision::Finished { behaviour: who } => format!("{} is finished", behaviour(who)),
-        Decision::Failed { behaviour: who } => format!("{} has failed", behaviour(who)),
-        Decision::TimedOut { component } => format!("component {component} has run out of time"),
-        Decision::Conflict(signal) => conflict(mission, signal),
-    }
-}
-
-fn conflict(mission: &Mission<'_>, signal: Signal) -> String {
-    match signal {
-        Signal::Evident { id, what, facts: about } => {
-            let what = match what {
-                Violation::Initial => "its initial description does not hold",
-                Violation::Transient => "its transient description does not hold",
-                Violation::Goal => "its goal description does not hold",
-                Violation::Interval => "its protection interval is violated",
-                Violation::Foreign => "a sleeping behaviour's protection interval is violated",
-            };
-            format!("evident conflict at component {id}: {what}: {}", facts(mission, about))
-        }
-        Signal::Possible { id, why, facts: about } => {
-            let why = match why {
-                Doubt::NoProducer => "nothing before it brings about".to_owned(),
-                Doubt::Clobberer(other) => format!("component {other} may destroy before"),
-                Doubt::Choice(production) => {
-                    format!("choosing production {production} may violate")
-                }
-            };
-            format!("possible conflict at component {id}: {why}: {}", facts(mission, about))
-        }
-    }
-}
-
-fn facts(mission: &Mission<'_>, set: Facts) -> String {
-    let names: Vec<&str> = mission
-        .facts()
-        .iter()
-        .enumerate()
-        .filter(|&(bit, _)| set >> bit & 1 == 1)
-        .map(|(_, fact)| mission.name(fact.name))
-        .collect();
-    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }
 
 /// What every layer says about the robot's cell.

@@ -29,7 +29,8 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
     for (index, &(parallel, layer)) in drawn.iter().enumerate() {
         let route = routes.get(index).and_then(Option::as_ref);
         let route = route.map_or(&[][..], |route| &route.points);
-        let overlay = Overlay { features: &features, start: args.route, route };
+        let overlay =
+            Overlay { features: &features, start: args.route, route, ..Overlay::default() };
         panels.push(Panel { parallel, layer, overlay });
     }
     let svg = side_by_side(&plan, &panels);

@@ -13,7 +13,8 @@ use plan_format::grid::cost_metres;
 use plan_format::parameters::Gains;
 use plan_format::{Answer, Layer, ParallelPlan, Plan};
 use sim::{
-    Body, Chassis, Limits, Pilot, Point, Random, Run, SensorSettings, SensorSuite, Stream, World,
+    Body, Chassis, Limits, Pilot, Point, Random, ReceiverSettings, Run, SensorSettings,
+    SensorSuite, Stream, Surroundings, World,
 };
 
 /// The mixes of the paper by their names in a mission file (W, section 4).
@@ -53,6 +54,8 @@ pub struct Scenario {
     pub map: Map,
     /// The plans, as a robot gets them.
     pub blob: Vec<u8>,
+    /// What its work changes, from the file beside the map if there is one.
+    pub surroundings: Option<Surroundings>,
 }
 
 impl Scenario {
@@ -60,8 +63,10 @@ impl Scenario {
     /// The error lists everything that is wrong, as `plan-compiler build` does.
     pub fn compile(path: &Path, changes: &Changes) -> Result<Self, String> {
         let mut problems = Vec::new();
+        let surroundings = Surroundings::beside(path)?;
         let scenario = Self::read_and_compile(path, changes, &mut problems);
-        scenario.ok_or_else(|| problem::draw(&problems, false))
+        let scenario = scenario.ok_or_else(|| problem::draw(&problems, false))?;
+        Ok(Self { surroundings, ..scenario })
     }
 
     fn read_and_compile(
@@ -95,7 +100,7 @@ impl Scenario {
         let options = Options::default();
         let input = Input { map: &map, source: None, mission: &mission, options: &options };
         let blob = compile(&input, &|_, _| (), problems)?;
-        Some(Self { map, blob })
+        Some(Self { map, blob, surroundings: None })
     }
 
     /// The plans as a robot sees them.
@@ -150,6 +155,15 @@ impl Scenario {
         World::of_map(&self.map)
     }
 
+    /// The usual sensors, with the receiver that the surroundings' file says.
+    pub fn sensors(&self) -> SensorSettings {
+        let usual = SensorSettings::USUAL;
+        let said = self.surroundings.as_ref().and_then(|surroundings| surroundings.gps_sigma);
+        let gps =
+            usual.gps.map(|gps| ReceiverSettings { sigma_m: said.unwrap_or(gps.sigma_m), ..gps });
+        SensorSettings { gps, ..usual }
+    }
+
     /// A run before its first tick; an error says why there cannot be one.
     pub fn run<'w, P: Pilot>(
         &self,
@@ -166,8 +180,11 @@ impl Scenario {
         }
         let sensors = SensorSuite::new(start.sensors, reference, start.seed);
         let body = Body::new(chassis, start.position, start.heading_rad);
-        let limits = self.limits(start);
-        Ok(Run::new(world, body, sensors, pilot, limits))
+        let run = Run::new(world, body, sensors, pilot, self.limits(start));
+        Ok(match &self.surroundings {
+            Some(surroundings) => run.within(surroundings.clone()),
+            None => run,
+        })
     }
 }
 

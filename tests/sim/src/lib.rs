@@ -1,8 +1,8 @@
 //! A simulated world: what a robot drives through, with and in, when there is no robot.
 //!
 //! It decides what is true: where the obstacles are ([`World`]), how the body moves and what
-//! it touches ([`Body`]), what the sensors report of that ([`Sensors`]) and what goes wrong
-//! on the way ([`Faulty`]). It never decides what the robot does: that is asked of a
+//! it touches ([`Body`]), what its work changes ([`Surroundings`]), what the sensors report of
+//! that ([`Sensors`]) and what goes wrong on the way ([`Faulty`]). It never decides what the robot does: that is asked of a
 //! [`Pilot`], one record of sensor bytes against one record of commands, so that the robot
 //! in this process and the robot in QEMU are driven by the same code.
 //!
@@ -22,6 +22,7 @@ pub mod pilot;
 pub mod random;
 pub mod receiver;
 pub mod sensors;
+pub mod surroundings;
 pub mod world;
 
 pub use body::{Body, Chassis, Motion};
@@ -31,6 +32,7 @@ pub use pilot::{HostPilot, Pilot, PilotError};
 pub use random::{Random, Stream};
 pub use receiver::{Dialect, Receiver, ReceiverSettings};
 pub use sensors::{RingSettings, Scene, SensorSettings, SensorSuite, Sensors};
+pub use surroundings::Surroundings;
 pub use world::{Nearest, World};
 
 /// A point or displacement of the map, metres, x east, y north.

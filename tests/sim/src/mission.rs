@@ -1,7 +1,7 @@
 //! One mission: world, body, sensors and pilot tick by tick, and what came of it.
 
 use crate::body::distance;
-use crate::{Body, Pilot, PilotError, Point, Scene, Sensors, World};
+use crate::{Body, Pilot, PilotError, Point, Scene, Sensors, Surroundings, World};
 use robot_io::{Commands, Reason};
 
 /// Obstacles farther from the body than this do not matter for the closest approach, metres.
@@ -45,6 +45,8 @@ impl Limits {
 pub enum Ending {
     /// The robot is at the goal and knows it.
     Reached,
+    /// All work is done, and the robot has nothing left to do.
+    Done,
     /// It stayed at one spot for too long.
     Trapped,
     /// It went on for too long.
@@ -74,12 +76,14 @@ pub struct Outcome {
     pub trace_hash: u64,
     /// The most instructions that one tick took, where that can be counted.
     pub most_instructions: u32,
+    /// What the robot's work has made of its surroundings, where there are any.
+    pub surroundings: Option<Surroundings>,
 }
 
 impl Outcome {
-    /// Whether the robot has arrived.
+    /// Whether the robot has arrived, or has done its work.
     pub fn reached(&self) -> bool {
-        self.ending == Some(Ending::Reached)
+        matches!(self.ending, Some(Ending::Reached | Ending::Done))
     }
 
     /// Number of ticks that gave a reason.
@@ -111,17 +115,27 @@ impl<'w, S: Sensors, P: Pilot> Run<'w, S, P> {
         Self { world, sensors, pilot, limits, body, outcome, touching: false, spot }
     }
 
+    /// The same with surroundings that change; the mission then ends when the work in them is done.
+    pub fn within(mut self, surroundings: Surroundings) -> Self {
+        self.limits.time_s = surroundings.time_limit;
+        self.outcome.surroundings = Some(surroundings);
+        self
+    }
+
     /// One tick: look, think, move. Returns what the pilot said. After the end it may go on;
     /// the ending stays.
     pub fn step(&mut self) -> Result<Commands, PilotError> {
         let time_us = self.outcome.ticks * self.limits.tick_us;
-        let record = self.sensors.sense(&Scene {
+        let mut record = self.sensors.sense(&Scene {
             world: self.world,
             body: self.body,
             antenna: self.body.position,
             time_us,
             tick_us: self.limits.tick_us,
         });
+        if let Some(surroundings) = &self.outcome.surroundings {
+            record.inputs = surroundings.inputs();
+        }
         let answer = self.pilot.exchange(&record)?;
         let seconds = self.limits.tick_us as f64 * 1e-6;
         let motion = self.body.step(&answer.commands, self.world, seconds);
@@ -130,6 +144,10 @@ impl<'w, S: Sensors, P: Pilot> Run<'w, S, P> {
         outcome.ticks += 1;
         outcome.time_s = (outcome.ticks * self.limits.tick_us) as f64 * 1e-6;
         outcome.distance_m += motion.distance_m;
+        if let Some(surroundings) = &mut outcome.surroundings {
+            let outputs = answer.commands.outputs;
+            surroundings.step(self.body.position, motion.distance_m, outputs, seconds);
+        }
         outcome.touches += u32::from(motion.touched && !self.touching);
         outcome.trace_hash = answer.trace_hash;
         outcome.most_instructions = outcome.most_instructions.max(answer.instructions);
@@ -181,7 +199,12 @@ impl<'w, S: Sensors, P: Pilot> Run<'w, S, P> {
         }
         let stayed_s = ((now - self.spot.1) * limits.tick_us) as f64 * 1e-6;
         let is_there = distance(self.body.position, limits.goal) <= limits.goal_tolerance_m;
-        let ending = if reason == Reason::AtGoal && is_there {
+        let ending = if let Some(surroundings) = &self.outcome.surroundings
+            && surroundings.is_done()
+            && reason == Reason::Idle
+        {
+            Some(Ending::Done)
+        } else if reason == Reason::AtGoal && is_there && self.outcome.surroundings.is_none() {
             Some(Ending::Reached)
         } else if stayed_s >= limits.trapped_after_s {
             Some(Ending::Trapped)

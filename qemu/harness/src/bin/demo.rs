@@ -122,6 +122,7 @@ fn draw(scenario: &Scenario, outcome: &Outcome) -> Result<PathBuf, String> {
         features: &scenario.map.features,
         start: Some(START),
         route: &outcome.route,
+        ..render::Overlay::default()
     };
     let layer = scenario.layer_from(START).ok_or("there is no route to draw")?;
     let svg = render::picture(&scenario.plan(), &scenario.parallel_plan(), &layer, &overlay);

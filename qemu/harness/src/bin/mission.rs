@@ -1,12 +1,14 @@
-//! `cargo mission MAP`: one simulated mission, its outcome and its trace hash.
+//! `cargo mission MAP`: one simulated mission, its outcome, its picture and its trace hash.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use harness::mission::{Changes, PRESETS, Scenario, Start};
 use harness::{Build, Machine, QemuPilot, Report};
 use plan_compiler::trace::Trace;
+use plan_compiler::trace::story::{self, Story};
+use plan_compiler::{output, render};
 use plan_format::parameters::Gains;
 use robot_io::{CommandRecord, Percepts, SensorRecord};
 use sim::{HostPilot, Outcome, Pilot, PilotError, Point, SensorSettings};
@@ -23,7 +25,7 @@ struct Arguments {
     /// Seed of the start, the sensors' noise and everything else that is drawn by chance
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Where to start, metres; drawn by chance where it is not given
+    /// Where to start, metres; else where the world's file says, else drawn by chance
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     start: Option<Point>,
     /// The parallel plan to follow instead of the mission's
@@ -35,6 +37,9 @@ struct Arguments {
     /// Write what every tick saw to a file that `plan-compiler explain` reads; on the host only
     #[arg(long, value_name = "FILE", conflicts_with = "pilot")]
     trace: Option<PathBuf>,
+    /// Draw map and way to a file, .svg or .png; on the host only
+    #[arg(long, value_name = "FILE", conflicts_with = "pilot")]
+    picture: Option<PathBuf>,
     /// Sensors without error instead of the usual ones (a GPS sigma of 1 m)
     #[arg(long)]
     perfect: bool,
@@ -64,27 +69,19 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
     let changes = Changes { plan: arguments.plan.clone(), gains: arguments.gains };
     let scenario = Scenario::compile(&arguments.map, &changes)?;
     let world = scenario.world();
+    let given = scenario.surroundings.as_ref().map(|surroundings| surroundings.start);
     let drawn = || scenario.draw_start(&world, arguments.seed);
-    let position = arguments.start.or_else(drawn).ok_or("no place to start from")?;
-    let sensors = if arguments.perfect { SensorSettings::PERFECT } else { SensorSettings::USUAL };
-    let start = Start { position, heading_rad: 0.0, seed: arguments.seed, sensors };
+    let position = arguments.start.or(given).or_else(drawn).ok_or("no place to start from")?;
+    let heading_rad = scenario.surroundings.as_ref().map_or(0.0, |world| world.heading);
+    let sensors = if arguments.perfect { SensorSettings::PERFECT } else { scenario.sensors() };
+    let start = Start { position, heading_rad, seed: arguments.seed, sensors };
     let machine = match arguments.pilot {
         PilotName::Host => None,
         PilotName::Qemu => Some(Machine::CortexM4F),
         PilotName::QemuM3 => Some(Machine::CortexM3),
     };
     let (outcome, report) = match machine {
-        None => {
-            let mut recorder = Recorder::new(HostPilot::new(scenario.plan()));
-            let run = scenario.run(&world, &start, &mut recorder)?;
-            let outcome = run.finish().map_err(|error| error.to_string())?;
-            if let Some(path) = &arguments.trace {
-                let (blob, percepts) = (scenario.blob.clone(), recorder.percepts);
-                let trace = Trace { blob, percepts, hash: outcome.trace_hash };
-                std::fs::write(path, trace.to_bytes()).map_err(|error| error.to_string())?;
-            }
-            (outcome, None)
-        }
+        None => (on_the_host(&scenario, &start, arguments)?, None),
         Some(machine) => {
             let pilot = QemuPilot::boot(machine, Build::Release, &scenario.blob);
             let mut pilot = pilot.map_err(|error| error.to_string())?;
@@ -95,6 +92,93 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
     };
     print(&start, &outcome, report.as_ref());
     Ok(outcome.reached())
+}
+
+/// Drives in this process, and keeps what was asked for.
+fn on_the_host(
+    scenario: &Scenario,
+    start: &Start,
+    arguments: &Arguments,
+) -> Result<Outcome, String> {
+    let world = scenario.world();
+    let mut recorder = Recorder::new(HostPilot::new(scenario.plan()));
+    let mut run = scenario.run(&world, start, &mut recorder)?;
+    let mut way = Vec::new();
+    while run.outcome().ending.is_none() {
+        way.push(run.body().position);
+        run.step().map_err(|error| error.to_string())?;
+    }
+    let outcome = run.finish().map_err(|error| error.to_string())?;
+    let percepts = recorder.percepts;
+    let story = story::of(&scenario.plan(), &percepts);
+    for turn in &story.turns {
+        println!("{:>8.2} s  {}", turn.time_s, turn.text);
+    }
+    if let Some(path) = &arguments.picture {
+        draw(scenario, start, &way, &story, path)?;
+    }
+    if let Some(path) = &arguments.trace {
+        let trace = Trace { blob: scenario.blob.clone(), percepts, hash: outcome.trace_hash };
+        write(path, &trace.to_bytes())?;
+    }
+    Ok(outcome)
+}
+
+/// Colours of a way: of the first behaviour, of the second, and so on; the last where none has the
+/// robot.
+const COLOURS: [&str; 6] = ["#d9480f", "#1971c2", "#2f9e44", "#9c36b5", "#f08c00", "#868e96"];
+/// Colours of interruptions: at a point of the plan, and at once.
+const INTERRUPTIONS: [&str; 2] = ["#2b8a3e", "#c92a2a"];
+
+/// Draws the map and the way, in a colour for each behaviour, with a disc for each interruption.
+fn draw(
+    scenario: &Scenario,
+    start: &Start,
+    way: &[Point],
+    story: &Story,
+    path: &Path,
+) -> Result<(), String> {
+    let mut pieces: Vec<(&str, Vec<Point>)> = Vec::new();
+    for (&at, &engaged) in way.iter().zip(&story.engaged) {
+        let behaviour = engaged.trailing_zeros() as usize;
+        let colour = COLOURS[behaviour.min(COLOURS.len() - 1)];
+        match pieces.last_mut() {
+            Some((last, points)) if *last == colour => points.push(at),
+            // Pieces meet.
+            last => {
+                let before = last.and_then(|(_, points)| points.last().copied());
+                pieces.push((colour, before.into_iter().chain([at]).collect()));
+            }
+        }
+    }
+    let marks: Vec<(&str, Point)> = story
+        .turns
+        .iter()
+        .filter_map(|turn| {
+            let colour = INTERRUPTIONS[usize::from(turn.interrupted_at_once?)];
+            Some((colour, *way.get(turn.tick)?))
+        })
+        .collect();
+    let overlay = render::Overlay {
+        features: &scenario.map.features,
+        start: Some(start.position),
+        pieces: &pieces,
+        marks: &marks,
+        ..render::Overlay::default()
+    };
+    let parallel = scenario.parallel_plan();
+    let layer = scenario.layer_from(start.position).or_else(|| parallel.layer(0));
+    let layer = layer.ok_or("there is no layer to draw")?;
+    let svg = render::picture(&scenario.plan(), &parallel, &layer, &overlay);
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("svg") => write(path, svg.as_bytes()),
+        Some("png") => write(path, &render::png(&svg)?),
+        _ => Err(format!("{}: a picture is .svg or .png", path.display())),
+    }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    output::write_file(path, |out| out.write_all(bytes)).map_err(|problem| problem.message)
 }
 
 /// Keeps what every tick of a robot in this process saw.
@@ -127,6 +211,9 @@ fn print(start: &Start, outcome: &Outcome, report: Option<&Report>) {
     println!("time        {:.1} s, {} ticks", outcome.time_s, outcome.ticks);
     println!("distance    {:.1} m", outcome.distance_m);
     println!("closest     {:.2} m, {} contacts", outcome.closest_m, outcome.touches);
+    for line in outcome.surroundings.iter().flat_map(|surroundings| surroundings.summary()) {
+        println!("work        {line}");
+    }
     let reasons: Vec<_> =
         outcome.reasons.iter().map(|(reason, ticks)| format!("{reason:?} {ticks}")).collect();
     println!("reasons     {}", reasons.join(", "));
