@@ -2,7 +2,7 @@
 
 use crate::report::{Decision, Refusal, Report};
 use crate::{ACTIVITY, Behaviours, Phase, Status, behaviour_bit, behaviours_in};
-use grammar::Owner;
+use grammar::{Component, Owner};
 use heapless::Vec;
 use monitor::{Signal, Violation};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
@@ -325,18 +325,35 @@ impl Behaviours {
         waits
     }
 
-    /// What the mission says that the actions which run now cost to do again.
+    /// What the mission says that the actions which run now cost to do again, and the frames that
+    /// they are part of.
     fn work_under_way(&self, mission: &Mission<'_>, owner: Owner) -> u16 {
         let forest = &self.plans.forest;
-        let running = forest.running().filter_map(|id| forest.get(id));
-        running.filter(|component| component.owner == owner).fold(0, |sum, component| {
-            let production = component.parent.and_then(|id| forest.production_of(mission, id));
-            let edge = production.and_then(|production| {
-                let first = usize::from(production.first_edge);
-                mission.edges().get(first + usize::from(component.edge))
-            });
-            edge.map_or(sum, |edge| edge.work.saturating_add(sum))
-        })
+        let (mut sum, mut counted) = (0_u16, 0_u32);
+        for action in forest.running() {
+            let mut next = Some(action);
+            while let Some(id) = next {
+                let bit = 1_u32.wrapping_shl(u32::from(id));
+                let component = forest.get(id).filter(|component| component.owner == owner);
+                // What runs side by side shares its frames.
+                let Some(component) = component.filter(|_| counted & bit == 0) else { break };
+                counted |= bit;
+                sum = sum.saturating_add(self.work_of(mission, component));
+                next = component.parent;
+            }
+        }
+        sum
+    }
+
+    /// What the edge costs to do again that a component stands for.
+    fn work_of(&self, mission: &Mission<'_>, component: &Component) -> u16 {
+        let production =
+            component.parent.and_then(|id| self.plans.forest.production_of(mission, id));
+        let edge = production.and_then(|production| {
+            let first = usize::from(production.first_edge);
+            mission.edges().get(first + usize::from(component.edge))
+        });
+        edge.map_or(0, |edge| edge.work)
     }
 
     /// Engages a behaviour: its start-up activity first, if it has one.

@@ -8,4 +8,5 @@ mod layering;
 mod missions;
 mod opar;
 mod overlays;
+mod ploughing;
 mod qemu;
