@@ -199,11 +199,11 @@ impl<'a> Reader<'a> {
         let map_file = self.field("the name of the map file");
         self.word("the ordering", &ORDERINGS);
         self.word("whether the robots are tethered", &TETHERED);
+        let values = self.lines.peek().cloned();
         if self.word("the kind of values", &VALUES) == Some("FLOAT") {
-            self.problems.push(
-                Problem::error("the values of this file are written as FLOAT")
-                    .mend("have MissionLab write the plan as TEXT, which is what can be read"),
-            );
+            let mend = "have MissionLab write the plan as TEXT, which is what can be read";
+            let message = "the values of this file are written as FLOAT";
+            self.error(message, values.unwrap_or_else(|| self.end()), "binary values", mend);
             return None;
         }
         let count_line = self.field("the number of elements");
@@ -370,7 +370,8 @@ impl<'a> Reader<'a> {
             }
             None => {
                 let message = format!("map `{name}` does not end with END_MAP");
-                self.error(message, last.clone(), "its last line", "add a line END_MAP after it");
+                let mend = "add a line END_MAP after it, if no value was cut off";
+                self.error(message, last.clone(), "its last line", mend);
             }
         }
         let Some(frame) = frame else { return };
@@ -393,8 +394,9 @@ impl<'a> Reader<'a> {
             let message = format!("map `{name}` has {own}, but the first map {other}");
             self.error(message, span.clone(), "this map", mend);
         } else if let Some(line) = first_differing {
+            let cells = frame.cells();
             let message = format!(
-                "map `{name}` and the first map differ in the obstacles of {differing} cells"
+                "map `{name}` and the first map differ in their obstacles: {differing} of {cells} cells"
             );
             self.error(message, line, "the first such cell", mend);
         }

@@ -64,9 +64,12 @@ fn read_map(
     let bytes = match source::read_bytes(&map_path) {
         Ok(bytes) => bytes,
         Err(problem) => {
-            let meant = problem.mend.filter(|mend| mend.starts_with("did you mean"));
-            let meant = meant.map_or(String::new(), |meant| format!("; {meant}"));
-            let mend = format!("put the map that the plan is for beside it as {name}{meant}");
+            let other = source::similar_name(&map_path);
+            let other = other.as_deref().and_then(|path| Path::new(path).file_name());
+            let mend = match other.and_then(|other| other.to_str()) {
+                Some(other) => format!("did you mean {other}, which lies beside the plan?"),
+                None => format!("put the map that the plan is for beside it as {name}"),
+            };
             let problem = Problem { mend: Some(mend), ..problem };
             problems.push(problem.at(source, line, "the map of this plan"));
             return None;
