@@ -3,9 +3,20 @@
 //!
 //! What it says of mistakes is in `tests/golden/errors`, beside that of the other commands.
 
+use plan_compiler::compile::{Input, Options, compile};
+use plan_compiler::formats::iplan;
+use plan_compiler::map::Map;
+use plan_compiler::mission::Mission;
+use plan_compiler::problem::Source;
+use plan_format::Plan;
+use proptest::bool::weighted;
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::sample::select;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::Arc;
 use tempfile::TempDir;
 
 /// A yard of 6 m by 4 m; the goals of a plan for it lie on both sides of a tree.
@@ -144,8 +155,8 @@ fn what_an_iplan_cannot_say_is_told() {
     assert_eq!(status, 0, "{said}");
     insta::assert_snapshot!(said, @"
     ⚠ layer `gate/comms` has other obstacles than the first one
-    help: each map of the file has the obstacles of its layer; to compile the file again, leave one
-          kind of layer in it
+    help: each map of the file has the obstacles of its layer, which MissionLab reads, but `build`
+          does not; a mission says which layers its goals have
 
     ☞ an Iplan.dat begins at 0,0: its positions are the map's less 0.5,0.5
     ");
@@ -204,6 +215,60 @@ fn mistakes_are_told() {
     let long = format!("type octile\nheight 2\nwidth 9999\nmap\n{}\n{}\n", rows[0], rows[1]);
     let arguments = "convert long.map --goal gate=0.5,0.5 -o Iplan.dat";
     check("convert_what_is_too_far", &[("long.map", &long)], arguments, "Iplan.dat");
+}
+
+/// An Iplan.dat with one goal, whose costs say nothing yet.
+fn drawn(blocked: &[Vec<bool>], resolution: &str, goal: [f64; 2]) -> String {
+    let (columns, rows, [x, y]) = (blocked.len(), blocked[0].len(), goal);
+    let values =
+        blocked.iter().flatten().map(|is_blocked| if *is_blocked { "9998\n" } else { "0\n" });
+    let values: String = values.collect();
+    let map = format!(
+        "BEGIN_MAP\nm\n{columns}\n{rows}\n{resolution}\n{x}\n{y}\n#Data\n{values}END_MAP\n"
+    );
+    format!("p\nm.map\nORDERED\nFALSE\nTEXT\n0\n{map}END_FILE\n")
+}
+
+/// What is read from an Iplan.dat, and the Iplan.dat of its plans.
+fn there_and_back(text: &str) -> (Map, String) {
+    let source = Source { name: "Iplan.dat".into(), text: text.into() };
+    let (map, mut problems) = iplan::read(&Arc::new(source));
+    let map = map.unwrap();
+    let input = Input {
+        map: &map,
+        source: None,
+        mission: &Mission::default(),
+        options: &Options::default(),
+    };
+    let blob = compile(&input, &|_, _| {}, &mut problems).unwrap();
+    let plan = Plan::parse_exact(&blob).unwrap();
+    assert!(iplan::check(&plan).is_empty());
+    let mut out = Vec::new();
+    iplan::write(&mut out, &plan, "plans.bin").unwrap();
+    (map, String::from_utf8(out).unwrap())
+}
+
+proptest! {
+    #[test]
+    fn obstacles_goal_and_frame_survive(
+        mut blocked in (1..9_usize, 1..9_usize)
+            .prop_flat_map(|(x, y)| vec(vec(weighted(0.3), y), x)),
+        resolution in select(vec!["0.1", "0.25", "0.333", "1", "3", "250"]),
+        (part_x, part_y) in (0.0..1.0_f64, 0.0..1.0_f64),
+    ) {
+        let side: f64 = resolution.parse().unwrap();
+        let sizes = [blocked.len(), blocked[0].len()].map(|cells| cells as f64);
+        let cell = [(part_x * sizes[0]).floor(), (part_y * sizes[1]).floor()];
+        blocked[cell[0] as usize][cell[1] as usize] = false;
+        // A fifth of a cell away from the middle, to the micrometre.
+        let goal = cell.map(|along| ((along + 0.2) * side * 1e6).round() / 1e6);
+        let (map, text) = there_and_back(&drawn(&blocked, resolution, goal));
+        let (again, same_text) = there_and_back(&text);
+        prop_assert_eq!(&again.cells, &map.cells);
+        prop_assert_eq!(again.points[0].at, goal);
+        prop_assert_eq!(&again.points[0].name, "contingency");
+        prop_assert_eq!(same_text, text);
+    }
 }
 
 /// The lines that differ, with both texts.

@@ -36,8 +36,8 @@ pub fn check(plan: &Plan<'_>) -> Vec<Problem> {
         if first.as_ref().is_some_and(|first| *first != blocked) {
             let message = format!("layer `{name}` has other obstacles than the first one");
             problems.push(Problem::warning(message).mend(
-                "each map of the file has the obstacles of its layer; to compile the file again, \
-                 leave one kind of layer in it",
+                "each map of the file has the obstacles of its layer, which MissionLab reads, but \
+                 `build` does not; a mission says which layers its goals have",
             ));
         }
         first.get_or_insert(blocked);
