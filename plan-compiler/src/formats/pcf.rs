@@ -12,7 +12,7 @@ use crate::problem::{Problem, Source};
 use crate::source;
 use std::iter::Peekable;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What `--help` says of this format.
@@ -50,6 +50,19 @@ pub fn read(
     (map.map(|map| Map { points, ..map }), problems)
 }
 
+/// The map file that a plan names, which is read with it; `None` where the text is no plan.
+pub fn map_path(path: &Path, text: &str) -> Option<PathBuf> {
+    let lines = Lines::of(text).map(|line| text[line].trim());
+    let map_file = lines.filter(|line| !line.starts_with('#')).nth(2);
+    map_file.filter(|_| recognises(text)).map(|name| beside(path, name))
+}
+
+/// The file beside a plan that it names. The folders of the machine that wrote the plan are not
+/// here, and may be Windows'.
+fn beside(path: &Path, name: &str) -> PathBuf {
+    path.with_file_name(name.trim().rsplit(['/', '\\']).next().unwrap_or_default())
+}
+
 /// The map that a line of a plan names.
 fn read_map(
     path: &Path,
@@ -58,9 +71,7 @@ fn read_map(
     options: &ReadOptions,
     problems: &mut Vec<Problem>,
 ) -> Option<Map> {
-    // The folders of the machine that wrote the plan are not here, and may be Windows'.
-    let name = source.text[line.clone()].trim().rsplit(['/', '\\']).next().unwrap_or_default();
-    let map_path = path.with_file_name(name);
+    let map_path = beside(path, &source.text[line.clone()]);
     let bytes = match source::read_bytes(&map_path) {
         Ok(bytes) => bytes,
         Err(problem) => {
@@ -68,7 +79,7 @@ fn read_map(
             let other = other.as_deref().and_then(|path| Path::new(path).file_name());
             let mend = match other.and_then(|other| other.to_str()) {
                 Some(other) => format!("did you mean {other}, which lies beside the plan?"),
-                None => format!("put the map that the plan is for beside it as {name}"),
+                None => "put the map that the plan is for beside it, under this name".into(),
             };
             let problem = Problem { mend: Some(mend), ..problem };
             problems.push(problem.at(source, line, "the map of this plan"));

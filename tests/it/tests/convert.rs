@@ -203,6 +203,8 @@ fn mistakes_are_told() {
     ] {
         check(name, files, "build yard.pcf", "plans.bin");
     }
+    let files = [("yard.map", YARD), ("yard.pcf", PLAN)];
+    check("pcf_onto_its_map", &files, "build yard.pcf -o yard.map", "yard.map");
     let files = [("Iplan.dat", plan.as_str())];
     check("convert_onto_itself", &files, "convert Iplan.dat -o ./Iplan.dat", "Iplan.dat");
     check("convert_a_missing_file", &files, "convert Iplam.dat -o plans.bin", "plans.bin");

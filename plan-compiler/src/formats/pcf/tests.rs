@@ -92,7 +92,7 @@ fn a_map_that_cannot_be_had_is_told() {
        ·     ╰── the map of this plan
      8 │ #Element Ordering
        ╰────
-      help: put the map that the plan is for beside it as yard.map
+      help: put the map that the plan is for beside it, under this name
 
     no map
     ");
