@@ -4,7 +4,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use plan_compiler::boards::{BOARDS, Board};
 use plan_compiler::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
-use plan_compiler::formats::{Format, OparOptions, ReadOptions};
+use plan_compiler::formats::{Format, OparOptions, ReadOptions, iplan, movingai, pcf, ros};
 use plan_compiler::map::Unknown;
 use plan_compiler::mission::{self, Goal, GoalAt};
 use std::path::PathBuf;
@@ -33,6 +33,8 @@ Examples:
       Draws behaviours and their plans as graphs.
   plan-compiler verify plans.bin --map yard.ovl
       Proves every cell of every layer anew.
+  plan-compiler convert plans.bin -o Iplan.dat
+      Writes the plans as MissionLab reads them.
 
 Exit status: 0 done, 1 the input is wrong, 2 the command line is wrong.";
 
@@ -52,17 +54,39 @@ What is assumed of maps:
            the reverse). The points form a closed polygon. Type 1 is a building, an
            obstacle; type 2 foliage, which weakens radio and blocks in layer `comms` only
            (--opar-type N=building|foliage for others). Outside the area's polygon
-           everything is blocked.
+           everything is blocked.";
 
+const MISSIONS: &str = "\
 A mission file NAME.mission.toml beside the map NAME sets goals, layers, the robot's radius,
 speeds and gains; MISSION.md lists its keys.";
+
+const CONVERSIONS: &str = "\
+A map is compiled as by `build`; the options that say how are not for blobs.
+
+An Iplan.dat has a contingency map: the first layer of plan `contingency`, otherwise of the plan
+that the robot follows. Each other layer is an element MOVETO of its own. Costs are metres,
+9998 an obstacle, 9999 a cell without a route; positions count from the centre of the
+south-west cell. With --corners allow the costs are those of the historic program.
+
+Examples:
+  plan-compiler convert Iplan.dat --corners allow -o plans.bin
+  plan-compiler convert plans.bin -o Iplan.dat
+  plan-compiler convert yard.ovl --goal gate=12.5,40 -o Iplan.dat";
+
+/// What is assumed of every format: the first two are as old as the program, the others are
+/// said where they are read.
+fn assumptions() -> String {
+    let formats = [ros::CONVENTIONS, movingai::CONVENTIONS, iplan::CONVENTIONS, pcf::CONVENTIONS];
+    let formats = formats.map(|text| format!("\n  {}", text.replace('\n', "\n  "))).concat();
+    format!("{ASSUMPTIONS}{formats}\n\n{MISSIONS}")
+}
 
 /// Compiles maps into internalized plans for small robots.
 ///
 /// A plan holds, for every cell of a map, the cost to a goal and the best of eight
 /// directions; the robot's firmware reads it in place.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{ASSUMPTIONS}"))]
+#[command(version, after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", assumptions()))]
 pub(crate) struct Cli {
     /// Print errors only
     #[arg(long, short, global = true)]
@@ -74,7 +98,7 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Compile a map, or a mission that names one, into a blob of plans
-    #[command(after_long_help = ASSUMPTIONS)]
+    #[command(after_long_help = assumptions())]
     Build(Build),
     /// Say what a blob holds
     Inspect(Inspect),
@@ -88,6 +112,9 @@ pub(crate) enum Command {
     Graph(Graph),
     /// Prove every cell of every layer anew
     Verify(Verify),
+    /// Make a MissionLab Iplan.dat of plans or of a map, or a blob of an Iplan.dat
+    #[command(after_help = CONVERSIONS)]
+    Convert(Convert),
     /// Print what a shell needs to complete the command line
     Completions(Completions),
     /// Print the manual page, of the program or of one of its commands
@@ -114,15 +141,22 @@ pub(crate) struct Build {
     /// the board's address and are for flashing only
     #[arg(long, short, default_value = "plans.bin", value_name = "FILE")]
     pub(crate) output: PathBuf,
+    /// Print the summary as JSON on standard output
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) compiling: Compiling,
+}
+
+/// What a map becomes when it is compiled.
+#[derive(Debug, Args)]
+pub(crate) struct Compiling {
     /// Refuse plans that do not fit this board's plan region
     #[arg(long, value_name = "NAME", value_parser = board())]
     pub(crate) board: Option<&'static Board>,
     /// Refuse maps whose search takes more memory than this; 4 if not given
     #[arg(long, value_name = "GIB", value_parser = gib)]
     pub(crate) max_memory: Option<u64>,
-    /// Print the summary as JSON on standard output
-    #[arg(long)]
-    pub(crate) json: bool,
     /// A goal in the map's metres, x east, y north; repeatable. Replaces all other goals
     #[arg(long = "goal", value_name = "NAME=X,Y", value_parser = goal, allow_hyphen_values = true)]
     pub(crate) goals: Vec<Goal>,
@@ -248,6 +282,18 @@ pub(crate) struct Verify {
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) map: MapOptions,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Convert {
+    /// A blob, a map in any format that is read, or a mission that names one
+    #[arg(value_name = "PLANS|MAP|MISSION")]
+    pub(crate) input: PathBuf,
+    /// The file to write: .dat for an Iplan.dat; .bin, .hex or .uf2 for a blob
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) compiling: Compiling,
 }
 
 #[derive(Debug, Args)]

@@ -4,9 +4,12 @@
 //! each `match` of [`Format`]. A file's content decides what it is; its extension decides
 //! only where the content does not.
 
+pub mod iplan;
+mod lines;
 pub mod movingai;
 pub mod opar;
 pub mod overlay;
+pub mod pcf;
 pub mod ros;
 mod turn;
 pub mod utm;
@@ -37,6 +40,10 @@ pub enum Format {
     Ros,
     /// MovingAI grid map.
     Movingai,
+    /// MissionLab's internalized plans: Iplan.dat.
+    Iplan,
+    /// MissionLab's plan for a map.
+    Pcf,
 }
 
 /// What a user may say about how to read a map.
@@ -52,7 +59,8 @@ pub struct ReadOptions {
 
 impl Format {
     /// All of them, the more easily recognised first.
-    pub const ALL: [Self; 4] = [Self::Movingai, Self::Ros, Self::Overlay, Self::Opar];
+    pub const ALL: [Self; 6] =
+        [Self::Iplan, Self::Pcf, Self::Movingai, Self::Ros, Self::Overlay, Self::Opar];
 
     /// What people call it.
     pub fn name(self) -> &'static str {
@@ -61,6 +69,8 @@ impl Format {
             Self::Opar => "OPAR",
             Self::Ros => "ROS map",
             Self::Movingai => "MovingAI map",
+            Self::Iplan => "MissionLab Iplan",
+            Self::Pcf => "MissionLab plan",
         }
     }
 
@@ -71,6 +81,8 @@ impl Format {
             Self::Opar => &["opar"],
             Self::Ros => &["yaml", "yml"],
             Self::Movingai => &["map"],
+            Self::Iplan => &["dat"],
+            Self::Pcf => &["pcf"],
         }
     }
 
@@ -80,6 +92,8 @@ impl Format {
             Self::Opar => opar::recognises(text),
             Self::Ros => ros::recognises(text),
             Self::Movingai => movingai::recognises(text),
+            Self::Iplan => iplan::recognises(text),
+            Self::Pcf => pcf::recognises(text),
         }
     }
 
@@ -94,6 +108,8 @@ impl Format {
             Self::Opar => opar::read(text, &options.opar),
             Self::Ros => ros::read(path, text),
             Self::Movingai => movingai::read(text),
+            Self::Iplan => iplan::read(text),
+            Self::Pcf => pcf::read(path, text, options),
         }
     }
 

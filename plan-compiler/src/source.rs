@@ -94,7 +94,7 @@ fn cannot_read(path: &Path, error: &std::io::Error) -> Problem {
 }
 
 /// The file beside `path` whose name is nearest to it.
-fn similar_name(path: &Path) -> Option<String> {
+pub(crate) fn similar_name(path: &Path) -> Option<String> {
     let wanted = path.file_name()?.to_str()?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let entries = std::fs::read_dir(folder.unwrap_or(Path::new("."))).ok()?;

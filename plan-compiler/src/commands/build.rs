@@ -3,7 +3,7 @@
 use super::description::{self, describe};
 use super::progress::with_progress;
 use super::{Failure, layers, parallel_plans, project, tell};
-use crate::cli::Build;
+use crate::cli::{Build, Compiling};
 use plan_compiler::boards::Board;
 use plan_compiler::compile::{Need, gib, has_errors, pair, prepare};
 use plan_compiler::image::Image;
@@ -18,34 +18,57 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 pub(super) fn run(args: &Build, quiet: bool) -> Result<(), Failure> {
+    build(&args.input, &args.output, &args.compiling, args.json, quiet)
+}
+
+/// Compiles a map and writes the blob.
+pub(super) fn build(
+    input: &Path,
+    output: &Path,
+    args: &Compiling,
+    json: bool,
+    quiet: bool,
+) -> Result<(), Failure> {
     let started = Instant::now();
-    let image = Image::of(&args.output, args.board).map_err(Failure::Usage)?;
+    let image = Image::of(output, args.board).map_err(Failure::Usage)?;
     let mut problems = Vec::new();
-    let project = project::read(&args.input, &args.goals, &args.map, &mut problems)?;
-    let compiled = project.and_then(|mut project| {
-        check_output(&args.output, &project.inputs, &mut problems);
-        project.limit_memory(args.max_memory);
-        let prepared = prepare(&project.input(), &mut problems)?;
-        announce(prepared.need(), quiet);
-        with_progress(quiet, |progress| prepared.finish(progress, &mut problems))
-    });
-    let Some(blob) = compiled else { return Err(Failure::Wrong(problems)) };
+    let Some(blob) = compile(input, output, args, quiet, &mut problems)? else {
+        return Err(Failure::Wrong(problems));
+    };
     problems.extend(args.board.and_then(|board| board.check(blob.len())));
     if !has_errors(&problems) {
         let file = image.encode(&blob);
-        problems.extend(output::write_file(&args.output, |out| out.write_all(&file)).err());
+        problems.extend(output::write_file(output, |out| out.write_all(&file)).err());
     }
     if has_errors(&problems) {
         return Err(Failure::Wrong(problems));
     }
     tell(&problems, quiet);
-    if args.json {
-        return Ok(print_json(args, &blob, started.elapsed())?);
+    if json {
+        return Ok(print_json(output, args.board, &blob, started.elapsed())?);
     }
     if !quiet {
-        crate::eprint(&summary(args, image, &blob, started.elapsed()));
+        crate::eprint(&summary(output, args.board, image, &blob, started.elapsed()));
     }
     Ok(())
+}
+
+/// The blob of a map; `None` after an error.
+pub(super) fn compile(
+    input: &Path,
+    output: &Path,
+    args: &Compiling,
+    quiet: bool,
+    problems: &mut Vec<Problem>,
+) -> Result<Option<Vec<u8>>, Failure> {
+    let Some(mut project) = project::read(input, &args.goals, &args.map, problems)? else {
+        return Ok(None);
+    };
+    check_output(output, &project.inputs, problems);
+    project.limit_memory(args.max_memory);
+    let Some(prepared) = prepare(&project.input(), problems) else { return Ok(None) };
+    announce(prepared.need(), quiet);
+    Ok(with_progress(quiet, |progress| prepared.finish(progress, problems)))
 }
 
 /// Says in advance what a large build takes.
@@ -68,12 +91,12 @@ struct Built<'b> {
     blob: description::Blob<'b>,
 }
 
-fn print_json(args: &Build, blob: &[u8], took: Duration) -> io::Result<()> {
+fn print_json(output: &Path, board: Option<&Board>, blob: &[u8], took: Duration) -> io::Result<()> {
     // The compiler has read it back already.
     let plan = Plan::parse_exact(blob).map_err(io::Error::other)?;
     let built = Built {
-        output: &args.output,
-        board: args.board.map(|board| board.name),
+        output,
+        board: board.map(|board| board.name),
         time_ms: took.as_secs_f64() * 1e3,
         blob: describe(&plan, blob.len()),
     };
@@ -84,7 +107,7 @@ fn print_json(args: &Build, blob: &[u8], took: Duration) -> io::Result<()> {
 }
 
 /// A blob that replaced its own map would cost somebody a day.
-fn check_output(output: &Path, inputs: &[PathBuf], problems: &mut Vec<Problem>) {
+pub(super) fn check_output(output: &Path, inputs: &[PathBuf], problems: &mut Vec<Problem>) {
     let Ok(replaced) = fs::canonicalize(output) else { return };
     if inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == replaced)) {
         let message = format!("the output {} is also the input", output.display());
@@ -92,7 +115,13 @@ fn check_output(output: &Path, inputs: &[PathBuf], problems: &mut Vec<Problem>) 
     }
 }
 
-fn summary(args: &Build, image: Image, blob: &[u8], took: Duration) -> String {
+fn summary(
+    output: &Path,
+    board: Option<&Board>,
+    image: Image,
+    blob: &[u8],
+    took: Duration,
+) -> String {
     let mut text = String::new();
     // The compiler has read it back already; a summary is no reason to fail.
     let Ok(plan) = Plan::parse_exact(blob) else { return text };
@@ -101,7 +130,7 @@ fn summary(args: &Build, image: Image, blob: &[u8], took: Duration) -> String {
     let _ = writeln!(
         text,
         "{}: {} bytes, {} x {} cells of {} m, {} ms",
-        args.output.display(),
+        output.display(),
         blob.len(),
         grid.columns,
         grid.rows,
@@ -122,14 +151,14 @@ fn summary(args: &Build, image: Image, blob: &[u8], took: Duration) -> String {
             );
         }
     }
-    if let Some(board) = args.board {
+    if let Some(board) = board {
         let (part, whole) = (blob.len() as f64 / board.plan_bytes as f64, board.plan_bytes);
         let _ = writeln!(
             text,
             "  {}: {:.1} % of its plan region of {whole} bytes; {}",
             board.name,
             100.0 * part,
-            flashing(&args.output, image, board)
+            flashing(output, image, board)
         );
     }
     text

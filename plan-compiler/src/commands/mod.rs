@@ -2,6 +2,7 @@
 
 mod build;
 mod completions;
+mod convert;
 mod description;
 mod explain;
 mod export;
@@ -56,6 +57,7 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Render(args) => render::run(args, cli.quiet),
         Command::Graph(args) => graph::run(args, cli.quiet),
         Command::Verify(args) => verify::run(args, cli.quiet),
+        Command::Convert(args) => convert::run(args, cli.quiet),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
         Command::Explain(args) => explain::run(args),

@@ -80,10 +80,12 @@ pub(crate) fn read(
         _ => problem,
     }));
     let Some(map) = map.filter(|_| !incomplete) else { return Ok(None) };
+    // Excerpts want the text; where the map is none there are no excerpts.
+    let source = source::read_text(&map_path).ok().map(|(text, _)| text);
+    let named = source.as_ref().and_then(|text| formats::pcf::map_path(&map_path, &text.text));
     Ok(Some(Project {
-        // Excerpts want the text; where the map is none there are no excerpts.
-        source: source::read_text(&map_path).ok().map(|(text, _)| text),
-        inputs: std::iter::once(map_path).chain(mission_path).collect(),
+        source,
+        inputs: std::iter::once(map_path).chain(named).chain(mission_path).collect(),
         map,
         mission,
         options: options(goals, args),

@@ -4,6 +4,7 @@
 //! movingai.com. A cell is 1 m, its south-west corner the origin. Water is blocked: by the
 //! format's own rule it cannot be entered from land. Deliberately absent: scenario files.
 
+use super::lines::Lines;
 use crate::bitmap::Bitmap;
 use crate::map::{CellMap, Map, Unknown};
 use crate::problem::{Problem, Source};
@@ -40,36 +41,6 @@ pub fn read(source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     let size = reader.header(&mut lines);
     let map = size.map(|size| Map::of_cells(reader.cells(size, lines)));
     (map, reader.problems)
-}
-
-/// Lines that are not blank, without what ends them, as ranges of bytes.
-struct Lines<'a> {
-    text: &'a str,
-    at: usize,
-}
-
-impl<'a> Lines<'a> {
-    fn of(text: &'a str) -> Self {
-        Self { text, at: 0 }
-    }
-}
-
-impl Iterator for Lines<'_> {
-    type Item = Range<usize>;
-
-    fn next(&mut self) -> Option<Range<usize>> {
-        while self.at < self.text.len() {
-            let rest = &self.text[self.at..];
-            let start = self.at;
-            let length = rest.find('\n').unwrap_or(rest.len());
-            self.at += length + 1;
-            let line = rest[..length].trim_end();
-            if !line.is_empty() {
-                return Some(start..start + line.len());
-            }
-        }
-        None
-    }
 }
 
 /// `height 49` or `height: 49`.

@@ -10,7 +10,7 @@ use crate::limits;
 pub const FORMAT_VERSION: u16 = 1;
 
 /// The first bytes of every blob.
-pub(crate) const MAGIC: [u8; 8] = *b"WAYFIELD";
+pub const MAGIC: [u8; 8] = *b"WAYFIELD";
 /// Bytes of the header.
 pub(crate) const HEADER_BYTES: usize = 28;
 const LENGTH_AT: usize = 12;

@@ -28,7 +28,7 @@ mod write;
 pub use directory::{Counts, Origin, is_name};
 pub use error::BlobError;
 pub use grid::{Cell, Direction, Grid};
-pub use header::FORMAT_VERSION;
+pub use header::{FORMAT_VERSION, MAGIC};
 pub use layer::{Answer, Layer, Step};
 pub use parameters::Parameters;
 pub use plan::{ParallelPlan, Plan};

@@ -3,6 +3,7 @@
 mod behaviours;
 mod blob;
 mod cli;
+mod convert;
 mod fields;
 mod layering;
 mod missions;
