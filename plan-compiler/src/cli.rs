@@ -4,7 +4,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use plan_compiler::boards::{BOARDS, Board};
 use plan_compiler::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
-use plan_compiler::formats::{Format, OparOptions, ReadOptions};
+use plan_compiler::formats::{Format, OparOptions, ReadOptions, geojson, movingai, osm, ros};
 use plan_compiler::map::Unknown;
 use plan_compiler::mission::{self, Goal, GoalAt};
 use std::path::PathBuf;
@@ -52,17 +52,26 @@ What is assumed of maps:
            the reverse). The points form a closed polygon. Type 1 is a building, an
            obstacle; type 2 foliage, which weakens radio and blocks in layer `comms` only
            (--opar-type N=building|foliage for others). Outside the area's polygon
-           everything is blocked.
+           everything is blocked.";
 
+const MISSIONS: &str = "\
 A mission file NAME.mission.toml beside the map NAME sets goals, layers, the robot's radius,
 speeds and gains; MISSION.md lists its keys.";
+
+/// What is assumed of every format: the first two are as old as the program, the others are
+/// said where they are read.
+fn assumptions() -> String {
+    let formats = [ros::CONVENTIONS, movingai::CONVENTIONS, geojson::CONVENTIONS, osm::CONVENTIONS];
+    let formats = formats.map(|text| format!("\n  {}", text.replace('\n', "\n  "))).concat();
+    format!("{ASSUMPTIONS}{formats}\n\n{MISSIONS}")
+}
 
 /// Compiles maps into internalized plans for small robots.
 ///
 /// A plan holds, for every cell of a map, the cost to a goal and the best of eight
 /// directions; the robot's firmware reads it in place.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{ASSUMPTIONS}"))]
+#[command(version, after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", assumptions()))]
 pub(crate) struct Cli {
     /// Print errors only
     #[arg(long, short, global = true)]
@@ -74,7 +83,7 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Compile a map, or a mission that names one, into a blob of plans
-    #[command(after_long_help = ASSUMPTIONS)]
+    #[command(after_long_help = assumptions())]
     Build(Build),
     /// Say what a blob holds
     Inspect(Inspect),

@@ -4,10 +4,14 @@
 //! each `match` of [`Format`]. A file's content decides what it is; its extension decides
 //! only where the content does not.
 
+pub mod geojson;
+mod globe;
 pub mod movingai;
 pub mod opar;
+pub mod osm;
 pub mod overlay;
 pub mod ros;
+mod tags;
 mod turn;
 pub mod utm;
 
@@ -37,6 +41,10 @@ pub enum Format {
     Ros,
     /// MovingAI grid map.
     Movingai,
+    /// GeoJSON: features in longitude and latitude.
+    Geojson,
+    /// OpenStreetMap: XML or PBF.
+    Osm,
 }
 
 /// What a user may say about how to read a map.
@@ -52,7 +60,8 @@ pub struct ReadOptions {
 
 impl Format {
     /// All of them, the more easily recognised first.
-    pub const ALL: [Self; 4] = [Self::Movingai, Self::Ros, Self::Overlay, Self::Opar];
+    pub const ALL: [Self; 6] =
+        [Self::Geojson, Self::Osm, Self::Movingai, Self::Ros, Self::Overlay, Self::Opar];
 
     /// What people call it.
     pub fn name(self) -> &'static str {
@@ -61,6 +70,8 @@ impl Format {
             Self::Opar => "OPAR",
             Self::Ros => "ROS map",
             Self::Movingai => "MovingAI map",
+            Self::Geojson => "GeoJSON",
+            Self::Osm => "OpenStreetMap",
         }
     }
 
@@ -71,6 +82,8 @@ impl Format {
             Self::Opar => &["opar"],
             Self::Ros => &["yaml", "yml"],
             Self::Movingai => &["map"],
+            Self::Geojson => &["geojson", "json"],
+            Self::Osm => &["osm", "pbf"],
         }
     }
 
@@ -80,6 +93,8 @@ impl Format {
             Self::Opar => opar::recognises(text),
             Self::Ros => ros::recognises(text),
             Self::Movingai => movingai::recognises(text),
+            Self::Geojson => geojson::recognises(text),
+            Self::Osm => osm::recognises(text),
         }
     }
 
@@ -94,6 +109,8 @@ impl Format {
             Self::Opar => opar::read(text, &options.opar),
             Self::Ros => ros::read(path, text),
             Self::Movingai => movingai::read(text),
+            Self::Geojson => geojson::read(text),
+            Self::Osm => osm::read(text),
         }
     }
 
@@ -126,6 +143,10 @@ pub fn read(path: &Path, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
 fn read_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
     if let Some(problem) = ros::refuse_alone(path, &bytes) {
         return (None, vec![problem]);
+    }
+    // The one format that is no text.
+    if matches!(options.format, None | Some(Format::Osm)) && osm::is_binary(path, &bytes) {
+        return osm::read_binary(path, &bytes);
     }
     let (text, mut problems) = match source::decode(path, bytes) {
         Ok(read) => read,
