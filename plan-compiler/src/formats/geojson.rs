@@ -184,6 +184,10 @@ impl<'a> Reader<'a> {
             // Where coordinates were refused there is nothing left to draw.
             Err(_) if !self.problems.is_empty() => return None,
             Err(problem) => {
+                let problem = match self.farthest() {
+                    Some(span) => problem.at(self.source, span, "farthest from the others"),
+                    None => problem,
+                };
                 self.problems.push(problem);
                 return None;
             }
@@ -199,6 +203,30 @@ impl<'a> Reader<'a> {
             self.problems.push(plane.note(&map, ignored));
         }
         Some(map)
+    }
+
+    /// Where the feature stands that lies farthest from the middle one, in degrees: where an
+    /// extent is absurd, the one that made it so.
+    fn farthest(&self) -> Option<Range<usize>> {
+        let places = |drawn: &Drawn| drawn.pieces.first().map(Piece::places).unwrap_or_default();
+        let firsts: Vec<[f64; 2]> =
+            self.drawn.iter().filter_map(|drawn| places(drawn).first().copied()).collect();
+        let middle = [0, 1].map(|axis| {
+            let mut sorted: Vec<f64> = firsts.iter().map(|place| place[axis]).collect();
+            sorted.sort_by(f64::total_cmp);
+            sorted.get((sorted.len().max(1) - 1) / 2).copied().unwrap_or_default()
+        });
+        let distance = |drawn: &&Drawn| {
+            let away =
+                |place: &[f64; 2]| (place[0] - middle[0]).abs().max((place[1] - middle[1]).abs());
+            places(drawn).iter().map(away).fold(0.0, f64::max)
+        };
+        let farthest = self
+            .drawn
+            .iter()
+            .filter(|_| !firsts.is_empty())
+            .max_by(|a, b| distance(a).total_cmp(&distance(b)));
+        farthest.map(|drawn| drawn.span.clone())
     }
 
     /// Coordinates in another system are refused: RFC 7946 has but one.

@@ -307,11 +307,15 @@ impl Missing {
         };
         tell(
             *nodes,
-            format!("outlines that lack nodes: {ways_cut} ({nodes} nodes); drawn without them"),
+            format!(
+                "outlines that lack nodes: {ways_cut}, nodes missing: {nodes}; drawn without them"
+            ),
         );
         tell(
             *members,
-            format!("areas that lack ways: {relations_cut} ({members} ways); drawn without them"),
+            format!(
+                "areas that lack ways: {relations_cut}, ways missing: {members}; drawn without them"
+            ),
         );
         tell(
             *open,

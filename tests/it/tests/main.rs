@@ -4,6 +4,7 @@ mod behaviours;
 mod blob;
 mod cli;
 mod fields;
+mod formats;
 mod layering;
 mod missions;
 mod opar;

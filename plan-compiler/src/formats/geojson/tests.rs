@@ -427,6 +427,11 @@ fn files_that_are_no_maps_are_refused() {
     point "Gate" 0,0
     ----
       × the map is 1109 km x 1106 km, but a plan holds for 20 km around its centre
+       ╭─[a.geojson:1:68]
+     1 │ {"type": "FeatureCollection", "bbox": [0, 0, 10, 10], "features": [{"type": "Feature", "properties": {"name": "Gate"}, "geometry": {"type": "Point", "coordinates": [7, 51]}}]}
+       ·                                                                    ────────────────────────────────────────┬───────────────────────────────────────
+       ·                                                                                                            ╰── farthest from the others
+       ╰────
       help: cut the part out that the robot will drive in; one stray point is enough
 
     no map

@@ -20,8 +20,10 @@ pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option
         Ok(document) => document,
         Err(error) => {
             let at = match error {
-                // For which the library names no place.
-                roxmltree::Error::UnexpectedEndOfStream => source.text.len(),
+                // For which the library names no place, or where it began.
+                roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode => {
+                    source.text.trim_end().len()
+                }
                 _ => byte(&source.text, error.pos()),
             };
             // The library's words end with its own row and column.
