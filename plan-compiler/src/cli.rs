@@ -4,7 +4,9 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use plan_compiler::boards::{BOARDS, Board};
 use plan_compiler::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
-use plan_compiler::formats::{Format, OparOptions, ReadOptions, iplan, movingai, pcf, ros};
+use plan_compiler::formats::{
+    Format, OparOptions, ReadOptions, geojson, iplan, movingai, osm, pcf, ros,
+};
 use plan_compiler::map::Unknown;
 use plan_compiler::mission::{self, Goal, GoalAt};
 use std::path::PathBuf;
@@ -76,7 +78,14 @@ Examples:
 /// What is assumed of every format: the first two are as old as the program, the others are
 /// said where they are read.
 fn assumptions() -> String {
-    let formats = [ros::CONVENTIONS, movingai::CONVENTIONS, iplan::CONVENTIONS, pcf::CONVENTIONS];
+    let formats = [
+        ros::CONVENTIONS,
+        movingai::CONVENTIONS,
+        geojson::CONVENTIONS,
+        osm::CONVENTIONS,
+        iplan::CONVENTIONS,
+        pcf::CONVENTIONS,
+    ];
     let formats = formats.map(|text| format!("\n  {}", text.replace('\n', "\n  "))).concat();
     format!("{ASSUMPTIONS}{formats}\n\n{MISSIONS}")
 }

@@ -4,13 +4,17 @@
 //! each `match` of [`Format`]. A file's content decides what it is; its extension decides
 //! only where the content does not.
 
+pub mod geojson;
+mod globe;
 pub mod iplan;
 mod lines;
 pub mod movingai;
 pub mod opar;
+pub mod osm;
 pub mod overlay;
 pub mod pcf;
 pub mod ros;
+mod tags;
 mod turn;
 pub mod utm;
 
@@ -44,6 +48,10 @@ pub enum Format {
     Iplan,
     /// MissionLab's plan for a map.
     Pcf,
+    /// GeoJSON: features in longitude and latitude.
+    Geojson,
+    /// OpenStreetMap: XML or PBF.
+    Osm,
 }
 
 /// What a user may say about how to read a map.
@@ -59,8 +67,16 @@ pub struct ReadOptions {
 
 impl Format {
     /// All of them, the more easily recognised first.
-    pub const ALL: [Self; 6] =
-        [Self::Iplan, Self::Pcf, Self::Movingai, Self::Ros, Self::Overlay, Self::Opar];
+    pub const ALL: [Self; 8] = [
+        Self::Geojson,
+        Self::Osm,
+        Self::Iplan,
+        Self::Pcf,
+        Self::Movingai,
+        Self::Ros,
+        Self::Overlay,
+        Self::Opar,
+    ];
 
     /// What people call it.
     pub fn name(self) -> &'static str {
@@ -71,6 +87,8 @@ impl Format {
             Self::Movingai => "MovingAI map",
             Self::Iplan => "MissionLab Iplan",
             Self::Pcf => "MissionLab plan",
+            Self::Geojson => "GeoJSON",
+            Self::Osm => "OpenStreetMap",
         }
     }
 
@@ -83,6 +101,8 @@ impl Format {
             Self::Movingai => &["map"],
             Self::Iplan => &["dat"],
             Self::Pcf => &["pcf"],
+            Self::Geojson => &["geojson", "json"],
+            Self::Osm => &["osm", "pbf"],
         }
     }
 
@@ -94,6 +114,8 @@ impl Format {
             Self::Movingai => movingai::recognises(text),
             Self::Iplan => iplan::recognises(text),
             Self::Pcf => pcf::recognises(text),
+            Self::Geojson => geojson::recognises(text),
+            Self::Osm => osm::recognises(text),
         }
     }
 
@@ -110,6 +132,8 @@ impl Format {
             Self::Movingai => movingai::read(text),
             Self::Iplan => iplan::read(text),
             Self::Pcf => pcf::read(path, text, options),
+            Self::Geojson => geojson::read(text),
+            Self::Osm => osm::read(text),
         }
     }
 
@@ -142,6 +166,10 @@ pub fn read(path: &Path, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
 fn read_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
     if let Some(problem) = ros::refuse_alone(path, &bytes) {
         return (None, vec![problem]);
+    }
+    // The one format that is no text.
+    if matches!(options.format, None | Some(Format::Osm)) && osm::is_binary(path, &bytes) {
+        return osm::read_binary(path, &bytes);
     }
     let (text, mut problems) = match source::decode(path, bytes) {
         Ok(read) => read,

@@ -104,7 +104,16 @@ impl SourceCode for Excerpt {
         before: usize,
         after: usize,
     ) -> Result<Box<dyn miette::SpanContents<'a> + 'a>, miette::MietteError> {
-        let inner = self.0.text.read_span(span, before, after)?;
+        let mut inner = self.0.text.read_span(span, before, after)?;
+        if inner.data().split(|byte| *byte == b'\n').any(|line| line.len() > MAX_LINE_BYTES) {
+            let [line, column] = {
+                let exact = self.0.text.read_span(span, 0, 0)?;
+                [exact.line(), exact.column()]
+            };
+            let part = part_of_line(&self.0.text, span.offset()..span.offset() + span.len());
+            let (data, at) = (&self.0.text.as_bytes()[part.clone()], part.into());
+            inner = Box::new(miette::MietteSpanContents::new(data, at, line, column, 1));
+        }
         Ok(Box::new(miette::MietteSpanContents::new_named(
             self.0.name.clone(),
             inner.data(),
@@ -114,6 +123,20 @@ impl SourceCode for Excerpt {
             inner.line_count(),
         )))
     }
+}
+
+/// A longer line is none that a person wrote: programs put whole files into one.
+const MAX_LINE_BYTES: usize = 1000;
+/// What is shown on either side of a mistake in such a line, bytes.
+const AROUND_BYTES: usize = 60;
+
+/// What an excerpt shows of a line too long to be shown.
+fn part_of_line(text: &str, span: Range<usize>) -> Range<usize> {
+    let start = text[..span.start].rfind('\n').map_or(0, |newline| newline + 1);
+    let end = text[span.end..].find('\n').map_or(text.len(), |newline| span.end + newline);
+    let before = text.ceil_char_boundary(span.start.saturating_sub(AROUND_BYTES));
+    let after = text.floor_char_boundary(span.end + AROUND_BYTES);
+    start.max(before)..end.min(after)
 }
 
 /// What miette asks for, borrowed from a problem.
@@ -185,5 +208,22 @@ mod tests {
         for part in ["map.ovl:2:12", "OBSTACLE 1 x", "expected the radius", "write OBSTACLE"] {
             assert!(text.contains(part), "{part} missing in\n{text}");
         }
+    }
+
+    #[test]
+    fn of_a_line_too_long_to_be_shown_a_part_is() {
+        let mut text = "short\n".to_owned();
+        text += &"\u{e9}".repeat(5_000);
+        let at = text.len();
+        text += "WRONG";
+        text += &"\u{fc}".repeat(5_000);
+        let source = Arc::new(Source { name: "map.json".into(), text });
+        let problem = Problem::error("no number").at(&source, at..at + 5, "this");
+        let drawn = draw(&[problem], false);
+        // Columns are counted in bytes.
+        for part in ["map.json:2:10001", "2 \u{2502}", "\u{e9}WRONG\u{fc}", "this"] {
+            assert!(drawn.contains(part), "{part} missing in\n{drawn}");
+        }
+        assert!(drawn.len() < 1_000, "{drawn}");
     }
 }

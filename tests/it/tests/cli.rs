@@ -4,6 +4,7 @@
 //! What it says of mistakes is in `tests/golden/errors`, one file a class, to be read as a
 //! newcomer would. `INSTA_UPDATE=always cargo test -p it cli` writes them anew.
 
+mod maps;
 mod people;
 
 use serde_json::Value;
@@ -28,19 +29,19 @@ BOUNDARY NoFlyZone1 28 20  32 20  32 24  28 24
 ";
 
 /// The binary run in a folder of its own.
-struct Run {
+pub(crate) struct Run {
     folder: TempDir,
 }
 
 /// What a run ended with.
-struct Ended {
-    status: i32,
-    out: String,
-    err: String,
+pub(crate) struct Ended {
+    pub(crate) status: i32,
+    pub(crate) out: String,
+    pub(crate) err: String,
 }
 
 impl Run {
-    fn new(files: &[(&str, &[u8])]) -> Self {
+    pub(crate) fn new(files: &[(&str, &[u8])]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         for (name, content) in files {
             fs::write(folder.path().join(name), content).unwrap();
@@ -52,12 +53,12 @@ impl Run {
         Self::new(&[("yard.ovl", YARD.as_bytes())])
     }
 
-    fn path(&self, name: &str) -> std::path::PathBuf {
+    pub(crate) fn path(&self, name: &str) -> std::path::PathBuf {
         self.folder.path().join(name)
     }
 
     /// Runs with arguments parted by spaces, or by `|` if there are any.
-    fn run(&self, arguments: &str, input: &str) -> Ended {
+    pub(crate) fn run(&self, arguments: &str, input: &str) -> Ended {
         let by = if arguments.contains('|') { '|' } else { ' ' };
         let mut child = Command::new(harness::setup::plan_compiler().unwrap())
             .args(arguments.split(by).filter(|argument| !argument.is_empty()))
@@ -84,7 +85,7 @@ impl Run {
     }
 
     /// Runs what must succeed.
-    fn done(&self, arguments: &str) -> String {
+    pub(crate) fn done(&self, arguments: &str) -> String {
         let ended = self.run(arguments, "");
         assert_eq!(ended.status, 0, "{arguments}\n{}", ended.err);
         ended.out
@@ -293,7 +294,16 @@ fn wrong_usage_ends_with_2() {
 fn help_teaches_by_examples_and_says_what_is_assumed() {
     let run = Run::new(&[]);
     let help = run.done("--help");
-    for part in ["Examples:", "--goal gate=12.5,40", "OPAR", "WGS-84", "--opar-units", "Clarke"] {
+    for part in [
+        "Examples:",
+        "--goal gate=12.5,40",
+        "OPAR",
+        "WGS-84",
+        "--opar-units",
+        "Clarke",
+        "GeoJSON",
+        "MovingAI",
+    ] {
         assert!(help.contains(part), "{part} is missing in\n{help}");
     }
     assert!(run.done("build --help").contains("--robot-radius"));

@@ -2,6 +2,8 @@
 
 use it::real_data;
 use plan_compiler::bitmap::Bitmap;
+use plan_compiler::formats::{ReadOptions, read};
+use plan_compiler::problem::draw;
 use plan_compiler::search::{Corners, MAX_COST, Method, Solver, is_cut_short, solve, step};
 use plan_format::field::{self, Field};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
@@ -401,58 +403,78 @@ fn paths_that_are_too_long_are_told() {
     }
 }
 
-/// A MovingAI map: rows from the north, `.` and `G` free.
+/// The blocked cells of a MovingAI map.
 fn movingai_map(path: &Path) -> Bitmap {
-    let text = std::fs::read_to_string(path).expect("the map is there");
+    let (map, problems) = read(path, &ReadOptions::default());
+    let cells = map.and_then(|map| map.cells);
+    cells.unwrap_or_else(|| panic!("{}", draw(&problems, false))).blocked()
+}
+
+/// One line of a MovingAI scenario; rows count from the north.
+#[derive(Debug, PartialEq)]
+struct Entry {
+    map: String,
+    start: [u32; 2],
+    goal: [u32; 2],
+    /// In cells, with diagonals of the square root of two.
+    length: f64,
+}
+
+/// The entries of a scenario file, every line of it.
+fn scenario(text: &str) -> Vec<Entry> {
     let mut lines = text.lines();
-    let number = |name: &str, line: Option<&str>| -> u32 {
-        let rest = line.and_then(|line| line.strip_prefix(name)).expect(name);
-        rest.trim().parse().expect(name)
+    let header = lines.next().expect("a header");
+    assert!(["version 1", "version 1.0"].contains(&header.trim()), "{header}");
+    let entry = |line: &str| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [_, map, _, _, x, y, goal_x, goal_y, length] = words[..] else { panic!("{line}") };
+        let number = |word: &str| word.parse::<u32>().expect("a coordinate");
+        // Some files name the map with the folder that it lay in.
+        let map = map.rsplit('/').next().expect("a name").to_owned();
+        let (start, goal) = ([x, y].map(number), [goal_x, goal_y].map(number));
+        Entry { map, start, goal, length: length.parse().expect("a length") }
     };
-    assert_eq!(lines.next(), Some("type octile"));
-    let rows = number("height", lines.next());
-    let columns = number("width", lines.next());
-    assert_eq!(lines.next(), Some("map"));
-    let lines: Vec<&[u8]> = lines.take(rows as usize).map(str::as_bytes).collect();
-    assert_eq!(lines.len(), rows as usize);
-    Bitmap::from_fn(columns, rows, |cell| {
-        !matches!(lines[(rows - 1 - cell.row) as usize][cell.column as usize], b'.' | b'G')
-    })
+    lines.filter(|line| !line.trim().is_empty()).map(entry).collect()
+}
+
+#[test]
+fn both_spellings_of_a_scenarios_header_are_read() {
+    let entry = "16\tmaps/dao/a.map\t32\t32\t15\t2\t1\t27\t64.31370850";
+    let expected =
+        [Entry { map: "a.map".into(), start: [15, 2], goal: [1, 27], length: 64.313_708_5 }];
+    for (header, end) in [("version 1", "\n"), ("version 1.0", "\r\n")] {
+        assert_eq!(scenario(&format!("{header}{end}{entry}{end}{end}")), expected);
+    }
 }
 
 #[test]
 fn every_published_movingai_length_is_reproduced() {
     let Some(folder) = real_data("movingai") else { return };
     let mut solver = Solver::new();
-    let mut compared = 0;
-    for entry in std::fs::read_dir(&folder).expect("a folder") {
-        let path = entry.expect("an entry").path();
+    let (mut compared, mut files) = (0, 0);
+    for file in std::fs::read_dir(&folder).expect("a folder") {
+        let path = file.expect("an entry").path();
         if path.extension().is_none_or(|extension| extension != "scen") {
             continue;
         }
-        let text = std::fs::read_to_string(&path).expect("text");
-        let mut blocked = None;
+        files += 1;
+        let entries = scenario(&std::fs::read_to_string(&path).expect("text"));
+        let map = movingai_map(&folder.join(&entries[0].map));
+        let cell = |[x, y]: [u32; 2]| Cell::new(x, map.rows() - 1 - y);
         let mut field = solve(&Bitmap::new(0, 0), Cell::new(0, 0), Corners::Forbid);
-        // The header is `version 1` or `version 1.0`.
-        for line in text.lines().filter(|line| !line.starts_with("version")) {
-            let words: Vec<&str> = line.split_whitespace().collect();
-            let [_, name, _, _, x, y, goal_x, goal_y, length] = words[..] else { continue };
-            let file = Path::new(name).file_name().expect("a name");
-            let map = blocked.get_or_insert_with(|| movingai_map(&folder.join(file)));
-            let [x, y, goal_x, goal_y] =
-                [x, y, goal_x, goal_y].map(|word| word.parse::<u32>().expect("a coordinate"));
-            let goal = Cell::new(goal_x, map.rows() - 1 - goal_y);
-            solver.solve_into(map, goal, Corners::Forbid, &mut field);
-            let cost = field.cost[((map.rows() - 1 - y) * map.columns() + x) as usize];
+        for entry in entries {
+            solver.solve_into(&map, cell(entry.goal), Corners::Forbid, &mut field);
+            let start = cell(entry.start);
+            let cost = field.cost[(start.row * map.columns() + start.column) as usize];
             let got = f64::from(cost) / f64::from(STRAIGHT_STEP);
-            let expected: f64 = length.parse().expect("a length");
             // Some files print six significant digits; the convergent adds 1.5e-8.
-            let tolerance = expected * 6e-6 + 1e-8;
-            assert!((got - expected).abs() <= tolerance, "{path:?}: {line}: {got}");
+            let tolerance = entry.length * 6e-6 + 1e-8;
+            assert!((got - entry.length).abs() <= tolerance, "{path:?}: {entry:?}: {got}");
             compared += 1;
         }
     }
-    assert!(compared > 3_000, "{compared} lengths");
+    // Every line of every file that lies there.
+    assert!(files >= 6 && compared >= 3_743, "{files} files, {compared} lengths");
 }
 
 /// The fields of an `Iplan.dat`: size, goal and values, x outer and y inner.

@@ -5,6 +5,7 @@ mod blob;
 mod cli;
 mod convert;
 mod fields;
+mod formats;
 mod layering;
 mod missions;
 mod opar;

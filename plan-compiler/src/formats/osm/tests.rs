@@ -1,0 +1,491 @@
+//! XML in, map or mistakes out; whatever XML can be read must give the same map as PBF.
+
+mod writer;
+
+use super::*;
+use crate::formats::dump::{dump, outcome};
+use crate::problem::{Severity, draw as drawn};
+use insta::assert_snapshot;
+use proptest::prelude::*;
+use writer::Nodes;
+
+fn source(text: &str) -> Arc<Source> {
+    Arc::new(Source { name: "a.osm".into(), text: text.into() })
+}
+
+/// What is read of a text, after the binary encoding of it was compared.
+fn check_file(text: &str) -> String {
+    let read_text = read(&source(text));
+    let has_error = read_text.1.iter().any(|problem| problem.severity == Severity::Error);
+    if let (Some(map), false) = (&read_text.0, has_error) {
+        let extract = xml::parse(&source(text), &mut Vec::new()).unwrap();
+        for nodes in [Nodes::Dense, Nodes::Plain] {
+            let (binary, problems) =
+                read_binary(Path::new("a.pbf"), &writer::write(&extract, nodes));
+            assert_eq!(dump(&binary.expect("a map")), dump(map));
+            assert_eq!(drawn(&problems, false), drawn(&read_text.1, false));
+        }
+    }
+    outcome(&read_text)
+}
+
+/// Objects in a box of 200 m by 100 m on the equator, with nodes 1 to 8 at the corners of two
+/// squares, one within the other, and 9 in the middle of both.
+fn check(objects: &str) -> String {
+    let nodes = [(1, 2, 2), (2, 6, 2), (3, 6, 6), (4, 2, 6)];
+    let within = [(5, 3, 3), (6, 5, 3), (7, 5, 5), (8, 3, 5), (9, 4, 4)];
+    let nodes = nodes
+        .iter()
+        .chain(&within)
+        .map(|(id, x, y)| format!("  <node id=\"{id}\" lat=\"0.000{y}\" lon=\"0.000{x}\"/>\n"));
+    check_file(&format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<osm version=\"0.6\">\n\
+         \x20 <bounds minlat=\"0\" minlon=\"0\" maxlat=\"0.0009\" maxlon=\"0.0018\"/>\n\
+         {}{objects}\n</osm>\n",
+        nodes.collect::<String>()
+    ))
+}
+
+fn way(id: i64, nodes: &[i64], tags: &[(&str, &str)]) -> String {
+    let nodes: String = nodes.iter().map(|node| format!("<nd ref=\"{node}\"/>")).collect();
+    format!("<way id=\"{id}\">{nodes}{}</way>\n", self::tags(tags))
+}
+
+fn relation(id: i64, members: &[(i64, &str)], tags: &[(&str, &str)]) -> String {
+    let members = members
+        .iter()
+        .map(|(way, role)| format!("<member type=\"way\" ref=\"{way}\" role=\"{role}\"/>"));
+    let members: String = members.collect();
+    format!("<relation id=\"{id}\">{members}{}</relation>\n", self::tags(tags))
+}
+
+fn tags(tags: &[(&str, &str)]) -> String {
+    tags.iter().map(|(key, value)| format!("<tag k=\"{key}\" v=\"{value}\"/>")).collect()
+}
+
+const OUTER: [i64; 5] = [1, 2, 3, 4, 1];
+const INNER: [i64; 5] = [5, 6, 7, 8, 5];
+const BUILDING: (&str, &str) = ("building", "yes");
+const MULTIPOLYGON: (&str, &str) = ("type", "multipolygon");
+
+#[test]
+fn ways_are_areas_and_walls() {
+    let objects = [
+        way(1, &OUTER, &[("building", "house"), ("name", "Hall"), ("building:levels", "2")]),
+        way(2, &OUTER, &[("building", "no")]),
+        way(3, &OUTER, &[("barrier", "fence")]),
+        way(4, &[1, 2], &[("barrier", "hedge"), ("height", "1.5")]),
+        way(5, &OUTER, &[("barrier", "hedge"), ("area", "yes")]),
+        way(6, &INNER, &[("natural", "wood"), ("name", "Spinney")]),
+        way(7, &INNER, &[("landuse", "forest")]),
+        way(8, &[1, 2, 3], &[("highway", "service")]),
+        way(9, &[1, 2], &[]),
+        way(10, &[1, 2, 3], &[BUILDING]),
+    ];
+    assert_snapshot!(check(&objects.concat()), @r#"
+      ⚠ outlines that do not close: 1; drawn as walls with free ground behind
+      help: cut the extract out with whole objects: `osmium extract --strategy smart`
+
+      ☞ the map is 200.4 m x 99.5 m, by the bounds that the file states; 0,0 is its centre, latitude
+      │ 0.00045, longitude 0.0009; obstacles: 5, areas that weaken radio: 2, zones: 0, named points:
+      │ 0, without a meaning here: 2
+
+    extent -100.188,-49.758 + 200.375,99.517
+    reference 0.00045 0.0009 at 0,0 heading 0
+    Obstacle "Hall" polygon -77.924,-27.644 -33.396,-27.644 -33.396,16.586 -77.924,16.586 high 6
+    Obstacle "" line -77.924,-27.644 -33.396,-27.644 -33.396,16.586 -77.924,16.586 -77.924,-27.644
+    Obstacle "" line -77.924,-27.644 -33.396,-27.644 high 1.5
+    Obstacle "" polygon -77.924,-27.644 -33.396,-27.644 -33.396,16.586 -77.924,16.586
+    Attenuating "Spinney" polygon -66.792,-16.586 -44.528,-16.586 -44.528,5.529 -66.792,5.529
+    Attenuating "forest" polygon -66.792,-16.586 -44.528,-16.586 -44.528,5.529 -66.792,5.529
+    Obstacle "" line -77.924,-27.644 -33.396,-27.644 -33.396,16.586
+    "#);
+}
+
+#[test]
+fn nodes_are_goals_where_they_say_so() {
+    let node = |id: i64, tags: &[(&str, &str)]| {
+        format!("<node id=\"{id}\" lat=\"0.0001\" lon=\"0.0002\">{}</node>\n", self::tags(tags))
+    };
+    let objects = [
+        node(20, &[("name", "Gate &amp; lodge"), ("goal", "yes")]),
+        node(21, &[("name", "Shop")]),
+        node(22, &[("name", "Pond"), ("goal", "no")]),
+        node(23, &[("goal", "yes")]),
+        node(24, &[BUILDING]),
+        "<node id=\"-1\" lat=\"0\" lon=\"0\" action=\"delete\"><tag k=\"name\" v=\"x\"/></node>"
+            .into(),
+    ];
+    assert_snapshot!(check(&objects.concat()), @r#"
+      ☞ the map is 200.4 m x 99.5 m, by the bounds that the file states; 0,0 is its centre, latitude
+      │ 0.00045, longitude 0.0009; obstacles: 1, areas that weaken radio: 0, zones: 0, named points:
+      │ 1, without a meaning here: 3
+
+    extent -100.188,-49.758 + 200.375,99.517
+    reference 0.00045 0.0009 at 0,0 heading 0
+    Obstacle "" circle -77.924,-38.701 radius 0
+    point "Gate & lodge" -77.924,-38.701
+    "#);
+}
+
+#[test]
+fn relations_are_areas_with_courtyards() {
+    let objects = [
+        way(1, &OUTER, &[]),
+        way(2, &INNER, &[("natural", "wood")]),
+        way(3, &[1, 2, 3], &[]),
+        way(4, &[1, 4, 3], &[BUILDING]),
+        relation(1, &[(1, "outer"), (2, "inner")], &[MULTIPOLYGON, BUILDING, ("height", "9")]),
+        // Joined of two ways, one of them the wrong way round and an area in its own right.
+        relation(2, &[(2, "inner"), (3, "outer"), (4, "")], &[MULTIPOLYGON, BUILDING]),
+        // Two outer rings; the hole is of the one that holds it.
+        relation(3, &[(2, "outer"), (1, "outer"), (2, "inner")], &[MULTIPOLYGON, BUILDING]),
+        relation(4, &[(1, "outer")], &[MULTIPOLYGON, ("landuse", "forest")]),
+        relation(5, &[(1, "outer")], &[("type", "boundary"), BUILDING]),
+        relation(6, &[(1, "outer")], &[MULTIPOLYGON, ("landuse", "grass")]),
+    ];
+    assert_snapshot!(check(&objects.concat()), @r#"
+      ☞ the map is 200.4 m x 99.5 m, by the bounds that the file states; 0,0 is its centre, latitude
+      │ 0.00045, longitude 0.0009; obstacles: 4, areas that weaken radio: 2, zones: 0, named points:
+      │ 0, without a meaning here: 2
+
+    extent -100.188,-49.758 + 200.375,99.517
+    reference 0.00045 0.0009 at 0,0 heading 0
+    Attenuating "wood" polygon -66.792,-16.586 -44.528,-16.586 -44.528,5.529 -66.792,5.529
+    Obstacle "" polygon -77.924,-27.644 -33.396,-27.644 -33.396,16.586 -77.924,16.586 / -66.792,-16.586 -44.528,-16.586 -44.528,5.529 -66.792,5.529 high 9
+    Obstacle "" polygon -77.924,-27.644 -33.396,-27.644 -33.396,16.586 -77.924,16.586 / -66.792,-16.586 -44.528,-16.586 -44.528,5.529 -66.792,5.529
+    Obstacle "" polygon -66.792,-16.586 -44.528,-16.586 -44.528,5.529 -66.792,5.529 / -66.792,-16.586 -44.528,-16.586 -44.528,5.529 -66.792,5.529
+    Obstacle "" polygon -77.924,-27.644 -33.396,-27.644 -33.396,16.586 -77.924,16.586 / -66.792,-16.586 -44.528,-16.586 -44.528,5.529 -66.792,5.529
+    Attenuating "forest" polygon -77.924,-27.644 -33.396,-27.644 -33.396,16.586 -77.924,16.586
+    "#);
+}
+
+#[test]
+fn an_area_whose_outer_way_has_the_tags_keeps_its_courtyard() {
+    let objects = [
+        way(1, &OUTER, &[BUILDING, ("name", "Old")]),
+        way(2, &INNER, &[]),
+        relation(1, &[(1, "outer"), (2, "inner")], &[MULTIPOLYGON]),
+    ];
+    assert_snapshot!(check(&objects.concat()), @r#"
+      ☞ the map is 200.4 m x 99.5 m, by the bounds that the file states; 0,0 is its centre, latitude
+      │ 0.00045, longitude 0.0009; obstacles: 1, areas that weaken radio: 0, zones: 0, named points:
+      │ 0, without a meaning here: 0
+
+    extent -100.188,-49.758 + 200.375,99.517
+    reference 0.00045 0.0009 at 0,0 heading 0
+    Obstacle "Old" polygon -77.924,-27.644 -33.396,-27.644 -33.396,16.586 -77.924,16.586 / -66.792,-16.586 -44.528,-16.586 -44.528,5.529 -66.792,5.529
+    "#);
+}
+
+#[test]
+fn what_an_extract_leaves_out_is_counted() {
+    let objects = [
+        way(1, &[1, 2, 99, 3, 98, 1], &[BUILDING]),
+        way(2, &[97, 96], &[("barrier", "wall")]),
+        way(3, &[1, 2, 3], &[]),
+        relation(1, &[(3, "outer"), (50, "outer"), (51, "inner")], &[MULTIPOLYGON, BUILDING]),
+        relation(2, &[(52, "outer")], &[MULTIPOLYGON, ("landuse", "forest")]),
+    ];
+    assert_snapshot!(check(&objects.concat()), @r#"
+      ⚠ outlines that lack nodes: 2, nodes missing: 4; drawn without them
+      help: cut the extract out with whole objects: `osmium extract --strategy smart`
+
+      ⚠ areas that lack ways: 2, ways missing: 3; drawn without them
+      help: cut the extract out with whole objects: `osmium extract --strategy smart`
+
+      ⚠ outlines that do not close: 1; drawn as walls with free ground behind
+      help: cut the extract out with whole objects: `osmium extract --strategy smart`
+
+      ☞ the map is 200.4 m x 99.5 m, by the bounds that the file states; 0,0 is its centre, latitude
+      │ 0.00045, longitude 0.0009; obstacles: 2, areas that weaken radio: 0, zones: 0, named points:
+      │ 0, without a meaning here: 0
+
+    extent -100.188,-49.758 + 200.375,99.517
+    reference 0.00045 0.0009 at 0,0 heading 0
+    Obstacle "" polygon -77.924,-27.644 -33.396,-27.644 -33.396,16.586
+    Obstacle "" line -77.924,-27.644 -33.396,-27.644 -33.396,16.586
+    "#);
+}
+
+#[test]
+fn mistakes_in_objects_are_all_told() {
+    let objects = "\
+<node id=\"20\" lat=\"91\" lon=\"0\"/>
+<node id=\"x\" lat=\"0\" lon=\"1,5\"/>
+<node lat=\"0\"/>
+<way id=\"1\"><nd/><nd ref=\"a\"/></way>
+<relation id=\"2\">
+  <member type=\"way\" role=\"outer\"/>
+</relation>
+<bounds minlat=\"2\" minlon=\"0\" maxlat=\"1\" maxlon=\"1\"/>
+<bounds minlat=\"2\"/>";
+    assert_snapshot!(check(objects), @r#"
+      × node 20 is off the globe
+        ╭─[a.osm:13:1]
+     12 │   <node id="9" lat="0.0004" lon="0.0004"/>
+     13 │ <node id="20" lat="91" lon="0"/>
+        · ────────────────┬───────────────
+        ·                 ╰── this node
+     14 │ <node id="x" lat="0" lon="1,5"/>
+        ╰────
+      help: latitudes are -90 to 90 degrees, longitudes -180 to 180
+
+      × the id of <node> is not a number
+        ╭─[a.osm:14:11]
+     13 │ <node id="20" lat="91" lon="0"/>
+     14 │ <node id="x" lat="0" lon="1,5"/>
+        ·           ┬
+        ·           ╰── this
+     15 │ <node lat="0"/>
+        ╰────
+      help: numbers are written as 12 or 51.0123456
+
+      × the lon of <node> is not a number
+        ╭─[a.osm:14:27]
+     13 │ <node id="20" lat="91" lon="0"/>
+     14 │ <node id="x" lat="0" lon="1,5"/>
+        ·                           ─┬─
+        ·                            ╰── this
+     15 │ <node lat="0"/>
+        ╰────
+      help: numbers are written as 12 or 51.0123456
+
+      × <node> has no id
+        ╭─[a.osm:15:1]
+     14 │ <node id="x" lat="0" lon="1,5"/>
+     15 │ <node lat="0"/>
+        · ───────┬───────
+        ·        ╰── add id="..."
+     16 │ <way id="1"><nd/><nd ref="a"/></way>
+        ╰────
+      help: save or fetch the file again; editors and servers always write it
+
+      × <node> has no lon
+        ╭─[a.osm:15:1]
+     14 │ <node id="x" lat="0" lon="1,5"/>
+     15 │ <node lat="0"/>
+        · ───────┬───────
+        ·        ╰── add lon="..."
+     16 │ <way id="1"><nd/><nd ref="a"/></way>
+        ╰────
+      help: save or fetch the file again; editors and servers always write it
+
+      × <nd> has no ref
+        ╭─[a.osm:16:13]
+     15 │ <node lat="0"/>
+     16 │ <way id="1"><nd/><nd ref="a"/></way>
+        ·             ──┬──
+        ·               ╰── add ref="..."
+     17 │ <relation id="2">
+        ╰────
+      help: save or fetch the file again; editors and servers always write it
+
+      × the ref of <nd> is not a number
+        ╭─[a.osm:16:27]
+     15 │ <node lat="0"/>
+     16 │ <way id="1"><nd/><nd ref="a"/></way>
+        ·                           ┬
+        ·                           ╰── this
+     17 │ <relation id="2">
+        ╰────
+      help: numbers are written as 12 or 51.0123456
+
+      × <member> has no ref
+        ╭─[a.osm:18:3]
+     17 │ <relation id="2">
+     18 │   <member type="way" role="outer"/>
+        ·   ────────────────┬────────────────
+        ·                   ╰── add ref="..."
+     19 │ </relation>
+        ╰────
+      help: save or fetch the file again; editors and servers always write it
+
+      × the bounds are no box on the globe
+        ╭─[a.osm:20:1]
+     19 │ </relation>
+     20 │ <bounds minlat="2" minlon="0" maxlat="1" maxlon="1"/>
+        · ──────────────────────────┬──────────────────────────
+        ·                           ╰── these
+     21 │ <bounds minlat="2"/>
+        ╰────
+      help: minlat and minlon are its south-west corner, in degrees
+
+      × <bounds> has no minlon
+        ╭─[a.osm:21:1]
+     20 │ <bounds minlat="2" minlon="0" maxlat="1" maxlon="1"/>
+     21 │ <bounds minlat="2"/>
+        · ──────────┬─────────
+        ·           ╰── add minlon="..."
+     22 │ </osm>
+        ╰────
+      help: save or fetch the file again; editors and servers always write it
+
+      × <bounds> has no maxlat
+        ╭─[a.osm:21:1]
+     20 │ <bounds minlat="2" minlon="0" maxlat="1" maxlon="1"/>
+     21 │ <bounds minlat="2"/>
+        · ──────────┬─────────
+        ·           ╰── add maxlat="..."
+     22 │ </osm>
+        ╰────
+      help: save or fetch the file again; editors and servers always write it
+
+      × <bounds> has no maxlon
+        ╭─[a.osm:21:1]
+     20 │ <bounds minlat="2" minlon="0" maxlat="1" maxlon="1"/>
+     21 │ <bounds minlat="2"/>
+        · ──────────┬─────────
+        ·           ╰── add maxlon="..."
+     22 │ </osm>
+        ╰────
+      help: save or fetch the file again; editors and servers always write it
+
+    extent -100.188,-49.758 + 200.375,99.517
+    reference 0.00045 0.0009 at 0,0 heading 0
+    "#);
+}
+
+#[test]
+fn files_that_are_no_maps_are_refused() {
+    let outcomes = [
+        check_file("<osm version=\"0.6\">\n  <node id=\"1\" lat=\"0\" l\u{f6}n=\"0"),
+        check_file("<osm>\n <node id=\"1\"></osm>"),
+        check_file("<osmChange version=\"0.6\"><osm/></osmChange>"),
+        check_file("<osm version=\"0.6\"/>"),
+        check_file("<!DOCTYPE x [<!ENTITY a \"b\">]>\n<osm>&a;</osm>"),
+        outcome(&read(&source(
+            "<osm>\n<remark> runtime error: Query timed out </remark>\n\
+             <node id=\"1\" lat=\"51\" lon=\"7\"/></osm>",
+        ))),
+    ];
+    assert_snapshot!(outcomes.join("----\n"), @r#"
+      × this is not XML: unexpected end of stream
+       ╭─[a.osm:2:31]
+     1 │ <osm version="0.6">
+     2 │   <node id="1" lat="0" lön="0
+       ╰────
+      help: check whether the file was cut off, and save or fetch it again
+
+    no map
+    ----
+      × this is not XML: expected 'node' tag, not 'osm'
+       ╭─[a.osm:2:15]
+     1 │ <osm>
+     2 │  <node id="1"></osm>
+       ·               ▲
+       ·               ╰── here
+       ╰────
+      help: check whether the file was cut off, and save or fetch it again
+
+    no map
+    ----
+      × the file is no extract of OpenStreetMap
+       ╭─[a.osm:1:1]
+     1 │ <osmChange version="0.6"><osm/></osmChange>
+       · ─────────────────────┬─────────────────────
+       ·                      ╰── not <osm>
+       ╰────
+      help: save the data as .osm; changes (.osc) and other files are no maps
+
+    no map
+    ----
+      × the file draws nothing and states no bounds
+      help: check that this is the file you mean
+
+    no map
+    ----
+      × this is not XML: XML with DTD detected
+       ╭─[a.osm:1:1]
+     1 │ <!DOCTYPE x [<!ENTITY a "b">]>
+       · ▲
+       · ╰── here
+     2 │ <osm>&a;</osm>
+       ╰────
+      help: check whether the file was cut off, and save or fetch it again
+
+    no map
+    ----
+      ⚠ the server remarks: runtime error: Query timed out
+       ╭─[a.osm:2:1]
+     1 │ <osm>
+     2 │ <remark> runtime error: Query timed out </remark>
+       · ────────────────────────┬────────────────────────
+       ·                         ╰── the file may not be whole
+     3 │ <node id="1" lat="51" lon="7"/></osm>
+       ╰────
+      help: fetch it again, or a smaller part
+
+      ☞ the map is 20 m x 20 m, 10 m around what it draws; 0,0 is its centre, latitude 51, longitude
+      │ 7; obstacles: 0, areas that weaken radio: 0, zones: 0, named points: 0, without a meaning
+      │ here: 0
+
+    extent -10,-10 + 20,20
+    reference 51 7 at 0,0 heading 0
+    "#);
+}
+
+/// An extract with everything that the encoding has.
+fn sample() -> Vec<u8> {
+    let text = format!(
+        "<osm><bounds minlat=\"51\" minlon=\"7\" maxlat=\"51.001\" maxlon=\"7.001\"/>\
+         <node id=\"1\" lat=\"51\" lon=\"7\"/><node id=\"2\" lat=\"51.0005\" lon=\"7.0005\">{}</node>\
+         {}{}</osm>",
+        tags(&[("name", "Gate"), ("goal", "yes")]),
+        way(1, &[1, 2], &[("barrier", "wall")]),
+        relation(1, &[(1, "outer"), (2, "inner")], &[MULTIPOLYGON, BUILDING]),
+    );
+    let extract = xml::parse(&source(&text), &mut Vec::new()).unwrap();
+    writer::write(&extract, Nodes::Dense)
+}
+
+fn refusal(bytes: &[u8]) -> String {
+    let (map, problems) = read_binary(Path::new("a.pbf"), bytes);
+    assert!(map.is_none());
+    problems.into_iter().map(|problem| problem.message).collect()
+}
+
+#[test]
+fn damaged_binary_files_are_refused() {
+    let good = sample();
+    assert!(is_binary(Path::new("a.bin"), &good));
+    assert!(is_binary(Path::new("a.osm.PBF"), b"\x00rubbish"));
+    assert!(!is_binary(Path::new("a.pbf"), b"<osm/>"));
+    let starts = |bytes: &[u8], reason: &str| {
+        let got = refusal(bytes);
+        assert!(got.starts_with(&format!("a.pbf cannot be read: {reason}")), "{got}");
+    };
+    starts(&good[..good.len() - 1], "");
+    starts(b"", "it is no OpenStreetMap file");
+    starts(b"\x7fELF\x02\x01\x01\x00", "");
+    // Kinds of members are 0 to 2; the library panics on others.
+    let kinds = good.windows(4).rposition(|bytes| bytes == [0x52, 2, 1, 1]).expect("kinds");
+    let mut other_kind = good.clone();
+    other_kind[kinds + 2] = 7;
+    starts(&other_kind, "it holds numbers that mean nothing");
+    let history = writer::with_feature(&good, "HistoricalInformation");
+    starts(&history, "it needs a reader that understands HistoricalInformation");
+}
+
+proptest! {
+    /// Whatever is cut or changed: an answer, and no panic that leaves.
+    #[test]
+    fn nothing_panics(at in 0usize..4_000, to: u8, cut: bool) {
+        let mut bytes = sample();
+        let at = at % bytes.len();
+        if cut { bytes.truncate(at) } else { bytes[at] = to }
+        let _ = read_binary(Path::new("a.pbf"), &bytes);
+    }
+
+    #[test]
+    fn no_text_panics(at in 0usize..4_000, with in "[<>/\"&=a-z0-9\u{e9}]{0,3}", cut in 0usize..30) {
+        let mut text = format!(
+            "<osm><bounds minlat=\"51\" minlon=\"7\" maxlat=\"51.001\" maxlon=\"7.001\"/>\n\
+             <node id=\"1\" lat=\"51\" lon=\"7\"/>\n{}</osm>",
+            way(1, &[1, 2], &[BUILDING])
+        );
+        let at = at % text.len();
+        text.replace_range(at..(at + cut).min(text.len()), &with);
+        let _ = read(&source(&text));
+    }
+}
