@@ -3,7 +3,8 @@
 //! `cargo bench -p plan-compiler --bench search` measures with criterion and prints the table
 //! that the README shows: nanoseconds per cell of the map (free or not) for one whole field
 //! from one goal, one thread, buffers kept where the crate can keep them, and how many times
-//! faster the search is than the fastest of the others under the same rule about corners.
+//! faster the search is than the fastest of the others under the same rule about corners; also what
+//! finding the ways out of blocked cells adds, and what packing the field into a blob's layer takes.
 //! Every other crate's costs are compared with the search's before they are timed.
 //!
 //! `SIDES=250,1024,4096` chooses other sizes; above 1,024 the crates that keep costs in hash
@@ -27,6 +28,7 @@ use std::time::Duration;
 const RULES: [(Corners, &str); 2] = [(Corners::Forbid, "forbid"), (Corners::Allow, "allow")];
 const OURS: &str = "wayfield";
 const WITH_ESCAPES: &str = "wayfield + escapes";
+const PACKING: &str = "wayfield packing";
 /// Beyond this side the crates with hash maps are left out.
 const LARGEST_HASHED: u32 = 1_024;
 
@@ -73,6 +75,8 @@ fn measure(criterion: &mut Criterion, name: &str, map: &Bitmap, goal: Cell, corn
     group.bench_function(WITH_ESCAPES, |b| {
         b.iter(|| solver.solve_into(map, black_box(goal), corners, &mut field));
     });
+
+    group.bench_function(PACKING, |b| b.iter(|| plan_format::pack(black_box(&check.field))));
 
     let mut grid_search = GridSearch::new(map, corners);
     grid_search.solve(goal);
@@ -136,7 +140,8 @@ fn results(output: &Path, group: &str, cells: f64) -> BTreeMap<String, f64> {
 }
 
 fn print_table(output: &Path, groups: &[(String, f64)]) {
-    let columns = [OURS, WITH_ESCAPES, "grid_search", "eikonal", "pathfinding", "petgraph"];
+    let columns =
+        [OURS, WITH_ESCAPES, PACKING, "grid_search", "eikonal", "pathfinding", "petgraph"];
     println!(
         "\nns per cell, the best of 10 samples; times faster than the fastest of the others\n"
     );
