@@ -10,5 +10,5 @@ mod layering;
 mod missions;
 mod opar;
 mod overlays;
-mod ploughing;
 mod qemu;
+mod work;

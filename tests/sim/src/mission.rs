@@ -145,8 +145,7 @@ impl<'w, S: Sensors, P: Pilot> Run<'w, S, P> {
         outcome.time_s = (outcome.ticks * self.limits.tick_us) as f64 * 1e-6;
         outcome.distance_m += motion.distance_m;
         if let Some(surroundings) = &mut outcome.surroundings {
-            let outputs = answer.commands.outputs;
-            surroundings.step(self.body.position, motion.distance_m, outputs, seconds);
+            surroundings.step(self.body.position, motion.distance_m, &answer.commands, seconds);
         }
         outcome.touches += u32::from(motion.touched && !self.touching);
         outcome.trace_hash = answer.trace_hash;
@@ -200,8 +199,7 @@ impl<'w, S: Sensors, P: Pilot> Run<'w, S, P> {
         let stayed_s = ((now - self.spot.1) * limits.tick_us) as f64 * 1e-6;
         let is_there = distance(self.body.position, limits.goal) <= limits.goal_tolerance_m;
         let ending = if let Some(surroundings) = &self.outcome.surroundings
-            && surroundings.is_done()
-            && reason == Reason::Idle
+            && surroundings.is_done(reason)
         {
             Some(Ending::Done)
         } else if reason == Reason::AtGoal && is_there && self.outcome.surroundings.is_none() {

@@ -8,6 +8,7 @@
 //! heading = 0                 # radians counter-clockwise from east
 //! time_limit = 3600           # seconds
 //! gps_sigma = 0.02            # standard deviation of a fix, metres; the usual metre if not given
+//! # signal = 7                # done is only what the robot has signalled by this number
 //!
 //! [tanks.fuel]
 //! channel = 1                 # input of the percepts that says how full it is, 0 to 1
@@ -16,7 +17,7 @@
 //! fill_per_s = 0.05           # of the whole tank ...
 //! at = [90.25, 28.25]         # ... within so many metres of this place ...
 //! within = 2
-//! output = 1                  # ... while this output is on
+//! output = 1                  # ... while this output is on; always if not given
 //! # leak = { after_m = 180, to = 0.1 }    # once, after so many metres, it falls to this level
 //!
 //! [fields.ready]
@@ -27,11 +28,13 @@
 //! ```
 //!
 //! A strip is done when the robot has followed it from its start to its end without leaving it. A
-//! mission with fields ends when all strips are done and the robot has nothing left to do.
+//! mission ends when all strips are done and the robot has given the signal, or where none is asked
+//! for has nothing left to do.
 
 use crate::Point;
 use crate::body::distance;
 use robot_io::limits::MAX_CHANNELS;
+use robot_io::{Commands, Reason};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -50,6 +53,10 @@ pub struct Surroundings {
     pub time_limit: f64,
     /// Standard deviation of a fix east and north, metres; `None` for the usual one.
     pub gps_sigma: Option<f64>,
+    /// What the robot signals when it has done its work.
+    pub signal: Option<u16>,
+    #[serde(skip)]
+    is_signalled: bool,
     /// By their names.
     #[serde(default)]
     pub tanks: BTreeMap<String, Tank>,
@@ -73,7 +80,7 @@ pub struct Tank {
     fill_per_s: f64,
     at: Point,
     within: f64,
-    output: u16,
+    output: Option<u16>,
     leak: Option<Leak>,
     /// How often filling began.
     #[serde(skip)]
@@ -159,21 +166,25 @@ impl Surroundings {
         inputs
     }
 
-    /// The robot has driven `way_m` metres to a place in some time, with outputs on, one bit each.
-    pub fn step(&mut self, at: Point, way_m: f64, outputs: u16, seconds: f64) {
+    /// The robot has driven `way_m` metres to a place in some time, by these commands.
+    pub fn step(&mut self, at: Point, way_m: f64, commands: &Commands, seconds: f64) {
+        let outputs = commands.outputs;
+        self.is_signalled |= self.signal == Some(commands.signal);
         for tank in self.tanks.values_mut() {
             tank.step(at, way_m, outputs, seconds);
         }
         for field in self.fields.values_mut() {
-            if field.output.is_none_or(|output| is_on(outputs, output)) {
+            if is_on(outputs, field.output) {
                 field.step(at);
             }
         }
     }
 
-    /// Whether there is work, and all of it is done.
-    pub fn is_done(&self) -> bool {
-        !self.fields.is_empty() && self.fields.values().all(|field| field.share() >= 1.0)
+    /// Whether all work is done, for a robot that gives this reason for what it does.
+    pub fn is_done(&self, reason: Reason) -> bool {
+        let is_over =
+            if self.signal.is_some() { self.is_signalled } else { reason == Reason::Idle };
+        is_over && self.fields.values().all(|field| field.share() >= 1.0)
     }
 
     /// A line for each tank and field.
@@ -273,8 +284,9 @@ impl Field {
     }
 }
 
-fn is_on(outputs: u16, output: u16) -> bool {
-    outputs.checked_shr(output.into()).is_some_and(|rest| rest & 1 == 1)
+/// Whether an output is on; what asks for none counts as on.
+fn is_on(outputs: u16, output: Option<u16>) -> bool {
+    output.is_none_or(|output| outputs.checked_shr(output.into()).is_some_and(|rest| rest & 1 == 1))
 }
 
 #[cfg(test)]
@@ -285,6 +297,10 @@ mod tests {
         [tanks.fuel]\nchannel = 1\nlevel = 0.5\nuse_per_m = 0.01\nfill_per_s = 0.1\nat = [0, 0]\nwithin = 2\noutput = 3\n\
         [fields.ready]\nchannel = 4\nwithin = 1\nstrips = [[[0, 0], [10, 0]], [[0, 5], [0, 9]]]\n";
 
+    fn with(outputs: u16) -> Commands {
+        Commands { outputs, ..Commands::stop(Reason::Driving) }
+    }
+
     fn yard() -> Surroundings {
         YARD.parse().expect("it is sound")
     }
@@ -292,7 +308,7 @@ mod tests {
     #[test]
     fn a_tank_drains_with_the_way_and_fills_in_its_place_only() {
         let mut yard = yard();
-        yard.step([5.0, 0.0], 10.0, 0, 1.0);
+        yard.step([5.0, 0.0], 10.0, &with(0), 1.0);
         assert!((yard.tanks["fuel"].level - 0.4).abs() < 1e-9);
         for (at, outputs, level) in [
             ([1.0, 0.0], 0, 0.4),
@@ -300,10 +316,10 @@ mod tests {
             ([1.0, 0.0], 0b0100, 0.4),
             ([1.0, 0.0], 0b1000, 0.5),
         ] {
-            yard.step(at, 0.0, outputs, 1.0);
+            yard.step(at, 0.0, &with(outputs), 1.0);
             assert!((yard.tanks["fuel"].level - level).abs() < 1e-9, "{at:?} {outputs}");
         }
-        yard.step([0.0; 2], 0.0, 0b1000, 99.0);
+        yard.step([0.0; 2], 0.0, &with(0b1000), 99.0);
         assert_eq!((yard.tanks["fuel"].level, yard.tanks["fuel"].fills), (1.0, 1));
         assert_eq!(yard.inputs(), [None, Some(1.0), None, None, Some(0.0), None, None, None]);
     }
@@ -313,7 +329,8 @@ mod tests {
         let text = YARD.replace("output = 3", "output = 3\nleak = { after_m = 3, to = 0.2 }");
         let mut yard: Surroundings = text.parse().expect("it is sound");
         let levels = [2.0, 2.0, 0.0, 5.0].map(|way_m| {
-            yard.step([0.0; 2], way_m, if way_m == 0.0 { 0b1000 } else { 0 }, 3.0);
+            let outputs = if way_m == 0.0 { 0b1000 } else { 0 };
+            yard.step([0.0; 2], way_m, &with(outputs), 3.0);
             (yard.tanks["fuel"].level * 100.0).round()
         });
         assert_eq!(levels, [48.0, 20.0, 50.0, 45.0]);
@@ -325,7 +342,8 @@ mod tests {
             let steps = (distance(pair[0], pair[1]) * 2.0).ceil();
             for step in 0..=steps as u32 {
                 let t = f64::from(step) / steps;
-                yard.step([0, 1].map(|i| pair[0][i] + t * (pair[1][i] - pair[0][i])), 0.5, 0, 0.5);
+                let at = [0, 1].map(|i| pair[0][i] + t * (pair[1][i] - pair[0][i]));
+                yard.step(at, 0.5, &with(0), 0.5);
             }
         }
         yard.fields["ready"].work.iter().map(|work| (work.begun, work.done)).collect()
@@ -347,11 +365,15 @@ mod tests {
         ] {
             let mut yard = yard();
             assert_eq!(drive(&mut yard, way), [expected, (0, 0)], "{way:?}");
-            assert!(!yard.is_done());
+            assert!(!yard.is_done(Reason::Idle));
         }
         let mut yard = yard();
         drive(&mut yard, &[[0.0, 0.0], [10.0, 0.0], [0.0, 5.0], [0.0, 9.0]]);
-        assert!(yard.is_done());
+        assert!(yard.is_done(Reason::Idle) && !yard.is_done(Reason::Driving));
+        yard.signal = Some(7);
+        assert!(!yard.is_done(Reason::Idle));
+        yard.step([0.0; 2], 0.0, &Commands { signal: 7, ..with(0) }, 1.0);
+        assert!(yard.is_done(Reason::Driving));
         assert_eq!(yard.summary()[1], "ready: 2 of 2 strips done, 0 begun again, 0 done twice");
     }
 

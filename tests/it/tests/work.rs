@@ -1,5 +1,7 @@
-//! The paper's ploughing field (Hasemann, tables 4 to 6 and figures 3 and 4) as it is shipped, in the
-//! simulated world: body, sensors, a tank that drains and six strips, on the host and in QEMU.
+//! Missions with work in the simulated world: body, sensors, tanks that drain and strips to be worked.
+//!
+//! The paper's ploughing field (Hasemann, tables 4 to 6 and figures 3 and 4), on the host and in
+//! QEMU, and its other examples (table 1): all as they are shipped.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -79,7 +81,7 @@ fn interruption(turn: &&Turn) -> bool {
 #[track_caller]
 fn golden(name: &str, text: &str) {
     let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path(it::root().canonicalize().unwrap().join("tests/golden/ploughing"));
+    settings.set_snapshot_path(it::root().canonicalize().unwrap().join("tests/golden/work"));
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
     settings.bind(|| insta::assert_snapshot!(name, text));
@@ -136,6 +138,27 @@ fn n07_ploughing_has_the_same_trace_everywhere() {
             assert_eq!(in_qemu.trace_hash, on_host.trace_hash, "{}", machine.name());
             assert_eq!(in_qemu.surroundings, on_host.surroundings);
         }
+    }
+}
+
+/// H45: the other examples of the paper's table 1 come to their ends, and can be drawn.
+#[test]
+fn h45_the_examples_come_to_their_ends() {
+    let folder = tempfile::tempdir().expect("there is room");
+    for (name, interruptions) in [("assembly", 0), ("planet", 1), ("shop", 0)] {
+        let scenario = Scenario::compile(&own_map(&format!("{name}.ovl")), &Changes::default());
+        let scenario = scenario.unwrap_or_else(|problems| panic!("{problems}"));
+        let (outcome, story, _) = record(&scenario);
+        assert_eq!((outcome.ending, outcome.touches), (Some(Ending::Done), 0), "{name}");
+        assert_eq!(story.turns.iter().filter(interruption).count(), interruptions, "{name}");
+        let picture = folder.path().join(format!("{name}.svg"));
+        let mut command = Command::new(setup::plan_compiler().expect("the program is built"));
+        command.arg("graph").arg(own_map(&format!("{name}.mission.toml"))).arg("-o").arg(&picture);
+        let output = command.output().expect("the program runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && !said.contains("warning"), "{name}: {said}");
+        let drawn = std::fs::read_to_string(&picture).expect("there is a picture");
+        assert!(drawn.contains("<svg"), "{name}");
     }
 }
 
