@@ -17,6 +17,13 @@ use crate::layer::{Root, direction};
 /// The number of no root.
 pub(crate) const NO_ROOT: u32 = u32::MAX;
 
+/// Where a root serves fewer cells than this, what they say by themselves takes hardly more bytes,
+/// and is found in a fraction of the time. Noise of 20 % obstacles has a root for every six cells, a
+/// maze for every three, noise of 5 % for every 25, and a city for every 500.
+const CELLS_PER_ROOT: usize = 8;
+/// That is looked at after so many cells each.
+const LOOK: usize = 4_096;
+
 /// The roots of a field.
 pub(crate) struct Roots {
     /// By their numbers.
@@ -48,10 +55,19 @@ impl Roots {
                 this.make_root(index, bordered);
             }
         }
-        for index in by_cost(bordered) {
+        for (visited, index) in by_cost(bordered).into_iter().enumerate() {
             this.of_cell[index as usize] = this.choose(index as usize, bordered);
+            if visited % LOOK == LOOK - 1 && this.roots.len() * CELLS_PER_ROOT > visited {
+                return Self::none(bordered);
+            }
         }
         this
+    }
+
+    /// No roots at all.
+    fn none(bordered: &Bordered) -> Self {
+        let of_cell = vec![NO_ROOT; bordered.cost.len()];
+        Self { roots: Vec::new(), parents: Vec::new(), of_cell }
     }
 
     fn choose(&mut self, index: usize, bordered: &Bordered) -> u32 {
