@@ -6,8 +6,9 @@ use crate::formats::tags::Tags;
 use crate::problem::Problem;
 use math::GeoPoint;
 use osmpbf::{BlobDecode, BlobReader, Element, HeaderBlock, RelMemberType};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 /// Most nodes of an extract, some 600 MB of memory: a country, far more than a robot drives in.
 const MAX_NODES: usize = 1 << 24;
@@ -25,12 +26,24 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<(Extract, Vec<Problem>)
     let name = path.display();
     // The library panics on kinds of members that are not, and in debug builds on sums that
     // overflow. Only a damaged file holds either; nothing of the extract is used then.
-    let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes)));
+    let decoded = quietly(|| catch_unwind(AssertUnwindSafe(|| decode(bytes))));
     decoded.unwrap_or_else(|_| Err("it holds numbers that mean nothing".into())).map_err(|reason| {
         Problem::error(format!("{name} cannot be read: {reason}")).mend(
             "it may be damaged or cut off: fetch it again, or check it with `osmium fileinfo -e`",
         )
     })
+}
+
+/// Runs something whose panics are caught and told in our own words. The hook is the whole
+/// program's, so one at a time.
+fn quietly<T>(run: impl FnOnce() -> T) -> T {
+    static TURN: Mutex<()> = Mutex::new(());
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    let result = run();
+    panic::set_hook(hook);
+    result
 }
 
 fn decode(bytes: &[u8]) -> Result<(Extract, Vec<Problem>), String> {
