@@ -8,7 +8,7 @@
 //! The text of each part is kept beside what it says (`RawValue`), so that every mistake has
 //! its place. Deliberately absent: other coordinate systems, TopoJSON, lines of GeoJSON.
 
-use super::globe::{Bounds, Plane};
+use super::globe::{Bounds, Plane, Stray};
 use super::tags::Tags;
 use crate::map::{Feature, Map, NamedPoint, Point, Role, Shape};
 use crate::problem::{Problem, Source};
@@ -93,9 +93,11 @@ enum Piece {
 }
 
 /// A feature whose coordinates are on the globe.
-struct Drawn {
+struct Drawn<'a> {
     tags: Tags,
     pieces: Vec<Piece>,
+    /// The coordinates of the pieces as the file writes them, in their order.
+    texts: Vec<&'a str>,
     /// Metres.
     radius: f64,
     span: Range<usize>,
@@ -104,7 +106,7 @@ struct Drawn {
 struct Reader<'a> {
     source: &'a Arc<Source>,
     problems: Vec<Problem>,
-    drawn: Vec<Drawn>,
+    drawn: Vec<Drawn<'a>>,
     /// Whether the file does not say itself that its coordinates are something else.
     is_degrees: bool,
 }
@@ -182,13 +184,18 @@ impl<'a> Reader<'a> {
         let plane = match Plane::new(bounds, places) {
             Ok(plane) => plane,
             // Where coordinates were refused there is nothing left to draw.
-            Err(_) if !self.problems.is_empty() => return None,
+            Err(_) if !self.problems.is_empty() && self.drawn.iter().all(Drawn::is_nowhere) => {
+                return None;
+            }
             Err(problem) => {
-                let problem = match self.farthest() {
-                    Some(span) => problem.at(self.source, span, "farthest from the others"),
-                    None => problem,
+                let found = match file.bbox.filter(|_| bounds.is_some()) {
+                    Some(bbox) => Some((self.first_line(bbox.get()), "this bbox".into())),
+                    None => self.stray(),
                 };
-                self.problems.push(problem);
+                self.problems.push(match found {
+                    Some((span, label)) => problem.at(self.source, span, label),
+                    None => problem,
+                });
                 return None;
             }
         };
@@ -197,7 +204,7 @@ impl<'a> Reader<'a> {
         for drawn in &self.drawn {
             draw(drawn, &plane, &mut map);
         }
-        let count = |drawn: &&Drawn| drawn.tags.meaning().is_some() || drawn.goal().is_some();
+        let count = |drawn: &&Drawn<'_>| drawn.tags.meaning().is_some() || drawn.goal().is_some();
         let ignored = features.len() - self.drawn.iter().filter(count).count();
         if self.problems.is_empty() {
             self.problems.push(plane.note(&map, ignored));
@@ -205,28 +212,18 @@ impl<'a> Reader<'a> {
         Some(map)
     }
 
-    /// Where the feature stands that lies farthest from the middle one, in degrees: where an
-    /// extent is absurd, the one that made it so.
-    fn farthest(&self) -> Option<Range<usize>> {
-        let places = |drawn: &Drawn| drawn.pieces.first().map(Piece::places).unwrap_or_default();
-        let firsts: Vec<[f64; 2]> =
-            self.drawn.iter().filter_map(|drawn| places(drawn).first().copied()).collect();
-        let middle = [0, 1].map(|axis| {
-            let mut sorted: Vec<f64> = firsts.iter().map(|place| place[axis]).collect();
-            sorted.sort_by(f64::total_cmp);
-            sorted.get((sorted.len().max(1) - 1) / 2).copied().unwrap_or_default()
-        });
-        let distance = |drawn: &&Drawn| {
-            let away =
-                |place: &[f64; 2]| (place[0] - middle[0]).abs().max((place[1] - middle[1]).abs());
-            places(drawn).iter().map(away).fold(0.0, f64::max)
+    /// Where the position stands that makes the extent absurd, and what to say of it.
+    fn stray(&self) -> Option<(Range<usize>, String)> {
+        let places = |drawn: &Drawn<'_>| -> Vec<[f64; 2]> {
+            drawn.pieces.iter().flat_map(Piece::places).collect()
         };
-        let farthest = self
-            .drawn
+        let stray = Stray::among(&self.drawn.iter().flat_map(places).collect::<Vec<_>>())?;
+        let mut texts = Vec::new();
+        self.drawn
             .iter()
-            .filter(|_| !firsts.is_empty())
-            .max_by(|a, b| distance(a).total_cmp(&distance(b)));
-        farthest.map(|drawn| drawn.span.clone())
+            .flat_map(|drawn| &drawn.texts)
+            .for_each(|text| positions(text, &mut texts));
+        Some((self.first_line(texts.get(stray.index)?), stray.label()))
     }
 
     /// Coordinates in another system are refused: RFC 7946 has but one.
@@ -289,22 +286,22 @@ impl<'a> Reader<'a> {
                 "write it in metres",
             );
         }
-        let mut pieces = Vec::new();
+        let (radius, span) = (radius.unwrap_or(0.0), self.first_line(text));
+        let mut drawn = Drawn { tags, pieces: Vec::new(), texts: Vec::new(), radius, span };
         // Without a geometry a feature is nowhere, which RFC 7946 allows.
         if let Some(geometry) = raw.geometry.filter(|geometry| geometry.get() != "null") {
-            self.geometry(geometry.get(), name, true, &mut pieces);
+            self.geometry(geometry.get(), name, true, &mut drawn);
         }
-        let span = self.first_line(text);
-        self.drawn.push(Drawn { tags, pieces, radius: radius.unwrap_or(0.0), span });
+        self.drawn.push(drawn);
     }
 
-    fn geometry(&mut self, text: &'a str, name: &str, may_nest: bool, pieces: &mut Vec<Piece>) {
+    fn geometry(&mut self, text: &'a str, name: &str, may_nest: bool, drawn: &mut Drawn<'a>) {
         let mend = "a geometry has a type and coordinates that are nested as deep as it asks for";
         let what = format!("the geometry of {name} cannot be read");
         let Some(raw): Option<RawGeometry<'a>> = self.object(text, &what, mend) else { return };
         if let Some(parts) = raw.geometries.filter(|_| may_nest) {
             for part in parts {
-                self.geometry(part.get(), name, false, pieces);
+                self.geometry(part.get(), name, false, drawn);
             }
             return;
         }
@@ -336,7 +333,8 @@ impl<'a> Reader<'a> {
             }
         }
         if self.check(&found, coordinates, name) {
-            pieces.append(&mut found);
+            drawn.pieces.append(&mut found);
+            drawn.texts.push(coordinates);
         }
     }
 
@@ -462,7 +460,11 @@ impl Piece {
     }
 }
 
-impl Drawn {
+impl Drawn<'_> {
+    fn is_nowhere(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
     /// The name of a goal and its place, if the feature is one.
     fn goal(&self) -> Option<(&str, [f64; 2])> {
         match (&self.pieces[..], self.tags.get("name")) {
@@ -476,7 +478,7 @@ impl Drawn {
 }
 
 /// Adds a feature to the map.
-fn draw(drawn: &Drawn, plane: &Plane, map: &mut Map) {
+fn draw(drawn: &Drawn<'_>, plane: &Plane, map: &mut Map) {
     let metres = |line: &Vec<[f64; 2]>| -> Vec<Point> {
         line.iter().map(|place| plane.metres(*place)).collect()
     };

@@ -39,6 +39,32 @@ impl Bounds {
         (height >= 0.0).then_some(Self { south_west, size: [height, width] })
     }
 
+    /// An error where a map of these bounds would hold nothing: they have no area, or all that
+    /// is drawn lies beside them.
+    fn check(&self, drawn: Option<Self>) -> Result<(), Problem> {
+        let mend = "state the bounds of the part that the robot will drive in, or none";
+        if self.size.contains(&0.0) {
+            let message = "the bounds that the file states have no area";
+            return Err(Problem::error(message).mend(mend));
+        }
+        match drawn {
+            Some(drawn) if !self.meets(&drawn) => {
+                let message = "all that the file draws lies outside the bounds that it states";
+                let mend = format!("{mend}; check whether latitude and longitude are swapped");
+                Err(Problem::error(message).mend(mend))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        let apart = |axis: usize| {
+            let apart = other.south_west[axis] - self.south_west[axis];
+            if axis == 1 { turned(apart) } else { apart }
+        };
+        (0..2).all(|axis| apart(axis) <= self.size[axis] && -apart(axis) <= other.size[axis])
+    }
+
     /// South, west, north, east, degrees.
     #[cfg(test)]
     pub(super) fn sides(self) -> [f64; 4] {
@@ -59,6 +85,49 @@ impl Bounds {
             }
         }
         Some(Self { south_west: low, size: [high[0] - low[0], high[1] - low[1]] })
+    }
+}
+
+/// The place that makes an extent absurd.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stray {
+    /// Which of the places.
+    pub(super) index: usize,
+    /// Where the others are, if it is alone: of two heaps of equal size either may be astray.
+    pub(super) far_from: Place,
+    pub(super) is_alone: bool,
+}
+
+impl Stray {
+    /// The place that lies farthest from the middle one; `None` where there are none.
+    pub(super) fn among(places: &[Place]) -> Option<Self> {
+        let &[_, first] = places.first()?;
+        // Longitudes go on across the date line.
+        let places: Vec<Place> =
+            places.iter().map(|[lat, lon]| [*lat, first + turned(lon - first)]).collect();
+        let middle = [0, 1].map(|axis| {
+            let mut sorted: Vec<f64> = places.iter().map(|place| place[axis]).collect();
+            sorted.sort_by(f64::total_cmp);
+            sorted.get((sorted.len() - 1) / 2).copied().unwrap_or_default()
+        });
+        let away = |place: &Place| (place[0] - middle[0]).abs().max((place[1] - middle[1]).abs());
+        let farthest = places.iter().enumerate().max_by(|a, b| away(a.1).total_cmp(&away(b.1)));
+        let (index, farthest) = farthest?;
+        let half = away(farthest) / 2.0;
+        let near = places.iter().filter(|place| away(place) < half).count();
+        let far_from = [middle[0], turned(middle[1])];
+        Some(Self { index, far_from, is_alone: 2 * near > places.len() })
+    }
+
+    /// What stands under an excerpt that shows it.
+    pub(super) fn label(&self) -> String {
+        let [lat, lon] = self.far_from;
+        let where_the_others_are = format!("latitude {lat}, longitude {lon}");
+        if self.is_alone {
+            format!("far from the others, which lie about {where_the_others_are}")
+        } else {
+            format!("either this or what lies about {where_the_others_are} is astray")
+        }
     }
 }
 
@@ -83,14 +152,19 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// The plane of stated bounds, else of coordinates with a margin.
+    /// The plane of stated bounds, else of coordinates with a margin. Where bounds are stated, it
+    /// is they who are wrong if there is none.
     pub(super) fn new(
         stated: Option<Bounds>,
         drawn: impl Iterator<Item = Place>,
     ) -> Result<Self, Problem> {
+        let around = Bounds::around(drawn);
         let (bounds, margin, by) = match stated {
-            Some(bounds) => (bounds, 0.0, "by the bounds that the file states".into()),
-            None => match Bounds::around(drawn) {
+            Some(bounds) => {
+                bounds.check(around)?;
+                (bounds, 0.0, "by the bounds that the file states".into())
+            }
+            None => match around {
                 Some(bounds) => (bounds, MARGIN_M, format!("{MARGIN_M} m around what it draws")),
                 None => {
                     return Err(Problem::error("the file draws nothing and states no bounds")
@@ -106,11 +180,20 @@ impl Plane {
         if size.iter().any(|side| *side > 2.0 * REACH_M) {
             let [width, height] = size.map(|side| metres((side / 1e3).ceil()));
             let reach = metres(REACH_M / 1e3);
+            let (what, mend) = match stated {
+                Some(_) => (
+                    "by the bounds that the file states the map is",
+                    "state the bounds of the part that the robot will drive in, or none",
+                ),
+                None => (
+                    "the map is",
+                    "cut the part out that the robot will drive in; one stray point is enough",
+                ),
+            };
             return Err(Problem::error(format!(
-                "the map is {width} km x {height} km, but a plan holds for {reach} km around \
-                 its centre"
+                "{what} {width} km x {height} km, but a plan holds for {reach} km around its centre"
             ))
-            .mend("cut the part out that the robot will drive in; one stray point is enough"));
+            .mend(mend));
         }
         let mut plane = Self { reference, extent: Extent { corner: [0.0; 2], size }, by };
         plane.extent.corner = plane.metres(bounds.south_west);
@@ -210,6 +293,53 @@ mod tests {
         );
         assert_eq!(Bounds::between([51.0, 7.0], [50.0, 7.1]), None);
         assert_eq!(Bounds::between([51.0, 7.0], [91.0, 7.1]), None);
+    }
+
+    #[test]
+    fn stated_bounds_that_hold_nothing_are_to_blame() {
+        let outside = "all that the file draws lies outside the bounds that it states";
+        // Longitude and latitude swapped; and one that was cut out elsewhere.
+        check(Some([[7.0, 51.0], [7.001, 51.001]]), &[[51.0, 7.0]], outside);
+        check(Some([[51.0, 7.0], [51.001, 7.001]]), &[[51.002, 7.0], [51.002, 7.001]], outside);
+        check(
+            Some([[0.0, 0.0], [1.0, 0.0001]]),
+            &[[0.0, 0.0]],
+            "by the bounds that the file states the map is 1 km x 111 km, but a plan holds for 20 \
+             km around its centre",
+        );
+        let no_area = "the bounds that the file states have no area";
+        check(Some([[51.0, 7.0], [51.0, 7.0]]), &[[51.0, 7.0]], no_area);
+        check(Some([[51.0, 7.0], [51.1, 7.0]]), &[], no_area);
+        // A wood all around has no corner within.
+        check(
+            Some([[51.0, 7.0], [51.001, 7.002]]),
+            &[[50.0, 6.0], [52.0, 8.0]],
+            "510005000 70010000 -70.20,-55.62 + 140.39,111.25: -70267.12, -111303.91 70126.73, \
+             111192.66",
+        );
+    }
+
+    #[test]
+    fn the_place_astray_is_the_one_far_from_most() {
+        let check = |places: &[Place], expected: &str| {
+            let got =
+                Stray::among(places).map(|stray| format!("{} {}", stray.index, stray.label()));
+            assert_eq!(got.unwrap_or_default(), expected);
+        };
+        check(&[], "");
+        let others = "far from the others, which lie about latitude 51, longitude 7";
+        check(&[[51.0, 7.0], [51.0, 7.001], [0.0, 0.0]], &format!("2 {others}"));
+        check(&[[0.0, 0.0], [51.0, 7.0], [51.001, 7.0]], &format!("0 {others}"));
+        check(&[[51.0, 7.0], [15.0, 7.0], [51.0, 7.001]], &format!("1 {others}"));
+        // Of two nobody can tell.
+        check(
+            &[[51.0, 7.0], [0.0, 0.0]],
+            "0 either this or what lies about latitude 0, longitude 0 is astray",
+        );
+        check(
+            &[[0.0, 179.9], [0.0, -179.9], [0.0, 90.0]],
+            "2 far from the others, which lie about latitude 0, longitude 179.9",
+        );
     }
 
     #[test]

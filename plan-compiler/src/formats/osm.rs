@@ -19,7 +19,7 @@ mod pbf;
 mod rings;
 mod xml;
 
-use super::globe::{Bounds, Plane};
+use super::globe::{Bounds, Plane, Stray};
 use super::tags::{Meaning, Tags};
 use crate::compile::has_errors;
 use crate::map::{Feature, Map, NamedPoint, Point, Role, Shape};
@@ -49,7 +49,7 @@ pub fn recognises(text: &str) -> bool {
 pub fn read(source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     let mut problems = Vec::new();
     let extract = xml::parse(source, &mut problems);
-    let map = extract.and_then(|extract| draw(&extract, &mut problems));
+    let map = extract.and_then(|extract| draw(&extract, Some(source), &mut problems));
     (map, problems)
 }
 
@@ -62,7 +62,7 @@ pub(super) fn is_binary(path: &Path, bytes: &[u8]) -> bool {
 /// Reads an extract in the binary encoding, which has no places for an excerpt to show.
 pub(super) fn read_binary(path: &Path, bytes: &[u8]) -> (Option<Map>, Vec<Problem>) {
     match pbf::parse(path, bytes) {
-        Ok((extract, mut problems)) => (draw(&extract, &mut problems), problems),
+        Ok((extract, mut problems)) => (draw(&extract, None, &mut problems), problems),
         Err(problem) => (None, vec![problem]),
     }
 }
@@ -117,12 +117,15 @@ struct Missing {
 }
 
 /// The map of an extract; `None` where it has no place.
-fn draw(extract: &Extract, problems: &mut Vec<Problem>) -> Option<Map> {
-    let degrees = |place: &GeoPoint| [place.lat_deg(), place.lon_deg()];
+fn draw(
+    extract: &Extract,
+    source: Option<&Arc<Source>>,
+    problems: &mut Vec<Problem>,
+) -> Option<Map> {
     let plane = match Plane::new(extract.bounds, extract.places.values().map(degrees)) {
         Ok(plane) => plane,
         Err(problem) => {
-            problems.push(problem);
+            problems.push(blame(problem, extract, source));
             return None;
         }
     };
@@ -135,6 +138,33 @@ fn draw(extract: &Extract, problems: &mut Vec<Problem>) -> Option<Map> {
         problems.push(drawing.plane.note(&drawing.map, ignored));
     }
     Some(drawing.map)
+}
+
+/// Says of the problem with an extent what makes it one: the bounds, else the node that lies
+/// farthest away.
+fn blame(mut problem: Problem, extract: &Extract, source: Option<&Arc<Source>>) -> Problem {
+    let (element, id) = if extract.bounds.is_some() {
+        ("bounds", None)
+    } else {
+        let mut nodes: Vec<(i64, GeoPoint)> =
+            extract.places.iter().map(|(id, place)| (*id, *place)).collect();
+        nodes.sort_unstable_by_key(|(id, _)| *id);
+        let places: Vec<[f64; 2]> = nodes.iter().map(|(_, place)| degrees(place)).collect();
+        let Some(stray) = Stray::among(&places) else { return problem };
+        let Some((id, place)) = nodes.get(stray.index) else { return problem };
+        let (lat, lon, label) = (place.lat_deg(), place.lon_deg(), stray.label());
+        let said = format!("node {id} at latitude {lat}, longitude {lon}: {label}");
+        problem.mend = Some(problem.mend.map_or(said.clone(), |mend| format!("{mend}; {said}")));
+        ("node", Some(*id))
+    };
+    match source.and_then(|source| Some((source, xml::find(source, element, id)?))) {
+        Some((source, span)) => problem.at(source, span, "this"),
+        None => problem,
+    }
+}
+
+fn degrees(place: &GeoPoint) -> [f64; 2] {
+    [place.lat_deg(), place.lon_deg()]
 }
 
 struct Drawing<'a> {

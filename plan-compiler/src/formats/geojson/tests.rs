@@ -342,6 +342,8 @@ fn files_that_are_no_maps_are_refused() {
         collection("\"bbox\": [7, 52, 8, 51],"),
         collection("\"bbox\": [7, \"a\"],"),
         collection("\"bbox\": [0, 0, 10, 10],"),
+        collection("\"bbox\": [51, 7, 51.1, 7.1],"),
+        collection("\"bbox\": [7, 51, 7, 51],"),
     ];
     assert_snapshot!(outcomes.join("----\n"), @r#"
       × this is not GeoJSON: EOF while parsing an object
@@ -426,11 +428,88 @@ fn files_that_are_no_maps_are_refused() {
     reference 51 7 at 0,0 heading 0
     point "Gate" 0,0
     ----
-      × the map is 1109 km x 1106 km, but a plan holds for 20 km around its centre
-       ╭─[a.geojson:1:68]
+      × all that the file draws lies outside the bounds that it states
+       ╭─[a.geojson:1:39]
      1 │ {"type": "FeatureCollection", "bbox": [0, 0, 10, 10], "features": [{"type": "Feature", "properties": {"name": "Gate"}, "geometry": {"type": "Point", "coordinates": [7, 51]}}]}
-       ·                                                                    ────────────────────────────────────────┬───────────────────────────────────────
-       ·                                                                                                            ╰── farthest from the others
+       ·                                       ───────┬──────
+       ·                                              ╰── this bbox
+       ╰────
+      help: state the bounds of the part that the robot will drive in, or none; check whether latitude
+            and longitude are swapped
+
+    no map
+    ----
+      × all that the file draws lies outside the bounds that it states
+       ╭─[a.geojson:1:39]
+     1 │ {"type": "FeatureCollection", "bbox": [51, 7, 51.1, 7.1], "features": [{"type": "Feature", "properties": {"name": "Gate"}, "geometry": {"type": "Point", "coordinates": [7, 51]}}]}
+       ·                                       ─────────┬────────
+       ·                                                ╰── this bbox
+       ╰────
+      help: state the bounds of the part that the robot will drive in, or none; check whether latitude
+            and longitude are swapped
+
+    no map
+    ----
+      × the bounds that the file states have no area
+       ╭─[a.geojson:1:39]
+     1 │ {"type": "FeatureCollection", "bbox": [7, 51, 7, 51], "features": [{"type": "Feature", "properties": {"name": "Gate"}, "geometry": {"type": "Point", "coordinates": [7, 51]}}]}
+       ·                                       ───────┬──────
+       ·                                              ╰── this bbox
+       ╰────
+      help: state the bounds of the part that the robot will drive in, or none
+
+    no map
+    "#);
+}
+
+/// Not the feature but the position in it, and no one of two that are as far from each other.
+#[test]
+fn the_position_that_makes_the_extent_absurd_is_shown() {
+    let collection = |features: &[String]| {
+        let text = features.join(",\n");
+        check(&format!("{{\"type\": \"FeatureCollection\", \"features\": [\n{text}\n]}}"))
+    };
+    let gate = feature("Point", "[7, 51]", "");
+    let wall = "[[7, 51], [7.001, 51], [7.001, 15.001], [7.001, 51.001]]";
+    let wall = feature("LineString", wall, "\"building\": 1");
+    let nowhere = feature("Point", "[0, 0]", "");
+    let outcomes = [
+        collection(&[nowhere.clone(), gate.clone(), gate.clone()]),
+        collection(&[gate.clone(), wall]),
+        collection(&[gate, nowhere]),
+    ];
+    assert_snapshot!(outcomes.join("----\n"), @r#"
+      × the map is 704 km x 5650 km, but a plan holds for 20 km around its centre
+       ╭─[a.geojson:2:84]
+     1 │ {"type": "FeatureCollection", "features": [
+     2 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [0, 0]}},
+       ·                                                                                    ───┬──
+       ·                                                                                       ╰── far from the others, which lie about latitude 51, longitude 7
+     3 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [7, 51]}},
+       ╰────
+      help: cut the part out that the robot will drive in; one stray point is enough
+
+    no map
+    ----
+      × the map is 1 km x 3993 km, but a plan holds for 20 km around its centre
+       ╭─[a.geojson:3:125]
+     2 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [7, 51]}},
+     3 │ {"type": "Feature", "properties": {"building": 1}, "geometry": {"type": "LineString", "coordinates": [[7, 51], [7.001, 51], [7.001, 15.001], [7.001, 51.001]]}}
+       ·                                                                                                                             ───────┬───────
+       ·                                                                                                                                    ╰── far from the others, which lie about latitude 51, longitude 7.001
+     4 │ ]}
+       ╰────
+      help: cut the part out that the robot will drive in; one stray point is enough
+
+    no map
+    ----
+      × the map is 704 km x 5650 km, but a plan holds for 20 km around its centre
+       ╭─[a.geojson:2:84]
+     1 │ {"type": "FeatureCollection", "features": [
+     2 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [7, 51]}},
+       ·                                                                                    ───┬───
+       ·                                                                                       ╰── either this or what lies about latitude 0, longitude 0 is astray
+     3 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [0, 0]}}
        ╰────
       help: cut the part out that the robot will drive in; one stray point is enough
 

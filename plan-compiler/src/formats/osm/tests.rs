@@ -46,6 +46,75 @@ fn check(objects: &str) -> String {
     ))
 }
 
+/// A file of nodes and one that an editor dropped at 0,0; in XML
+/// the excerpt shows it, in PBF its number must do.
+#[test]
+fn what_makes_the_extent_absurd_is_named() {
+    let file = |bounds: &str| {
+        let nodes = [(1, 51.0, 7.0), (2, 0.0, 0.0), (3, 51.0, 7.001), (4, 51.001, 7.0)];
+        let nodes = nodes
+            .map(|(id, lat, lon)| format!("<node id=\"{id}\" lat=\"{lat}\" lon=\"{lon}\"/>\n"));
+        format!("<osm version=\"0.6\">\n{bounds}{}</osm>\n", nodes.concat())
+    };
+    let stray = file("");
+    let extract = xml::parse(&source(&stray), &mut Vec::new()).unwrap();
+    let binary = read_binary(Path::new("a.pbf"), &writer::write(&extract, Nodes::Dense));
+    let bounds = "<bounds minlat=\"50\" minlon=\"7\" maxlat=\"52\" maxlon=\"8\"/>\n";
+    let beside = "<bounds minlat=\"7\" minlon=\"51\" maxlat=\"7.1\" maxlon=\"51.1\"/>\n";
+    let outcomes = [
+        check_file(&stray),
+        outcome(&binary),
+        check_file(&file(bounds)),
+        check_file(&file(beside)),
+    ];
+    assert_snapshot!(outcomes.join("----\n"), @r#"
+      × the map is 704 km x 5650 km, but a plan holds for 20 km around its centre
+       ╭─[a.osm:3:1]
+     2 │ <node id="1" lat="51" lon="7"/>
+     3 │ <node id="2" lat="0" lon="0"/>
+       · ───────────────┬──────────────
+       ·                ╰── this
+     4 │ <node id="3" lat="51" lon="7.001"/>
+       ╰────
+      help: cut the part out that the robot will drive in; one stray point is enough; node 2 at
+            latitude 0, longitude 0: far from the others, which lie about latitude 51, longitude 7
+
+    no map
+    ----
+      × the map is 704 km x 5650 km, but a plan holds for 20 km around its centre
+      help: cut the part out that the robot will drive in; one stray point is enough; node 2 at
+            latitude 0, longitude 0: far from the others, which lie about latitude 51, longitude 7
+
+    no map
+    ----
+      × by the bounds that the file states the map is 71 km x 223 km, but a plan holds for 20 km
+      │ around its centre
+       ╭─[a.osm:2:1]
+     1 │ <osm version="0.6">
+     2 │ <bounds minlat="50" minlon="7" maxlat="52" maxlon="8"/>
+       · ───────────────────────────┬───────────────────────────
+       ·                            ╰── this
+     3 │ <node id="1" lat="51" lon="7"/>
+       ╰────
+      help: state the bounds of the part that the robot will drive in, or none
+
+    no map
+    ----
+      × all that the file draws lies outside the bounds that it states
+       ╭─[a.osm:2:1]
+     1 │ <osm version="0.6">
+     2 │ <bounds minlat="7" minlon="51" maxlat="7.1" maxlon="51.1"/>
+       · ─────────────────────────────┬─────────────────────────────
+       ·                              ╰── this
+     3 │ <node id="1" lat="51" lon="7"/>
+       ╰────
+      help: state the bounds of the part that the robot will drive in, or none; check whether latitude
+            and longitude are swapped
+
+    no map
+    "#);
+}
+
 fn way(id: i64, nodes: &[i64], tags: &[(&str, &str)]) -> String {
     let nodes: String = nodes.iter().map(|node| format!("<nd ref=\"{node}\"/>")).collect();
     format!("<way id=\"{id}\">{nodes}{}</way>\n", self::tags(tags))

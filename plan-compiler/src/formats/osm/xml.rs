@@ -56,6 +56,25 @@ pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option
     Some(extract)
 }
 
+/// Where the text has an element, of an id or the first of its kind.
+pub(super) fn find(source: &Arc<Source>, kind: &str, id: Option<i64>) -> Option<Range<usize>> {
+    let document = Document::parse(&source.text).ok()?;
+    let is_it = |element: &Node<'_, '_>| {
+        let has_id =
+            |id: i64| element.attribute("id").and_then(|text| text.parse().ok()) == Some(id);
+        element.has_tag_name(kind) && id.is_none_or(has_id)
+    };
+    let element = document.root_element().children().find(is_it)?;
+    Some(start_of(source, element))
+}
+
+/// The first line of an element: enough of it for an excerpt.
+fn start_of(source: &Source, element: Node<'_, '_>) -> Range<usize> {
+    let range = element.range();
+    let first = source.text[range.clone()].lines().next().unwrap_or_default();
+    range.start..range.start + first.floor_char_boundary(EXCERPT_BYTES)
+}
+
 /// What an editor keeps until it is uploaded, and what a server says is gone.
 fn is_deleted(element: Node<'_, '_>) -> bool {
     element.attribute("action") == Some("delete") || element.attribute("visible") == Some("false")
@@ -80,11 +99,8 @@ impl Reader<'_> {
         self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
     }
 
-    /// The first line of an element: enough of it for an excerpt.
     fn start_of(&self, element: Node<'_, '_>) -> Range<usize> {
-        let range = element.range();
-        let first = self.source.text[range.clone()].lines().next().unwrap_or_default();
-        range.start..range.start + first.floor_char_boundary(EXCERPT_BYTES)
+        start_of(self.source, element)
     }
 
     /// A number that an element must have.
