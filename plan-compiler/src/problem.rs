@@ -125,8 +125,9 @@ impl SourceCode for Excerpt {
     }
 }
 
-/// A longer line is none that a person wrote: programs put whole files into one.
-const MAX_LINE_BYTES: usize = 1000;
+/// A longer line is none that a person wrote, and breaks on any screen, so that what points into
+/// it points elsewhere: programs put whole files into one.
+const MAX_LINE_BYTES: usize = 200;
 /// What is shown on either side of a mistake in such a line, bytes.
 const AROUND_BYTES: usize = 60;
 

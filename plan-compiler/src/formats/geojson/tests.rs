@@ -394,7 +394,7 @@ fn files_that_are_no_maps_are_refused() {
     ----
       × the coordinates are in urn:ogc:def:crs:EPSG::25832, not in degrees of WGS-84
        ╭─[a.geojson:1:38]
-     1 │ {"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}}, "features": [{"type": "Feature", "properties": {"name": "Gate"}, "geometry": {"type": "Point", "coordinates": [7, 51]}}]}
+     1 │ {"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}}, "features": [{"type": "Feature", "properties": {"name": "G
        ·                                      ───────────────────────────────────┬───────────────────────────────────
        ·                                                                         ╰── said here
        ╰────
