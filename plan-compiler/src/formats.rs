@@ -20,7 +20,7 @@ pub mod utm;
 
 pub use opar::OparOptions;
 
-use crate::map::{CellMap, Map, Unknown};
+use crate::map::{CellMap, Counts, Map, Unknown};
 use crate::problem::{Problem, Severity, Source};
 use crate::source;
 use std::path::Path;
@@ -186,17 +186,24 @@ fn read_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> (Option<Map
 
 /// How many cells of each kind a file has.
 fn count(cells: &CellMap) -> Problem {
-    let (columns, rows, side) = (cells.columns(), cells.rows(), cells.resolution_m);
-    let (occupied, unknown) = (cells.occupied.count(), cells.unknown.count());
-    let free = columns as usize * rows as usize - occupied - unknown;
+    let here = cells.counts();
+    let file = cells.turned_from.unwrap_or(here);
+    let kinds = |Counts { free, occupied, unknown, .. }: Counts| {
+        format!("{free} free, {occupied} occupied, {unknown} unknown")
+    };
     let unknown_as = match cells.unknown_as {
-        _ if unknown == 0 => "",
+        _ if file.unknown == 0 => "",
         Unknown::Obstacle => ", which count as obstacles",
         Unknown::Free => ", which count as free",
     };
+    let turned = match cells.turned_from {
+        Some(_) => format!("; turned by its yaw {} x {}: {}", here.columns, here.rows, kinds(here)),
+        None => String::new(),
+    };
+    let (columns, rows, side) = (file.columns, file.rows, cells.resolution_m);
+    let kinds = kinds(file);
     Problem::note(format!(
-        "the file has {columns} x {rows} cells of {side} m: {free} free, {occupied} occupied, \
-         {unknown} unknown{unknown_as}"
+        "the file has {columns} x {rows} cells of {side} m: {kinds}{unknown_as}{turned}"
     ))
 }
 

@@ -68,6 +68,23 @@ pub struct CellMap {
     pub unknown: Bitmap,
     /// What those count as.
     pub unknown_as: Unknown,
+    /// What the file has, if these cells came of turning its own.
+    pub turned_from: Option<Counts>,
+}
+
+/// How many cells there are, and how many of a kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counts {
+    /// From west to east.
+    pub columns: u32,
+    /// From south to north.
+    pub rows: u32,
+    /// Neither occupied nor unknown.
+    pub free: usize,
+    /// Hold an obstacle.
+    pub occupied: usize,
+    /// Of which nothing is known.
+    pub unknown: usize,
 }
 
 /// What cells count as of which a file says that nothing is known.
@@ -89,6 +106,14 @@ impl CellMap {
     /// Cells from south to north.
     pub fn rows(&self) -> u32 {
         self.occupied.rows()
+    }
+
+    /// Of every kind.
+    pub fn counts(&self) -> Counts {
+        let (columns, rows) = (self.columns(), self.rows());
+        let (occupied, unknown) = (self.occupied.count(), self.unknown.count());
+        let free = columns as usize * rows as usize - occupied - unknown;
+        Counts { columns, rows, free, occupied, unknown }
     }
 
     /// The rectangle that the cells cover.

@@ -220,6 +220,7 @@ impl<'a> Reader<'a> {
             unknown: Bitmap::new(frame.columns, frame.rows),
             occupied,
             unknown_as: Unknown::default(),
+            turned_from: None,
         });
         let title = title.map(|line| self.text(&line).to_owned());
         let remarks = map_file.map(|line| format!("map-file {}", self.text(&line)));

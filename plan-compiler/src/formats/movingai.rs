@@ -169,7 +169,14 @@ impl Reader<'_> {
         }
         let unknown = Bitmap::new(columns, rows);
         let unknown_as = Unknown::default();
-        CellMap { resolution_m: 1.0, corner: [0.0; 2], occupied, unknown, unknown_as }
+        CellMap {
+            resolution_m: 1.0,
+            corner: [0.0; 2],
+            occupied,
+            unknown,
+            unknown_as,
+            turned_from: None,
+        }
     }
 
     /// What is wrong with a row, if anything.

@@ -89,7 +89,8 @@ fn cells(grey: &Grey, settings: &Settings, resolution_m: f64, corner: [f64; 2]) 
             }
         }
     }
-    CellMap { resolution_m, corner, occupied, unknown, unknown_as: Unknown::default() }
+    let unknown_as = Unknown::default();
+    CellMap { resolution_m, corner, occupied, unknown, unknown_as, turned_from: None }
 }
 
 /// What a pixel means: its lightness, 0 to 1, and whether any of what lies behind it shows.

@@ -47,7 +47,9 @@ fn by_quarters(cells: CellMap, quarters: u8) -> CellMap {
     };
     let turn =
         |set: &Bitmap| Bitmap::from_fn(size.0, size.1, |to| set.get(source(to, columns, rows)));
-    CellMap { corner, occupied: turn(&cells.occupied), unknown: turn(&cells.unknown), ..cells }
+    let turned_from = Some(cells.counts());
+    let (occupied, unknown) = (turn(&cells.occupied), turn(&cells.unknown));
+    CellMap { corner, occupied, unknown, turned_from, ..cells }
 }
 
 fn by_angle(cells: &CellMap, yaw_rad: f64) -> (CellMap, Vec<Point>) {
@@ -75,6 +77,7 @@ fn by_angle(cells: &CellMap, yaw_rad: f64) -> (CellMap, Vec<Point>) {
         occupied: Bitmap::new(size[0], size[1]),
         unknown: Bitmap::new(size[0], size[1]),
         unknown_as: cells.unknown_as,
+        turned_from: Some(cells.counts()),
     };
     for row in 0..size[1] {
         for column in 0..size[0] {
@@ -126,7 +129,14 @@ mod tests {
         };
         let (occupied, unknown) = (of(0), of(1));
         let unknown_as = Unknown::Obstacle;
-        CellMap { resolution_m: 0.5, corner: [3.0, -2.0], occupied, unknown, unknown_as }
+        CellMap {
+            resolution_m: 0.5,
+            corner: [3.0, -2.0],
+            occupied,
+            unknown,
+            unknown_as,
+            turned_from: None,
+        }
     }
 
     #[test]
@@ -157,7 +167,7 @@ mod tests {
                 for _ in 0..4 {
                     again = turned(again, quarters * FRAC_PI_2).0;
                     // Each turns about the corner that is in the south-west then.
-                    again.corner = map.corner;
+                    again = CellMap { corner: map.corner, turned_from: None, ..again };
                 }
                 prop_assert_eq!(&again, &map);
             }

@@ -75,7 +75,8 @@ mod tests {
             |cell: Cell| rows[(count - 1 - cell.row) as usize].as_bytes()[cell.column as usize];
         let of = |wanted: u8| Bitmap::from_fn(columns, count, |cell| symbol(cell) == wanted);
         let (occupied, unknown) = (of(b'#'), of(b'?'));
-        CellMap { resolution_m, corner, occupied, unknown, unknown_as: Unknown::Obstacle }
+        let unknown_as = Unknown::Obstacle;
+        CellMap { resolution_m, corner, occupied, unknown, unknown_as, turned_from: None }
     }
 
     #[track_caller]
@@ -155,7 +156,7 @@ mod tests {
             }
             let unknown = Bitmap::new(9, 9);
             let unknown_as = Unknown::Obstacle;
-            let cells = CellMap { resolution_m, corner, occupied: map, unknown, unknown_as };
+            let cells = CellMap { resolution_m, corner, occupied: map, unknown, unknown_as, turned_from: None };
             let (side, radius) = (f64::from(ratio) * 0.25, f64::from(radius) * 0.25);
             let grid = grid(12, 12, side, [0.0; 2]);
             let mut got = Bitmap::new(12, 12);

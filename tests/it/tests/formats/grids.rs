@@ -57,6 +57,10 @@ fn an_image_is_turned_by_its_yaw() {
     .##.
     ....
     ");
+    // What is counted is what the file has.
+    let ended = run.run("build yard.yaml --goal a=-0.5,0.5", "");
+    let counted = "6 x 4 cells of 1 m: 19 free, 3 occupied, 2 unknown";
+    assert!(ended.err.contains(counted), "{}", ended.err);
     let run = built("3.14159265", "--goal a=-0.5,-0.5");
     assert_eq!(inspected(&run)["corner_m"], serde_json::json!([-6.0, -4.0]));
     assert_snapshot!(picture(&run, "a/physical"), @"
