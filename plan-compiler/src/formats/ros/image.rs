@@ -2,9 +2,9 @@
 
 use crate::problem::{Problem, Source};
 use crate::source::read_bytes;
-use image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 use plan_format::limits;
-use std::io::Cursor;
+use std::io::{Cursor, ErrorKind};
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -70,7 +70,7 @@ fn decode(bytes: &[u8]) -> Result<Grey, String> {
     bounds.max_image_height = Some(limits::MAX_SIDE_CELLS);
     bounds.max_alloc = Some(MAX_DECODED_BYTES);
     reader.limits(bounds);
-    let pixels = match reader.decode().map_err(|error| error.to_string())? {
+    let pixels = match reader.decode().map_err(reason)? {
         grey @ DynamicImage::ImageLuma8(_) => grey,
         // Wide enough for every other kind: a value of eight bits times 257 is the same share.
         other => DynamicImage::ImageRgba16(other.into_rgba16()),
@@ -80,6 +80,17 @@ fn decode(bytes: &[u8]) -> Result<Grey, String> {
         return Err("it has no pixels".into());
     }
     Ok(Grey { columns, rows, pixels })
+}
+
+/// Why an image cannot be read; where it was cut off the library speaks of its buffers.
+fn reason(error: ImageError) -> String {
+    match error {
+        ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
+            "it is cut off".into()
+        }
+        ImageError::Limits(_) => "it is too large".into(),
+        other => other.to_string(),
+    }
 }
 
 /// The images beside a YAML file.

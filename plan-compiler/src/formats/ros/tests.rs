@@ -277,11 +277,21 @@ fn every_mistake_is_told() {
 
 #[test]
 fn images_that_cannot_be_read_are_explained() {
-    for bytes in
-        [&b"P5 3 2 255\n\0\0"[..], b"GIF89a", b"P5 99999 1 255\n", b"P5 x", b"\x89PNG\r\n\x1a\n"]
-    {
+    let cut = "it is cut off";
+    let mut png = Vec::new();
+    let grey = ::image::GrayImage::from_fn(64, 64, |x, y| [(x * y) as u8].into());
+    grey.write_to(&mut std::io::Cursor::new(&mut png), ::image::ImageFormat::Png).unwrap();
+    for (bytes, reason) in [
+        (&b"P5 3 2 255\n\0\0"[..], cut),
+        (&png[..200], cut),
+        (b"P5 99999 1 255\n", "it is too large"),
+        (b"P5 60000 60000 255\n", "it is too large"),
+        (b"GIF89a", "it is neither PGM nor PNG"),
+        (b"P5 x", ""),
+        (b"\x89PNG\r\n\x1a\n", ""),
+    ] {
         let got = check_with(&[("a.pgm", bytes)], YAML);
-        assert!(got.contains("is no image that can be read"), "{got}");
+        assert!(got.contains(&format!("is no image that can be read: {reason}")), "{got}");
     }
 }
 
