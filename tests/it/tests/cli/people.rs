@@ -183,6 +183,18 @@ fn shells_and_man_get_what_they_read() {
         let script = run.done(&format!("completions {shell}"));
         assert!(script.contains(part) && script.contains("robot-radius"), "{script}");
     }
+    // Bash names where it is on the command line, then looks up what may follow there.
+    let script = run.done("completions bash");
+    let states: Vec<&str> = script
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("cmd=\"")?.strip_suffix('"'))
+        .filter(|state| !state.is_empty())
+        .collect();
+    assert!(states.contains(&"plan__compiler"), "{script}");
+    for state in states {
+        let label = format!("{state})");
+        assert!(script.lines().any(|line| line.trim() == label), "{state} leads nowhere");
+    }
     let page = run.done("man");
     assert!(
         page.contains(".TH plan-compiler 1") && page.contains("plan\\-compiler\\-build"),
