@@ -4,13 +4,15 @@
 //! that is not UTF-8 is read as Latin-1 with a warning; binary files are refused.
 
 use crate::problem::{Problem, Source};
+use plan_format::limits;
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Largest input that is read, bytes: far above any map, far below a machine's memory.
-pub const MAX_FILE_BYTES: u64 = 256 << 20;
+/// Largest input that is read, bytes: the largest grid at a byte a cell has room in it, twice.
+pub const MAX_FILE_BYTES: u64 = 512 << 20;
+const _: () = assert!(MAX_FILE_BYTES > (limits::MAX_SIDE_CELLS as u64).pow(2));
 
 /// Names in a folder that are looked at to suggest the one that was meant.
 const MAX_NAMES_LOOKED_AT: usize = 10_000;
@@ -26,8 +28,9 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
     let failed = |error: std::io::Error| cannot_read(path, &error);
     // A directory opens on Unix and fails only when read, with a message about neither.
     if std::fs::metadata(path).map_err(failed)?.is_dir() {
-        return Err(Problem::error(format!("{name} is a directory"))
-            .mend("name a map file inside it instead"));
+        return Err(
+            Problem::error(format!("{name} is a directory")).mend("name a file inside it instead")
+        );
     }
     let mut bytes = Vec::new();
     // One byte past the limit shows that there is more, whatever the file claims its length is.
@@ -172,6 +175,6 @@ mod tests {
         let path = folder.path().join("huge.ovl");
         // Sparse: it takes no room on the disc.
         File::create(&path).unwrap().set_len(MAX_FILE_BYTES + 1).unwrap();
-        assert!(read_bytes(&path).unwrap_err().message.ends_with("is larger than 256 MiB"));
+        assert!(read_bytes(&path).unwrap_err().message.ends_with("is larger than 512 MiB"));
     }
 }
