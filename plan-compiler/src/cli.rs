@@ -120,6 +120,10 @@ pub(crate) enum Command {
     /// Draw behaviours and their plans as graphs: DOT, SVG or PNG
     Graph(Graph),
     /// Prove every cell of every layer anew
+    ///
+    /// No cell is trusted: costs, directions and escapes are compared with those of every
+    /// neighbour, and ways out of blocked cells are searched anew. On a PC that takes 0.1 to
+    /// 0.5 microseconds a cell of a layer, and 10 bytes of memory a cell of the map.
     Verify(Verify),
     /// Make a MissionLab Iplan.dat of plans or of a map, or a blob of an Iplan.dat
     #[command(after_help = CONVERSIONS)]

@@ -15,7 +15,8 @@ pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
     let plan = open(&args.plans, &bytes)?;
     let mut problems = Vec::new();
     let proof = with_progress(quiet, |progress| verify::verify(&plan, progress));
-    add(&proof, &mut problems);
+    let damaged = "the blob is not what the compiler wrote; build it anew";
+    add(&proof, damaged, &mut problems);
     let compared = compare(args, &plan, &mut problems)?;
     if has_errors(&problems) {
         return Err(Failure::Wrong(problems));
@@ -67,16 +68,19 @@ fn compare(
             format!("{} x {} cells of {side} m from {corner}", grid.columns, grid.rows)
         };
         let message = format!("the plans have {}, the map {}", text(ours), text(&theirs));
-        problems
-            .push(Problem::error(message).mend("give the options that the blob was built with"));
+        problems.push(Problem::error(message).mend(OTHER_OPTIONS));
     } else if let Some(expected) = blocked(&project.input(), &grid, problems) {
-        add(&verify::compare(plan, &expected), problems);
+        add(&verify::compare(plan, &expected), OTHER_OPTIONS, problems);
     }
     Ok("; obstacles as in the map")
 }
 
-/// Each violation as an error.
-fn add(report: &Report, problems: &mut Vec<Problem>) {
+/// Where a blob and a map disagree, one of them may have changed since.
+const OTHER_OPTIONS: &str =
+    "give the options that the blob was built with; if the map has changed, build it anew";
+
+/// Each violation as an error, the last with how to mend them all.
+fn add(report: &Report, mend: &str, problems: &mut Vec<Problem>) {
     for violation in &report.violations {
         let (at, cell) = (pair(violation.at), violation.cell);
         problems.push(Problem::error(format!(
@@ -87,5 +91,8 @@ fn add(report: &Report, problems: &mut Vec<Problem>) {
     let more = report.count - report.violations.len();
     if more > 0 {
         problems.push(Problem::error(format!("{more} more cells are wrong")));
+    }
+    if let (Some(last), 1..) = (problems.last_mut(), report.count) {
+        last.mend = Some(mend.to_owned());
     }
 }
