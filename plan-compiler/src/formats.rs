@@ -164,6 +164,12 @@ pub fn read(path: &Path, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
 }
 
 fn read_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
+    if bytes.starts_with(&plan_format::MAGIC) {
+        let problem = Problem::error(format!("{} is a blob of plans, no map", path.display()));
+        let mend =
+            "name the map that it was built from, or look into it with `plan-compiler inspect`";
+        return (None, vec![problem.mend(mend)]);
+    }
     if let Some(problem) = ros::refuse_alone(path, &bytes) {
         return (None, vec![problem]);
     }

@@ -17,10 +17,7 @@ pub fn write_file(
 ) -> Result<(), Problem> {
     let failed = |error: io::Error| cannot_write(path, &error);
     match fs::metadata(path) {
-        Ok(existing) if existing.is_dir() => {
-            Err(Problem::error(format!("{} is a directory", path.display()))
-                .mend("name a file inside it"))
-        }
+        Ok(existing) if existing.is_dir() => Err(is_a_directory(path)),
         // A terminal, a pipe or /dev/null is written to; a rename would replace it.
         Ok(existing) if !existing.is_file() => {
             let file = fs::OpenOptions::new().write(true).open(path).map_err(failed)?;
@@ -31,6 +28,19 @@ pub fn write_file(
         Ok(_) => replace(&fs::canonicalize(path).map_err(failed)?, fill).map_err(failed),
         Err(_) => replace(path, fill).map_err(failed),
     }
+}
+
+/// What can be told of a destination before the work whose result goes there.
+pub fn check(path: &Path) -> Option<Problem> {
+    if path.is_dir() {
+        return Some(is_a_directory(path));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty())?;
+    (!folder.is_dir()).then(|| cannot_write(path, &io::ErrorKind::NotFound.into()))
+}
+
+fn is_a_directory(path: &Path) -> Problem {
+    Problem::error(format!("{} is a directory", path.display())).mend("name a file inside it")
 }
 
 /// Writes beside `path` and renames onto it.
@@ -53,7 +63,7 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
 fn cannot_write(path: &Path, error: &io::Error) -> Problem {
     let problem = |what: &str| Problem::error(format!("cannot write {}: {what}", path.display()));
     match error.kind() {
-        io::ErrorKind::NotFound => {
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => {
             problem("there is no such folder").mend("make the folder first, or choose another -o")
         }
         io::ErrorKind::PermissionDenied => {

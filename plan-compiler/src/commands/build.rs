@@ -106,8 +106,10 @@ fn print_json(output: &Path, board: Option<&Board>, blob: &[u8], took: Duration)
     out.flush()
 }
 
-/// A blob that replaced its own map would cost somebody a day.
+/// A blob that replaced its own map would cost somebody a day, and one that cannot be written
+/// a build.
 pub(super) fn check_output(output: &Path, inputs: &[PathBuf], problems: &mut Vec<Problem>) {
+    problems.extend(output::check(output));
     let Ok(replaced) = fs::canonicalize(output) else { return };
     if inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == replaced)) {
         let message = format!("the output {} is also the input", output.display());

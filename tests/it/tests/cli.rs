@@ -239,6 +239,12 @@ fn outputs_that_cannot_be_written() {
     check_yard("output_folder_missing", "build yard.ovl -o no/such/plans.bin");
     check_yard("output_is_the_input", "build yard.ovl -o yard.ovl");
     check_yard("output_is_a_directory", "build yard.ovl -o .");
+    // With all else that is wrong, and before anything is searched.
+    check_yard(
+        "output_folder_missing_and_goal_outside",
+        "build yard.ovl --goal a=-1,0 -o no/a.bin",
+    );
+    check_yard("output_below_a_file", "build yard.ovl -o yard.ovl/plans.bin");
 }
 
 #[test]
@@ -246,6 +252,7 @@ fn blobs_that_are_refused() {
     let run = Run::yard();
     run.done("build yard.ovl");
     let good = fs::read(run.path("plans.bin")).unwrap();
+    check("blob_as_map", &[("plans.bin", &good)], "build plans.bin -o new.bin", "");
     let mut flipped = good.clone();
     flipped[good.len() / 2] ^= 4;
     let blob = |name: &str, bytes: &[u8], arguments: &str| {
