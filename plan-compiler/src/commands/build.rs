@@ -1,7 +1,7 @@
 //! `build`: map in, blob out.
 
 use super::description::{self, describe};
-use super::progress::with_progress;
+use super::progress::{with_patience, with_progress};
 use super::{Failure, layers, parallel_plans, project, tell};
 use crate::cli::{Build, Compiling};
 use plan_compiler::boards::Board;
@@ -61,12 +61,16 @@ pub(super) fn compile(
     quiet: bool,
     problems: &mut Vec<Problem>,
 ) -> Result<Option<Vec<u8>>, Failure> {
-    let Some(mut project) = project::read(input, &args.goals, &args.map, problems)? else {
+    let reading = || project::read(input, &args.goals, &args.map, problems);
+    let Some(mut project) = with_patience(quiet, "reading", reading)? else {
         return Ok(None);
     };
     check_output(output, &project.inputs, problems);
     project.limit_memory(args.max_memory);
-    let Some(prepared) = prepare(&project.input(), problems) else { return Ok(None) };
+    let preparing = || prepare(&project.input(), problems);
+    let Some(prepared) = with_patience(quiet, "drawing into cells", preparing) else {
+        return Ok(None);
+    };
     announce(prepared.need(), quiet);
     Ok(with_progress(quiet, |progress| prepared.finish(progress, problems)))
 }

@@ -15,11 +15,26 @@ pub(super) fn with_progress<T>(
     quiet: bool,
     work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T,
 ) -> T {
-    if quiet {
-        return work(&|_, _| {});
-    }
+    let template = "{spinner} layer {pos} of {len} {wide_bar} {elapsed}";
+    shown(quiet, template, |bar| {
+        work(&|layers_done, layers| {
+            bar.set_length(layers as u64);
+            bar.set_position(layers_done as u64);
+        })
+    })
+}
+
+/// Does `work` that cannot tell how far it is, as reading a large extract.
+pub(super) fn with_patience<T>(quiet: bool, what: &str, work: impl FnOnce() -> T) -> T {
+    shown(quiet, &format!("{{spinner}} {what} {{elapsed}}"), |_| work())
+}
+
+fn shown<T>(quiet: bool, template: &str, work: impl FnOnce(&ProgressBar) -> T) -> T {
     let bar = ProgressBar::with_draw_target(Some(1), ProgressDrawTarget::hidden());
-    let style = ProgressStyle::with_template("{spinner} layer {pos} of {len} {wide_bar} {elapsed}");
+    if quiet {
+        return work(&bar);
+    }
+    let style = ProgressStyle::with_template(template);
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     let (done, waiting) = mpsc::channel::<()>();
     std::thread::scope(|scope| {
@@ -31,10 +46,7 @@ pub(super) fn with_progress<T>(
                 shown.enable_steady_tick(REDRAWN);
             }
         });
-        let result = work(&|layers_done, layers| {
-            bar.set_length(layers as u64);
-            bar.set_position(layers_done as u64);
-        });
+        let result = work(&bar);
         drop(done);
         bar.finish_and_clear();
         result

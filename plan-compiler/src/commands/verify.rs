@@ -1,6 +1,6 @@
 //! `verify`: every cell proved anew.
 
-use super::progress::with_progress;
+use super::progress::{with_patience, with_progress};
 use super::{Failure, open, print, project, read_blob, tell};
 use crate::cli::Verify;
 use plan_compiler::compile::{blocked, has_errors, metres, pair};
@@ -17,7 +17,8 @@ pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
     let proof = with_progress(quiet, |progress| verify::verify(&plan, progress));
     let damaged = "the blob is not what the compiler wrote; build it anew";
     add(&proof, damaged, &mut problems);
-    let compared = compare(args, &plan, &mut problems)?;
+    let comparing = || compare(args, &plan, &mut problems);
+    let compared = with_patience(quiet, "comparing with the map", comparing)?;
     if has_errors(&problems) {
         return Err(Failure::Wrong(problems));
     }
