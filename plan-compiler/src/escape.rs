@@ -12,7 +12,7 @@
 use crate::bitmap::Bitmap;
 use crate::search::Corners;
 use crate::search::advice::{Near, Rows};
-use crate::search::open::{Open, SIDE};
+use crate::search::open::{Passable, SIDE};
 use crate::search::tiles::Tiles;
 use plan_format::field::{ESCAPE, Field, MOVES, NO_ESCAPE, UNREACHED};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
@@ -20,7 +20,7 @@ use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 /// Fills in the codes of the blocked cells of a field whose free cells are done.
 pub(crate) fn escape(tiles: &mut Tiles, blocked: &Bitmap, field: &mut Field) {
     let shores = Shores::of(blocked, &field.cost);
-    tiles.flood(&shores.deep, &shores);
+    tiles.flood(&Passable::of(&shores.deep, true), &shores);
     let costs = Depths { shores: &shores, tiles };
     pulp::Arch::new().dispatch(Escape { costs, blocked, field });
 }
@@ -51,15 +51,16 @@ impl Shores {
                 }
             }
         }
+        let routed_cells = Passable::of(&routed, true);
         let [mut straight, mut diagonal, mut deep] = [(); 3].map(|()| Bitmap::new(columns, rows));
         for row in 0..rows {
             for (word, &blocked) in blocked.row(row).iter().enumerate() {
                 if blocked == 0 {
                     continue;
                 }
-                let row_at = i64::from(row);
+                let row_at = row as isize;
                 let [south, here, north] =
-                    [row_at - 1, row_at, row_at + 1].map(|row| Open::of(&routed, true, word, row));
+                    [row_at - 1, row_at, row_at + 1].map(|row| routed_cells.at(word, row));
                 let beside = here.west_open() | here.east_open() | south.cells | north.cells;
                 let across =
                     south.west_open() | south.east_open() | north.west_open() | north.east_open();
@@ -99,16 +100,15 @@ struct Depths<'a> {
 
 impl Rows for Depths<'_> {
     #[inline(always)]
-    fn read(&self, row: usize, cost: &mut [u32]) {
-        let is_deep = self.shores.deep.row(row as u32).iter().any(|&word| word != 0);
-        if is_deep {
-            self.tiles.read(row, cost);
-        }
-        for (word, cost) in cost.chunks_mut(SIDE).enumerate() {
-            let shores = self.shores.word(row as u32, word);
-            for (cost, shore) in cost.iter_mut().zip(shores) {
-                *cost = if is_deep { shore.min(*cost) } else { shore };
+    fn read(&self, row: usize, word: usize, costs: &mut [u32; SIDE]) {
+        let shores = self.shores.word(row as u32, word);
+        if self.shores.deep.row(row as u32).get(word).is_some_and(|&deep| deep != 0) {
+            self.tiles.read(row, word, costs);
+            for (cost, shore) in costs.iter_mut().zip(shores) {
+                *cost = shore.min(*cost);
             }
+        } else {
+            *costs = shores;
         }
     }
 }
@@ -127,23 +127,24 @@ impl pulp::WithSimd for Escape<'_> {
     fn with_simd<S: pulp::Simd>(self, _: S) {
         let Self { costs, blocked, field } = self;
         let (columns, rows) = (field.columns as usize, field.rows as usize);
-        let mut moves = vec![0; columns];
-        let (mut near, mut line) = (Near::new(columns), vec![UNREACHED; columns]);
+        let mut near = Near::new(columns);
+        let (mut read, mut moves) = ([0; SIDE], [0; SIDE]);
         for row in 0..=rows {
+            near.go_north();
             if row < rows {
-                costs.read(row, &mut line);
-                near.go_north(&line);
+                for word in 0..columns.div_ceil(SIDE) {
+                    costs.read(row, word, &mut read);
+                    near.set(word, &read);
+                }
             } else {
-                near.go_beyond();
+                near.end();
             }
-            let Some(row) = row.checked_sub(1) else { continue };
-            let code = &mut field.code[row * columns..][..columns];
-            let words = blocked.row(row as u32);
-            if words.iter().any(|&word| word != 0) {
-                near.codes(Corners::Allow, &[], &mut moves);
-                for (at, &word) in words.iter().enumerate().filter(|&(_, &word)| word != 0) {
-                    let cells = at * SIDE..columns.min((at + 1) * SIDE);
-                    mark(word, &mut code[cells.clone()], &moves[cells]);
+            if row > 0 {
+                let code = &mut field.code[(row - 1) * columns..][..columns];
+                let words = blocked.row(row as u32 - 1).iter().enumerate();
+                for (word, &blocked) in words.filter(|&(_, &blocked)| blocked != 0) {
+                    near.codes(word, Corners::Allow, 0, &mut moves);
+                    mark(blocked, &mut code[word * SIDE..], &moves);
                 }
             }
         }
@@ -152,8 +153,8 @@ impl pulp::WithSimd for Escape<'_> {
 
 /// Turns the moves of the blocked cells of a word into escapes.
 #[inline(always)]
-fn mark(word: u64, code: &mut [u8], moves: &[u8]) {
-    let bytes = word.to_le_bytes().into_iter();
+fn mark(blocked: u64, code: &mut [u8], moves: &[u8; SIDE]) {
+    let bytes = blocked.to_le_bytes().into_iter();
     for (byte, (code, moves)) in bytes.zip(code.chunks_mut(8).zip(moves.chunks(8))) {
         for (bit, (code, &go)) in code.iter_mut().zip(moves).enumerate() {
             let escape = if go < MOVES { ESCAPE + go } else { NO_ESCAPE };

@@ -31,6 +31,7 @@ pub(crate) mod tiles;
 
 use crate::bitmap::Bitmap;
 use crate::escape;
+use open::Passable;
 use plan_format::field::{self, Field};
 use plan_format::grid::DIAGONAL_STEP;
 use plan_format::{Cell, Direction};
@@ -75,6 +76,7 @@ pub fn solve(blocked: &Bitmap, goal: Cell, corners: Corners) -> Field {
 /// memory costs more than the search.
 #[derive(Debug, Default)]
 pub struct Solver {
+    open: Passable,
     tiles: tiles::Tiles,
     buckets: buckets::Queue,
     method: Option<Method>,
@@ -118,20 +120,18 @@ impl Solver {
         corners: Corners,
         field: &mut Field,
     ) {
-        let cells = blocked.columns() as usize * blocked.rows() as usize;
         field.columns = blocked.columns();
         field.rows = blocked.rows();
-        field.cost.resize(cells, field::UNREACHED);
-        field.code.resize(cells, field::NO_ROUTE);
         let is_free = goal.column < field.columns && goal.row < field.rows && !blocked.get(goal);
         let goal = is_free.then_some(goal);
-        match self.method.unwrap_or_else(|| suitable(blocked)) {
+        self.open.fill(blocked, false);
+        match self.method.unwrap_or_else(|| suitable(&self.open)) {
             Method::Tiles => {
-                self.tiles.search(blocked, goal, corners);
+                self.tiles.search(&self.open, goal, corners);
                 advice::advise(&self.tiles, blocked, goal, corners, field);
             }
             Method::Buckets => {
-                self.buckets.search(blocked, goal, corners);
+                self.buckets.search(&self.open, goal, corners);
                 advice::advise(&self.buckets, blocked, goal, corners, field);
             }
         }
@@ -139,8 +139,8 @@ impl Solver {
 }
 
 /// The method that is faster on a map.
-fn suitable(blocked: &Bitmap) -> Method {
-    let (free, wide) = open::texture(blocked);
+fn suitable(open: &Passable) -> Method {
+    let (free, wide) = open::texture(open);
     if wide * NARROW >= free { Method::Tiles } else { Method::Buckets }
 }
 

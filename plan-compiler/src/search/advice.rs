@@ -13,6 +13,7 @@
 //! adjacent cell"), else NE, NW, SW, SE, E, N, W, S in this order.
 
 use super::Corners;
+use super::open::SIDE;
 use crate::bitmap::Bitmap;
 use plan_format::field::{self, Field, UNREACHED};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
@@ -20,12 +21,13 @@ use plan_format::{Cell, Direction};
 
 /// Where the costs of a search come from.
 pub(crate) trait Rows {
-    /// Writes the costs of a row, [`UNREACHED`] where there is none.
-    fn read(&self, row: usize, cost: &mut [u32]);
+    /// Reads the costs of 64 columns of a row, by the number of the word that they would be in a
+    /// [`Bitmap`]; [`UNREACHED`] where there is none and beyond the map.
+    fn read(&self, row: usize, word: usize, costs: &mut [u32; SIDE]);
 }
 
-/// Fills in a field, whose arrays have their right lengths: the costs, and the codes of all
-/// cells, blocked ones being left without an escape.
+/// Fills in a field that knows its size: the costs, and the codes of all cells, blocked ones being
+/// left without an escape.
 pub(super) fn advise(
     costs: &impl Rows,
     blocked: &Bitmap,
@@ -33,7 +35,14 @@ pub(super) fn advise(
     corners: Corners,
     field: &mut Field,
 ) {
+    // Whole words are written, in the order of rows. What lies beyond the end of a row is in the
+    // next one, which is written later, or behind the last.
+    let cells = field.columns as usize * field.rows as usize;
+    field.cost.resize(cells + SIDE, UNREACHED);
+    field.code.resize(cells + SIDE, field::NO_ROUTE);
     pulp::Arch::new().dispatch(Advise { costs, blocked, corners, field });
+    field.cost.truncate(cells);
+    field.code.truncate(cells);
     if let Some(goal) = goal {
         field.code[goal.row as usize * field.columns as usize + goal.column as usize] = field::GOAL;
     }
@@ -53,23 +62,32 @@ impl<R: Rows> pulp::WithSimd for Advise<'_, R> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         let Self { costs, blocked, corners, field } = self;
-        let columns = field.columns as usize;
-        if field.cost.is_empty() {
-            return;
-        }
+        let (columns, rows) = (field.columns as usize, field.rows as usize);
+        let words = columns.div_ceil(SIDE);
         let mut near = Near::new(columns);
-        let rows = field.cost.len() / columns;
+        let (mut read, mut found) = ([0; SIDE], [0; SIDE]);
         for row in 0..=rows {
+            near.go_north();
             if row < rows {
-                let cost = &mut field.cost[row * columns..][..columns];
-                costs.read(row, cost);
-                near.go_north(cost);
+                let cost = &mut field.cost[row * columns..];
+                for word in 0..words {
+                    costs.read(row, word, &mut read);
+                    near.set(word, &read);
+                    if let Some(cost) = cost[word * SIDE..].first_chunk_mut() {
+                        *cost = read;
+                    }
+                }
             } else {
-                near.go_beyond();
+                near.end();
             }
             if row > 0 {
-                let code = &mut field.code[(row - 1) * columns..][..columns];
-                near.codes(corners, blocked.row(row as u32 - 1), code);
+                let code = &mut field.code[(row - 1) * columns..];
+                for (word, &blocked) in blocked.row(row as u32 - 1).iter().enumerate() {
+                    near.codes(word, corners, blocked, &mut found);
+                    if let Some(code) = code[word * SIDE..].first_chunk_mut() {
+                        *code = found;
+                    }
+                }
             }
         }
     }
@@ -82,13 +100,11 @@ const KEPT: u16 = NOWHERE - 1;
 
 const _: () = assert!(2 * DIAGONAL_STEP < KEPT as u32, "steps are told apart");
 
-/// Columns that are decided at once: whole vectors, however long.
-const BLOCK: usize = 64;
-/// The shortened costs of a block's columns and of one beside it at either end.
-type Line = [u16; BLOCK + 2];
+/// The shortened costs of a word's columns and of one beside it at either end.
+type Line = [u16; SIDE + 2];
 
 /// A row's costs and those of the rows south and north of it, shortened, with a column beyond the
-/// map before them and as many after them as make whole blocks.
+/// map before them and as many after them as make whole words.
 pub(crate) struct Near {
     lines: [Vec<u16>; 3],
 }
@@ -96,65 +112,69 @@ pub(crate) struct Near {
 impl Near {
     /// South of all rows of a map.
     pub(crate) fn new(columns: usize) -> Self {
-        Self { lines: [(); 3].map(|()| vec![NOWHERE; columns.next_multiple_of(BLOCK) + 2]) }
+        Self { lines: [(); 3].map(|()| vec![NOWHERE; columns.next_multiple_of(SIDE) + 2]) }
     }
 
-    /// Takes in the costs of the next row north.
+    /// Goes on to the next row; the costs of the one north of it are to be set anew.
     #[inline(always)]
-    pub(crate) fn go_north(&mut self, cost: &[u32]) {
-        self.lines.rotate_left(1);
-        for (short, &cost) in self.lines[2][1..].iter_mut().zip(cost) {
+    pub(crate) fn go_north(&mut self) {
+        let [south, here, north] = &mut self.lines;
+        std::mem::swap(south, here);
+        std::mem::swap(here, north);
+    }
+
+    /// There is no row north.
+    #[inline(always)]
+    pub(crate) fn end(&mut self) {
+        self.lines[2].fill(NOWHERE);
+    }
+
+    /// Sets the costs of a word of the row north.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, word: usize, costs: &[u32; SIDE]) {
+        let line = &mut self.lines[2][1 + word * SIDE..][..SIDE];
+        for (short, &cost) in line.iter_mut().zip(costs) {
             *short = if cost == UNREACHED { NOWHERE } else { cost as u16 & KEPT };
         }
     }
 
-    /// There is no further row north.
+    /// The codes of a word of the row; those beyond the map mean nothing. Of the cells that are not
+    /// `blocked` one without a move has no route, be it the goal.
     #[inline(always)]
-    pub(crate) fn go_beyond(&mut self) {
-        self.lines.rotate_left(1);
-        self.lines[2].fill(NOWHERE);
-    }
-
-    /// The codes of the row's cells. Of those that are not `blocked`, by words as in a [`Bitmap`],
-    /// one without a move has no route, be it the goal.
-    #[inline(always)]
-    pub(crate) fn codes(&self, corners: Corners, blocked: &[u64], code: &mut [u8]) {
-        match corners {
-            Corners::Allow => self.codes_by::<true>(blocked, code),
-            Corners::Forbid => self.codes_by::<false>(blocked, code),
-        }
-    }
-
-    #[inline(always)]
-    fn codes_by<const ALLOW: bool>(&self, blocked: &[u64], code: &mut [u8]) {
+    pub(crate) fn codes(
+        &self,
+        word: usize,
+        corners: Corners,
+        blocked: u64,
+        found: &mut [u8; SIDE],
+    ) {
         let [south, here, north] = &self.lines;
-        for (at, code) in code.chunks_mut(BLOCK).enumerate() {
-            let start = at * BLOCK;
-            let (Some(south), Some(here), Some(north)) = (
-                south[start..].first_chunk(),
-                here[start..].first_chunk(),
-                north[start..].first_chunk(),
-            ) else {
-                return;
-            };
-            let blocked = blocked.get(at).copied().unwrap_or(0);
-            let codes = block::<ALLOW>([south, here, north], blocked);
-            match code.first_chunk_mut() {
-                Some(code) => *code = codes,
-                None => code.copy_from_slice(&codes[..code.len()]),
-            }
+        let start = word * SIDE;
+        let (Some(south), Some(here), Some(north)) = (
+            south[start..].first_chunk(),
+            here[start..].first_chunk(),
+            north[start..].first_chunk(),
+        ) else {
+            return;
+        };
+        match corners {
+            Corners::Allow => codes::<true>([south, here, north], blocked, found),
+            Corners::Forbid => codes::<false>([south, here, north], blocked, found),
         }
     }
 }
 
-/// The codes of the columns of a block, from the lines south of them, through them and north of
-/// them, which begin a column before and end a column after.
+/// The codes of a word's columns, from the lines south of them, through them and north of them,
+/// which begin a column before and end a column after.
 #[inline(always)]
-fn block<const ALLOW: bool>([south, here, north]: [&Line; 3], blocked: u64) -> [u8; BLOCK] {
-    let mut codes = [0; BLOCK];
+fn codes<const ALLOW: bool>(
+    [south, here, north]: [&Line; 3],
+    blocked: u64,
+    codes: &mut [u8; SIDE],
+) {
     // Sixteen bits at a time, so that a vector holds as many to be tested as costs.
-    for (word, first) in [0, 16, 32, 48].map(|first| ((blocked >> first) as u16, first)) {
-        for lane in 0..16 {
+    for (word, first) in [0, 32].map(|first| ((blocked >> first) as u32, first)) {
+        for lane in 0..32 {
             let x = first + lane;
             let around = [
                 here[x + 2],
@@ -171,7 +191,6 @@ fn block<const ALLOW: bool>([south, here, north]: [&Line; 3], blocked: u64) -> [
             codes[x] = if is_blocked { field::NO_ESCAPE } else { free as u8 };
         }
     }
-    codes
 }
 
 /// The code of a free cell from its cost and those around it, in the order of directions.
@@ -183,7 +202,7 @@ fn best<const ALLOW: bool>(cost: u16, around: [u16; 8]) -> u16 {
     let straight = cost.wrapping_sub(STRAIGHT_STEP as u16) & KEPT;
     let diagonal = cost.wrapping_sub(DIAGONAL_STEP as u16) & KEPT;
     let [e, ne, n, nw, w, sw, s, se] = around;
-    let passes = |a: u16, b: u16| ALLOW || (a | b) < NOWHERE;
+    let passes = |a: u16, b: u16| ALLOW || (a < NOWHERE) & (b < NOWHERE);
     // From the least preferred to the most, each overriding the one before.
     let mut code = u16::from(field::NO_ROUTE);
     let mut offer = |good: bool, direction: Direction| {

@@ -11,9 +11,8 @@
 //! holds whatever way a cell was reached first among equals.
 
 use super::advice::Rows;
-use super::open::{Open, SIDE, moves};
+use super::open::{Passable, SIDE, moves};
 use super::{Corners, MAX_COST};
-use crate::bitmap::Bitmap;
 use plan_format::field::UNREACHED;
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
@@ -37,6 +36,7 @@ const START: u8 = 8;
 /// Reusable buffers of the search.
 #[derive(Debug, Default)]
 pub(crate) struct Queue {
+    columns: usize,
     buckets: [Vec<Entry>; 3],
     /// For each cell a bit for each move that is open there.
     moves: Vec<u8>,
@@ -44,15 +44,15 @@ pub(crate) struct Queue {
 }
 
 impl Queue {
-    /// Finds the cheapest ways from the goal, a free cell if there is one, through the cells
-    /// that are not blocked.
-    pub(crate) fn search(&mut self, blocked: &Bitmap, goal: Option<Cell>, corners: Corners) {
-        let columns = blocked.columns() as usize;
-        let cells = columns * blocked.rows() as usize;
+    /// Finds the cheapest ways from the goal, an open cell if there is one.
+    pub(crate) fn search(&mut self, open: &Passable, goal: Option<Cell>, corners: Corners) {
+        let columns = open.columns;
+        let cells = columns * open.rows;
+        self.columns = columns;
         self.cost.clear();
         self.cost.resize(cells, UNREACHED);
         self.moves.resize(cells, 0);
-        pulp::Arch::new().dispatch(Enter { blocked, corners, moves: &mut self.moves });
+        pulp::Arch::new().dispatch(Enter { open, corners, moves: &mut self.moves });
         self.buckets.iter_mut().for_each(Vec::clear);
         if let Some(goal) = goal {
             let at = goal.row as usize * columns + goal.column as usize;
@@ -107,14 +107,22 @@ impl Queue {
 
 impl Rows for Queue {
     #[inline(always)]
-    fn read(&self, row: usize, cost: &mut [u32]) {
-        cost.copy_from_slice(&self.cost[row * cost.len()..][..cost.len()]);
+    fn read(&self, row: usize, word: usize, costs: &mut [u32; SIDE]) {
+        let line = &self.cost[row * self.columns..][..self.columns];
+        let known = &line[word * SIDE..];
+        match known.first_chunk() {
+            Some(known) => *costs = *known,
+            None => {
+                costs.fill(UNREACHED);
+                costs[..known.len()].copy_from_slice(known);
+            }
+        }
     }
 }
 
 /// Fills in the moves of every cell, compiled once for each kind of vector unit.
 struct Enter<'a> {
-    blocked: &'a Bitmap,
+    open: &'a Passable,
     corners: Corners,
     moves: &'a mut [u8],
 }
@@ -124,11 +132,10 @@ impl pulp::WithSimd for Enter<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Self { blocked, corners, moves: all } = self;
-        for (row, line) in (0..).zip(all.chunks_mut(blocked.columns().max(1) as usize)) {
+        let Self { open, corners, moves: all } = self;
+        for (row, line) in (0..).zip(all.chunks_mut(open.columns.max(1))) {
             for (word, out) in line.chunks_mut(SIDE).enumerate() {
-                let [south, here, north] =
-                    [row - 1, row, row + 1].map(|row| Open::of(blocked, false, word, row));
+                let [south, here, north] = [row - 1, row, row + 1].map(|row| open.at(word, row));
                 out.copy_from_slice(&moves(south, here, north, corners)[..out.len()]);
             }
         }

@@ -17,29 +17,77 @@ pub(crate) struct Open {
     pub(crate) east: u64,
 }
 
-impl Open {
-    /// The cells of a row, in word `word`, whose bit in the map equals `through`. Off the map
-    /// nothing is passable.
-    #[inline(always)]
-    pub(crate) fn of(map: &Bitmap, through: bool, word: usize, row: i64) -> Self {
-        if row < 0 || row >= i64::from(map.rows()) {
-            return Self::default();
-        }
-        let words = map.row(row as u32);
-        let columns = map.columns() as usize;
+/// The passable cells of a map, with a border that is not: a row south of the first and a word west
+/// of each, and at least as much in the north and east. So that every word has neighbours.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Passable {
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+    /// Words from one row to the next.
+    stride: usize,
+    words: Vec<u64>,
+}
+
+impl Passable {
+    /// The cells of a set, or all others.
+    pub(crate) fn of(map: &Bitmap, through: bool) -> Self {
+        let mut this = Self::default();
+        this.fill(map, through);
+        this
+    }
+
+    /// As [`Passable::of`], in memory that is there already.
+    pub(crate) fn fill(&mut self, map: &Bitmap, through: bool) {
+        (self.columns, self.rows) = (map.columns() as usize, map.rows() as usize);
+        let across = self.columns.div_ceil(SIDE);
+        self.stride = across + 2;
+        self.words.clear();
+        // Whole tiles, so that the last one has a border too.
+        self.words.resize((self.rows.next_multiple_of(SIDE) + 2) * self.stride, 0);
         let flip = if through { 0 } else { u64::MAX };
-        let at = |word: usize| {
-            let used = columns.saturating_sub(word * SIDE);
-            let inside = if used >= SIDE { u64::MAX } else { (1 << used) - 1 };
-            (words.get(word).copied().unwrap_or(0) ^ flip) & inside
-        };
-        Self {
-            cells: at(word),
-            west: if word > 0 { at(word - 1) >> 63 } else { 0 },
-            east: at(word + 1) << 63,
+        let outside = (across * SIDE - self.columns) as u32;
+        for (row, words) in (0..map.rows()).zip(self.words.chunks_mut(self.stride).skip(1)) {
+            for (word, map) in words[1..].iter_mut().zip(map.row(row)) {
+                *word = map ^ flip;
+            }
+            words[across] &= u64::MAX.checked_shr(outside).unwrap_or(0);
         }
     }
 
+    /// Those of a row in a word. Rows and words may lie one beyond the map.
+    #[inline(always)]
+    pub(crate) fn at(&self, word: usize, row: isize) -> Open {
+        let start = (row + 1) as usize * self.stride + word;
+        match self.words.get(start..).and_then(|words| words.first_chunk()) {
+            Some(&[west, cells, east]) => Open { cells, west: west >> 63, east: east << 63 },
+            None => Open::default(),
+        }
+    }
+
+    /// The part of the map that a tile lies in, by its place from the west and from the south.
+    #[inline(always)]
+    pub(crate) fn tile(&self, across: usize, down: usize) -> TileOpen<'_> {
+        TileOpen { map: self, word: across, row: (down * SIDE) as isize }
+    }
+}
+
+/// The passable cells of a tile and around it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TileOpen<'a> {
+    map: &'a Passable,
+    word: usize,
+    row: isize,
+}
+
+impl TileOpen<'_> {
+    /// Those of a row of the tile, or of the row beside it: -1 to 64.
+    #[inline(always)]
+    pub(crate) fn row(self, row: isize) -> Open {
+        self.map.at(self.word, self.row + row)
+    }
+}
+
+impl Open {
     /// Bit x: whether column x - 1 is open.
     #[inline(always)]
     pub(crate) fn west_open(self) -> u64 {
@@ -94,19 +142,30 @@ pub(super) fn moves(south: Open, here: Open, north: Open, corners: Corners) -> [
     moves
 }
 
-/// How many of the map's free cells there are, and how many of them are the south-western
-/// corner of four that are free.
-pub(super) fn texture(blocked: &Bitmap) -> (u64, u64) {
-    let (mut free, mut wide) = (0, 0);
-    for word in 0..blocked.columns().div_ceil(SIDE as u32) as usize {
-        let mut here = Open::of(blocked, false, word, 0);
-        for row in 1..=i64::from(blocked.rows()) {
-            let north = Open::of(blocked, false, word, row);
-            let square = here.cells & here.east_open() & north.cells & north.east_open();
-            free += u64::from(here.cells.count_ones());
-            wide += u64::from(square.count_ones());
-            here = north;
+/// How many passable cells there are, and how many of them are the south-western corner of four
+/// that are, in every fourth row.
+pub(super) fn texture(open: &Passable) -> (u64, u64) {
+    pulp::Arch::new().dispatch(Texture(open))
+}
+
+struct Texture<'a>(&'a Passable);
+
+impl pulp::WithSimd for Texture<'_> {
+    type Output = (u64, u64);
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let Passable { words, stride, .. } = self.0;
+        let (mut free, mut wide) = (0, 0);
+        for two in words[*stride..].chunks(4 * stride) {
+            let (here, rest) = two.split_at(*stride);
+            for word in 1..here.len().min(rest.len()) {
+                let low = here[word] & rest[word];
+                let high = here.get(word + 1).zip(rest.get(word + 1)).map_or(0, |(a, b)| a & b);
+                free += u64::from(here[word].count_ones());
+                wide += u64::from((low & (low >> 1 | high << 63)).count_ones());
+            }
         }
+        (free, wide)
     }
-    (free, wide)
 }

@@ -14,9 +14,8 @@ mod halo;
 mod relax;
 
 use super::advice::Rows;
-use super::open::{Open, SIDE};
+use super::open::{Open, Passable, SIDE};
 use super::{Corners, MAX_COST};
-use crate::bitmap::Bitmap;
 use crate::escape::Shores;
 use plan_format::Cell;
 use plan_format::field::UNREACHED;
@@ -32,6 +31,9 @@ const UNKNOWN: u32 = MAX_COST + 1;
 #[repr(C, align(64))]
 struct Tile {
     cost: [u32; CELLS],
+    /// The westernmost and the easternmost column once more, as they were after the last visit.
+    /// The neighbours read them, and a column of `cost` would cost them a cache line a cell.
+    sides: [[u32; SIDE]; 2],
 }
 
 /// What a tile waits to be visited for.
@@ -58,17 +60,12 @@ pub(crate) struct Tiles {
     /// Tiles by their keys. One whose key was lowered later is passed over.
     queue: BinaryHeap<Reverse<(u32, u32)>>,
     corners: Corners,
-    /// Whether the search goes through the cells of the map's set or through the others.
-    through: bool,
-    /// The passable cells of the tile being visited: row -1 to row 64.
-    open: Vec<Open>,
 }
 
 impl Tiles {
-    /// Finds the cheapest ways from the goal, a free cell if there is one, through the cells
-    /// that are not blocked.
-    pub(crate) fn search(&mut self, blocked: &Bitmap, goal: Option<Cell>, corners: Corners) {
-        self.reset(blocked, false, corners);
+    /// Finds the cheapest ways from the goal, an open cell if there is one.
+    pub(crate) fn search(&mut self, map: &Passable, goal: Option<Cell>, corners: Corners) {
+        self.reset(map, corners);
         let Some(goal) = goal else { return };
         let (x, y) = (goal.column as usize, goal.row as usize);
         let at = y / SIDE * self.across + x / SIDE;
@@ -76,35 +73,34 @@ impl Tiles {
         let cost = &mut self.tiles[at].cost;
         let start = line(y as isize % SIDE as isize);
         cost[start + x % SIDE] = 0;
-        let open = Open::of(blocked, false, x / SIDE, y as i64).cells;
+        let open = map.at(x / SIDE, y as isize).cells;
         spread_east(cost, start, x as isize % SIDE as isize, open);
         spread_west(cost, start, x as isize % SIDE as isize, open);
         let row = 1u64 << (y % SIDE);
         self.wake(at, Pending { from_south: row << 1, from_north: row >> 1, key: Some(0) });
-        pulp::Arch::new().dispatch(Run { tiles: self, map: blocked, shores: None });
+        pulp::Arch::new().dispatch(Run { tiles: self, map, shores: None, corners });
     }
 
     /// Finds the cheapest ways out of the deep cells, from what is known of the shores.
-    pub(crate) fn flood(&mut self, deep: &Bitmap, shores: &Shores) {
-        self.reset(deep, true, Corners::Allow);
-        pulp::Arch::new().dispatch(Run { tiles: self, map: deep, shores: Some(shores) });
+    pub(crate) fn flood(&mut self, deep: &Passable, shores: &Shores) {
+        self.reset(deep, Corners::Allow);
+        let corners = Corners::Allow;
+        pulp::Arch::new().dispatch(Run { tiles: self, map: deep, shores: Some(shores), corners });
     }
 
-    fn reset(&mut self, map: &Bitmap, through: bool, corners: Corners) {
-        self.across = map.columns().div_ceil(SIDE as u32) as usize;
-        self.down = map.rows().div_ceil(SIDE as u32) as usize;
-        self.through = through;
+    fn reset(&mut self, map: &Passable, corners: Corners) {
+        self.across = map.columns.div_ceil(SIDE);
+        self.down = map.rows.div_ceil(SIDE);
         self.corners = corners;
         let count = self.across * self.down;
         if self.tiles.len() < count {
-            self.tiles.resize(count, Tile { cost: [UNKNOWN; CELLS] });
+            self.tiles.resize(count, Tile { cost: [UNKNOWN; CELLS], sides: [[UNKNOWN; SIDE]; 2] });
         }
         self.is_stale.clear();
         self.is_stale.resize(count, true);
         self.pending.clear();
         self.pending.resize(count, Pending::default());
         self.queue.clear();
-        self.open.resize(SIDE + 2, Open::default());
     }
 
     /// Forgets what an earlier search left in a tile. Left until a tile is needed, so that
@@ -130,33 +126,28 @@ impl Tiles {
         }
     }
 
-    /// Loads the passable cells of a tile and its halo.
-    #[inline(always)]
-    fn enter(&mut self, map: &Bitmap, at: usize) {
-        let (tx, ty) = (at % self.across, at / self.across);
-        for (row, open) in ((ty * SIDE) as i64 - 1..).zip(&mut self.open) {
-            *open = Open::of(map, self.through, tx, row);
-        }
-    }
-
     /// Sets the costs of a tile to those of the shores, closes its rows, and wakes it.
     #[inline(always)]
-    fn seed(&mut self, deep: &Bitmap, at: usize, shores: &Shores) {
-        self.enter(deep, at);
-        if self.open.iter().all(|open| open.cells | open.west | open.east == 0) {
+    fn seed(&mut self, deep: &Passable, at: usize, shores: &Shores) {
+        let open = deep.tile(at % self.across, at / self.across);
+        let is_shut = |row| {
+            let Open { cells, west, east } = open.row(row);
+            cells | west | east == 0
+        };
+        if (-1..=SIDE as isize).all(is_shut) {
             return;
         }
         self.freshen(at);
         let (tx, y) = (at % self.across, at / self.across * SIDE);
         let mut rows = 0;
-        for row in 0..SIDE.min(deep.rows() as usize - y) {
+        for row in 0..SIDE.min(deep.rows - y) {
             let cost = &mut self.tiles[at].cost;
             let start = line(row as isize);
             let known = shores.word((y + row) as u32, tx);
             for (cost, known) in cost[start..][..SIDE].iter_mut().zip(known) {
                 *cost = known.min(UNKNOWN);
             }
-            let here = self.open[row + 1];
+            let here = open.row(row as isize);
             rows |= u64::from(here.cells != 0) << row;
             let mut shores = !here.cells & here.east_open();
             while shores != 0 {
@@ -169,29 +160,39 @@ impl Tiles {
                 shores &= shores - 1;
             }
         }
+        self.tiles[at].keep_sides();
         if rows != 0 {
             self.wake(at, Pending { from_south: rows, from_north: rows, key: Some(0) });
+        }
+    }
+
+    /// Visits tiles until none waits.
+    #[inline(always)]
+    fn visit_all(&mut self, map: &Passable, corners: Corners) {
+        while let Some(Reverse((key, at))) = self.queue.pop() {
+            if self.pending[at as usize].key == Some(key) {
+                self.visit(map, at as usize, corners);
+            }
         }
     }
 
     /// Lowers the costs of a tile as far as it and its halo allow, going north and south over
     /// the rows that wait until none does.
     #[inline(always)]
-    fn visit(&mut self, map: &Bitmap, at: usize) {
+    fn visit(&mut self, map: &Passable, at: usize, corners: Corners) {
         let Pending { mut from_south, mut from_north, .. } = std::mem::take(&mut self.pending[at]);
-        self.enter(map, at);
+        let open = map.tile(at % self.across, at / self.across);
         self.freshen(at);
         self.pull(at);
-        let rows = map.rows() as usize - at / self.across * SIDE;
+        let rows = map.rows - at / self.across * SIDE;
         let all = u64::MAX >> (SIDE - rows.min(SIDE));
-        let Self { tiles, open, corners, .. } = self;
-        let cost = &mut tiles[at].cost;
+        let cost = &mut self.tiles[at].cost;
         while (from_south | from_north) & all != 0 {
             from_south &= all;
             while from_south != 0 {
                 let row = from_south.trailing_zeros() as usize;
                 from_south &= from_south - 1;
-                let relaxed = relax(cost, open, row, row as isize - 1, *corners);
+                let relaxed = relax(cost, open, row, row as isize - 1, corners);
                 from_south |= u64::from(relaxed.has_changed) << row << 1 & all;
                 from_north |= u64::from(relaxed.leads_back) << row >> 1;
             }
@@ -199,12 +200,13 @@ impl Tiles {
             while from_north != 0 {
                 let row = 63 - from_north.leading_zeros() as usize;
                 from_north &= !(1 << row);
-                let relaxed = relax(cost, open, row, row as isize + 1, *corners);
+                let relaxed = relax(cost, open, row, row as isize + 1, corners);
                 from_north |= u64::from(relaxed.has_changed) << row >> 1;
                 from_south |= u64::from(relaxed.leads_back) << row << 1;
             }
         }
-        self.notify(at);
+        self.tiles[at].keep_sides();
+        self.notify(at, open);
     }
 }
 
@@ -212,8 +214,9 @@ impl Tiles {
 /// inlined, so that it is compiled along.
 struct Run<'a> {
     tiles: &'a mut Tiles,
-    map: &'a Bitmap,
+    map: &'a Passable,
     shores: Option<&'a Shores>,
+    corners: Corners,
 }
 
 impl pulp::WithSimd for Run<'_> {
@@ -221,32 +224,32 @@ impl pulp::WithSimd for Run<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Self { tiles, map, shores } = self;
+        let Self { tiles, map, shores, corners } = self;
         if let Some(shores) = shores {
             for at in 0..tiles.across * tiles.down {
                 tiles.seed(map, at, shores);
             }
         }
-        while let Some(Reverse((key, at))) = tiles.queue.pop() {
-            if tiles.pending[at as usize].key == Some(key) {
-                tiles.visit(map, at as usize);
-            }
+        // The rule is a constant in each, so that nothing of the other is left in the loops.
+        match corners {
+            Corners::Forbid => tiles.visit_all(map, Corners::Forbid),
+            Corners::Allow => tiles.visit_all(map, Corners::Allow),
         }
     }
 }
 
 impl Rows for Tiles {
     #[inline(always)]
-    fn read(&self, row: usize, cost: &mut [u32]) {
+    fn read(&self, row: usize, word: usize, costs: &mut [u32; SIDE]) {
+        let at = row / SIDE * self.across + word;
         let start = line((row % SIDE) as isize);
-        for (at, out) in (row / SIDE * self.across..).zip(cost.chunks_mut(SIDE)) {
-            if self.is_stale[at] {
-                out.fill(UNREACHED);
-            } else {
-                for (out, &cost) in out.iter_mut().zip(&self.tiles[at].cost[start..]) {
+        match self.known(at) {
+            Some(tile) => {
+                for (out, &cost) in costs.iter_mut().zip(&tile.cost[start..]) {
                     *out = if cost == UNKNOWN { UNREACHED } else { cost };
                 }
             }
+            None => costs.fill(UNREACHED),
         }
     }
 }

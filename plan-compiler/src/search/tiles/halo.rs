@@ -7,7 +7,7 @@
 use super::relax::{cheapest, halves, line};
 use super::{Pending, Tile, Tiles, UNKNOWN};
 use crate::search::Corners;
-use crate::search::open::{Open, SIDE};
+use crate::search::open::{Open, SIDE, TileOpen};
 use plan_format::grid::{DIAGONAL_STEP as DIAGONAL, STRAIGHT_STEP as STRAIGHT};
 
 /// The last row or column of a tile.
@@ -37,6 +37,36 @@ fn outer(open: Open, dx: isize) -> bool {
     if dx > 0 { open.east != 0 } else { open.west != 0 }
 }
 
+/// The passable cells of the column beyond a tile and of that edge of it, as if they were rows.
+#[inline(always)]
+fn columns(open: TileOpen<'_>, dx: isize) -> [Open; 2] {
+    let mut columns = [Open::default(); 2];
+    for row in 0..=LAST {
+        let here = open.row(row);
+        columns[0].cells |= u64::from(outer(here, dx)) << row;
+        columns[1].cells |= (here.cells >> edge(dx) & 1) << row;
+    }
+    columns
+}
+
+impl Tile {
+    /// Copies the columns that the neighbours read.
+    #[inline(always)]
+    pub(super) fn keep_sides(&mut self) {
+        let [west, east] = &mut self.sides;
+        for (row, (west, east)) in (0..).zip(west.iter_mut().zip(east)) {
+            *west = self.cost[place(row, 0)];
+            *east = self.cost[place(row, LAST)];
+        }
+    }
+
+    /// The westernmost column (`dx` = -1) or the easternmost (1).
+    #[inline(always)]
+    fn side(&self, dx: isize) -> &[u32; SIDE] {
+        &self.sides[usize::from(dx > 0)]
+    }
+}
+
 impl Tiles {
     /// The tile a step away, if there is one.
     #[inline(always)]
@@ -48,7 +78,7 @@ impl Tiles {
 
     /// A tile that this search has visited.
     #[inline(always)]
-    fn known(&self, at: usize) -> Option<&Tile> {
+    pub(super) fn known(&self, at: usize) -> Option<&Tile> {
         if self.is_stale[at] { None } else { self.tiles.get(at) }
     }
 
@@ -67,8 +97,8 @@ impl Tiles {
                     let source = &from.cost[place(edge(-dy), 0)..][..SIDE];
                     to.cost[place(beyond(dy), 0)..][..SIDE].copy_from_slice(source);
                 } else if dy == 0 {
-                    for row in 0..=LAST {
-                        to.cost[place(row, beyond(dx))] = from.cost[place(row, edge(-dx))];
+                    for (row, &cost) in (0..).zip(from.side(-dx)) {
+                        to.cost[place(row, beyond(dx))] = cost;
                     }
                 } else {
                     to.cost[place(beyond(dy), beyond(dx))] = from.cost[place(edge(-dy), edge(-dx))];
@@ -79,16 +109,16 @@ impl Tiles {
 
     /// Wakes the neighbouring tiles that this tile's edges improve.
     #[inline(always)]
-    pub(super) fn notify(&mut self, at: usize) {
+    pub(super) fn notify(&mut self, at: usize, open: TileOpen<'_>) {
         for dy in -1..=1 {
             for dx in -1..=1 {
                 let Some(to) = self.neighbour(at, dx, dy).filter(|&to| to != at) else { continue };
                 let offer = if dx == 0 {
-                    self.offer_row(at, to, dy)
+                    self.offer_row(at, to, dy, open)
                 } else if dy == 0 {
-                    self.offer_column(at, to, dx)
+                    self.offer_column(at, to, dx, open)
                 } else {
-                    self.offer_corner(at, to, dx, dy)
+                    self.offer_corner(at, to, [dx, dy], open)
                 };
                 if offer.key.is_some() {
                     self.wake(to, offer);
@@ -99,8 +129,8 @@ impl Tiles {
 
     /// What the tile's edge row offers to the tile north (`dy` = 1) or south (-1) of it.
     #[inline(always)]
-    fn offer_row(&self, at: usize, to: usize, dy: isize) -> Pending {
-        let (here, there) = (self.open(beyond(dy)), self.open(edge(dy)));
+    fn offer_row(&self, at: usize, to: usize, dy: isize, open: TileOpen<'_>) -> Pending {
+        let (here, there) = (open.row(beyond(dy)), open.row(edge(dy)));
         let passes = here.passes(there, self.corners);
         let source = self.tiles[at].cost[place(edge(dy), -1)..].first_chunk();
         let target = match self.known(to) {
@@ -122,37 +152,48 @@ impl Tiles {
 
     /// What the tile's edge column offers to the tile east (`dx` = 1) or west (-1) of it.
     #[inline(always)]
-    fn offer_column(&self, at: usize, to: usize, dx: isize) -> Pending {
-        let (from, to) = (&self.tiles[at].cost, self.known(to));
+    fn offer_column(&self, at: usize, to: usize, dx: isize, open: TileOpen<'_>) -> Pending {
+        let from = &self.tiles[at];
+        let mut source = [UNKNOWN; SIDE + 2];
+        source[1..=SIDE].copy_from_slice(from.side(dx));
+        source[0] = from.cost[place(-1, edge(dx))];
+        source[SIDE + 1] = from.cost[place(LAST + 1, edge(dx))];
+        let target = self.known(to).map_or(&[UNKNOWN; SIDE], |to| to.side(-dx));
+        let mut improves = false;
+        for row in 0..SIDE {
+            improves |= source[row + 1] + STRAIGHT < target[row]
+                || source[row].min(source[row + 2]) + DIAGONAL < target[row];
+        }
+        if !improves {
+            return Pending::default();
+        }
+        let [here, there] = columns(open, dx);
+        let [open, south, north] = here.passes(there, self.corners);
+        // What lies beyond the column is the other tiles' to offer.
+        let passes = [open, south & !1, north & !(1 << LAST)];
         let mut result = Pending::default();
         let mut lowest = UNKNOWN;
-        for row in 0..=LAST {
-            let here = self.open(row);
-            if !outer(here, dx) {
-                continue;
+        for half in 0..2 {
+            let passes = halves(passes, half);
+            let (mut from_south, mut from_north) = (0, 0);
+            for lane in 0..32 {
+                let (row, bit) = (half * 32 + lane, 1u32 << lane);
+                let [open, south, north] = passes.map(|mask| mask & bit != 0);
+                let level = source[row + 1] + STRAIGHT;
+                let south = if south { source[row] + DIAGONAL } else { UNKNOWN };
+                let north = if north { source[row + 2] + DIAGONAL } else { UNKNOWN };
+                let cost = level.min(south).min(north);
+                let is_better = open & (cost < target[row]);
+                lowest = lowest.min(if is_better { cost } else { UNKNOWN });
+                // A step straight across is taken whichever way the row is relaxed, best when
+                // coming from where costs are lower; a diagonal one only when coming from there.
+                let is_northward =
+                    if level == cost { source[row] <= source[row + 2] } else { south <= north };
+                from_south |= if is_better & is_northward { bit } else { 0 };
+                from_north |= if is_better & !is_northward { bit } else { 0 };
             }
-            let level = from[place(row, edge(dx))] + STRAIGHT;
-            let diagonal = |dy: isize| {
-                let passes = self.corners == Corners::Allow
-                    || (here.cells >> edge(dx) & 1 != 0 && outer(self.open(row + dy), dx));
-                let is_mine = (0..=LAST).contains(&(row + dy));
-                let cost = from[place(row + dy, edge(dx))] + DIAGONAL;
-                if passes && is_mine { cost } else { UNKNOWN }
-            };
-            let (south, north) = (diagonal(-1), diagonal(1));
-            let cost = level.min(south).min(north);
-            if cost < to.map_or(UNKNOWN, |to| to.cost[place(row, edge(-dx))]) {
-                // A step straight across is taken whichever way the row is relaxed; best when
-                // coming from where costs are lower.
-                let northward = if level <= south.min(north) {
-                    from[place(row - 1, edge(dx))] <= from[place(row + 1, edge(dx))]
-                } else {
-                    south <= north
-                };
-                result.from_south |= u64::from(northward) << row;
-                result.from_north |= u64::from(!northward) << row;
-                lowest = lowest.min(cost);
-            }
+            result.from_south |= u64::from(from_south) << (32 * half);
+            result.from_north |= u64::from(from_north) << (32 * half);
         }
         result.key = (lowest != UNKNOWN).then_some(lowest);
         result
@@ -160,8 +201,14 @@ impl Tiles {
 
     /// What the tile's corner offers to the tile diagonally beside it.
     #[inline(always)]
-    fn offer_corner(&self, at: usize, to: usize, dx: isize, dy: isize) -> Pending {
-        let (here, there) = (self.open(beyond(dy)), self.open(edge(dy)));
+    fn offer_corner(
+        &self,
+        at: usize,
+        to: usize,
+        [dx, dy]: [isize; 2],
+        open: TileOpen<'_>,
+    ) -> Pending {
+        let (here, there) = (open.row(beyond(dy)), open.row(edge(dy)));
         let passes =
             self.corners == Corners::Allow || (here.cells >> edge(dx) & 1 != 0 && outer(there, dx));
         let cost = self.tiles[at].cost[place(edge(dy), edge(dx))] + DIAGONAL;
@@ -180,11 +227,5 @@ impl Tiles {
             from_north: u64::from(!northward) << row,
             key,
         }
-    }
-
-    /// The passable cells of a row of the tile being visited, or of its halo.
-    #[inline(always)]
-    fn open(&self, row: isize) -> Open {
-        self.open[(row + 1) as usize]
     }
 }

@@ -22,7 +22,7 @@
 
 use super::UNKNOWN;
 use crate::search::Corners;
-use crate::search::open::{Open, SIDE};
+use crate::search::open::{Open, SIDE, TileOpen};
 use plan_format::grid::{DIAGONAL_STEP as DIAGONAL, STRAIGHT_STEP as STRAIGHT};
 
 /// From one row of a tile to the next: its cells, and cells between the rows of which the
@@ -68,12 +68,12 @@ pub(super) struct Relaxed {
 #[inline(always)]
 pub(super) fn relax(
     cost: &mut [u32; CELLS],
-    open: &[Open],
+    open: TileOpen<'_>,
     row: usize,
     before: isize,
     corners: Corners,
 ) -> Relaxed {
-    let (here, there) = (open[row + 1], open[(before + 1) as usize]);
+    let (here, there) = (open.row(row as isize), open.row(before));
     let (row, before) = (line(row as isize), line(before));
     let is_plain = here.cells & there.cells == u64::MAX
         && there.west & !here.west == 0
@@ -111,18 +111,18 @@ fn relax_plain(cost: &mut [u32; CELLS], row: usize, before: usize) -> Relaxed {
     // row was closed with.
     let west = (halo[0] + STRAIGHT).min(source[0] + DIAGONAL);
     let east = (halo[1] + STRAIGHT).min(source[SIDE + 1] + DIAGONAL);
-    let mut changes = 0;
+    let mut has_changed = false;
     for x in 0..SIDE {
         let straight = source[x + 1] + STRAIGHT;
         let diagonal = source[x].min(source[x + 2]) + DIAGONAL;
         let along = (west + RAMP[x]).min(east + RAMP[SIDE - 1 - x]);
         let old = target[x];
         let new = straight.min(diagonal).min(along).min(old);
-        changes |= new ^ old;
+        has_changed |= new != old;
         target[x] = new;
     }
     let leads_back = is_source(halo[0], source[0]) || is_source(halo[1], source[SIDE + 1]);
-    Relaxed { has_changed: changes != 0, leads_back: changes != 0 && leads_back }
+    Relaxed { has_changed, leads_back: has_changed && leads_back }
 }
 
 /// Whether ways from a halo cell lead into the open row beside better than those from the
@@ -170,18 +170,18 @@ fn relax_masked(
 #[inline(always)]
 fn step_over(cost: &mut [u32; CELLS], row: usize, before: usize, passes: [u64; 3]) -> bool {
     let Some((target, source)) = pair(cost, row, before) else { unreachable_row() };
-    let mut changes = 0;
+    let mut has_changed = false;
     for half in 0..2 {
         let passes = halves(passes, half);
         for lane in 0..32 {
             let x = half * 32 + lane;
             let old = target[x];
             let new = cheapest(source, x, passes, 1 << lane).min(old);
-            changes |= new ^ old;
+            has_changed |= new != old;
             target[x] = new;
         }
     }
-    changes != 0
+    has_changed
 }
 
 /// One half of some masks: words of 32 bits, so that a vector holds as many bits to be tested
