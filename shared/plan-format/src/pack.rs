@@ -13,13 +13,12 @@ mod parts;
 mod roots;
 mod serve;
 
-use crate::blocks::{BLOCKS, superblocks};
+use crate::blocks::{BLOCKS, OWN_4_4, superblocks};
 use crate::directory::Counts;
-use crate::field::{Field, NO_ROUTE, escape, is_blocked};
-use crate::grid::Cell;
-use crate::layer::{ESCAPE, FREE, NO_ESCAPE, NO_ROUTE_ENTRY, ROUTE_BITS, Root, TERRAIN_BITS};
+use crate::field::{Field, NO_ROUTE, is_blocked};
+use crate::layer::{FREE, NO_ROUTE_ENTRY, ROUTE_BITS, Root, TERRAIN_BITS};
 pub(crate) use blocks::Superblock;
-use blocks::{Block, OwnCells, superblock};
+use blocks::{Block, superblock};
 use cover::Covering;
 
 /// A field as the blob stores it.
@@ -64,21 +63,34 @@ impl PackedPlane {
 
 /// Packs a field. Cells that its arrays lack are free without a route.
 pub fn pack(field: &Field) -> PackedLayer {
+    pulp::Arch::new().dispatch(Pack(field))
+}
+
+/// The packing itself, compiled once for each kind of vector unit; what it spends its time on is
+/// inlined, so that it is compiled along.
+struct Pack<'f>(&'f Field);
+
+impl pulp::WithSimd for Pack<'_> {
+    type Output = PackedLayer;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> PackedLayer {
+        packed(self.0)
+    }
+}
+
+#[inline(always)]
+fn packed(field: &Field) -> PackedLayer {
     let block_columns = superblocks(field.columns) as usize * 4;
     let block_rows = superblocks(field.rows) as usize * 4;
     let bordered = moves::Bordered::new(field);
     let roots = roots::Roots::new(field, &bordered);
-    let covering =
-        Covering { field, bordered: &bordered, roots: &roots, block_columns, block_rows };
+    let codes = codes::by_block(field, block_columns, block_rows);
+    let covering = Covering { codes: &codes, bordered: &bordered, roots: &roots, block_columns };
     let routes = covering.choose();
-    let terrain = (0..block_columns * block_rows).map(|block| {
-        let corner =
-            Cell::new((block % block_columns * 8) as u32, (block / block_columns * 8) as u32);
-        terrain(field, corner)
-    });
-    let terrain: Vec<Block> = terrain.collect();
-    let none = |_| [None; 64];
-    let own = |block| covering.own(block);
+    let terrain: Vec<Block> = codes.iter().map(|codes| Block::Palette(codes.terrain())).collect();
+    let none = |_, _: &mut Vec<u32>| OWN_4_4;
+    let own = |block, words: &mut Vec<u32>| covering.own(block, words);
     PackedLayer {
         columns: field.columns,
         rows: field.rows,
@@ -93,44 +105,27 @@ fn root_words(root: &Root) -> [u32; 2] {
     [root.cell.column | root.cell.row << 16, root.cost]
 }
 
+#[inline(always)]
 fn counts(field: &Field) -> Counts {
-    let mut counts = Counts::default();
+    let (mut blocked, mut unreachable) = (0, 0);
     for &code in &field.code {
-        match code {
-            NO_ROUTE => counts.unreachable += 1,
-            code if is_blocked(code) => counts.blocked += 1,
-            _ => counts.free += 1,
-        }
+        blocked += u32::from(is_blocked(code));
+        unreachable += u32::from(code == NO_ROUTE);
     }
+    let free = field.code.len() as u32 - blocked - unreachable;
     let all = u64::from(field.columns) * u64::from(field.rows);
-    counts.unreachable += all.saturating_sub(field.code.len() as u64) as u32;
-    counts
-}
-
-/// What is in the way in a block.
-fn terrain(field: &Field, corner: Cell) -> Block {
-    let mut entries: Vec<(u32, u64)> = Vec::new();
-    for (code, cells) in codes::codes_of(field, corner).all() {
-        let terrain = match escape(code) {
-            Some(direction) => ESCAPE + u32::from(direction.code()),
-            None if is_blocked(code) => NO_ESCAPE,
-            None => FREE,
-        };
-        match entries.iter_mut().find(|(known, _)| *known == terrain) {
-            Some((_, all)) => *all |= cells,
-            None => entries.push((terrain, cells)),
-        }
-    }
-    Block::Palette(entries)
+    unreachable += all.saturating_sub(field.code.len() as u64) as u32;
+    Counts { free, blocked, unreachable }
 }
 
 /// The superblocks of blocks that stand in the order of their grid.
+#[inline(always)]
 fn plane(
     blocks: &[Block],
     block_columns: usize,
     entry_bits: u32,
     filler: u32,
-    own: impl Fn(usize) -> OwnCells,
+    own: impl Fn(usize, &mut Vec<u32>) -> u32,
 ) -> PackedPlane {
     let block_rows = blocks.len().checked_div(block_columns).unwrap_or(0);
     let mut superblocks = Vec::with_capacity(blocks.len() / BLOCKS);
@@ -138,7 +133,8 @@ fn plane(
         for column in (0..block_columns).step_by(4) {
             let index = |at: usize| (row + at / 4) * block_columns + column + at % 4;
             let sixteen: [&Block; BLOCKS] = std::array::from_fn(|at| &blocks[index(at)]);
-            superblocks.push(superblock(&sixteen, entry_bits, filler, |at| own(index(at))));
+            superblocks
+                .push(superblock(&sixteen, entry_bits, filler, |at, words| own(index(at), words)));
         }
     }
     PackedPlane { superblocks }

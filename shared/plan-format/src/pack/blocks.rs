@@ -18,8 +18,32 @@ pub(crate) enum Block {
     Own,
 }
 
-/// Each cell's own code and cost; `None` for a cell that does not matter.
-pub(crate) type OwnCells = [Option<(u8, u32)>; BLOCK_CELLS];
+/// The cells of a block that have their own code and cost.
+pub(crate) struct OwnCells {
+    /// A bit for each of them.
+    mask: u64,
+    count: usize,
+    /// Theirs, in the order of the mask. What stands behind them is no move.
+    codes: [u8; BLOCK_CELLS],
+    costs: [u32; BLOCK_CELLS],
+}
+
+impl OwnCells {
+    /// None yet.
+    pub(crate) fn new() -> Self {
+        Self { mask: 0, count: 0, codes: [MOVES; BLOCK_CELLS], costs: [0; BLOCK_CELLS] }
+    }
+
+    /// Adds the next cell of the block, if it matters, as all moves do. Without a branch, since in noise and mazes
+    /// nobody could guess which way it went.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, cell: usize, matters: bool, code: u8, cost: u32) {
+        let at = self.count % BLOCK_CELLS;
+        (self.codes[at], self.costs[at]) = (code, cost);
+        self.mask |= u64::from(matters) << cell;
+        self.count += usize::from(matters);
+    }
+}
 
 /// Most entries that one block may choose from.
 pub(crate) const MAX_BLOCK_ENTRIES: usize = class_entries(INDEX_4) as usize;
@@ -34,12 +58,13 @@ pub(crate) enum Superblock {
 }
 
 /// The superblock of 16 blocks. `entry_bits` is 4 or 16, `filler` the entry where none matters, and
-/// `own` gives the cells of a block by its position.
+/// `own` writes the words of the cells of a block by its position, and returns the width of their
+/// costs.
 pub(crate) fn superblock(
     blocks: &[&Block; BLOCKS],
     entry_bits: u32,
     filler: u32,
-    own: impl Fn(usize) -> OwnCells,
+    own: impl Fn(usize, &mut Vec<u32>) -> u32,
 ) -> Superblock {
     let mut plans = blocks.map(Plan::of);
     let palette = loop {
@@ -52,26 +77,28 @@ pub(crate) fn superblock(
     if let (true, [] | [_]) = (is_plain, &palette.entries[..]) {
         return Superblock::Uniform(palette.entries.first().copied().unwrap_or(filler));
     }
-    let mut entries = palette.entries.clone();
+    let Palette { mut entries, bases } = palette;
     let mut descriptors = [0u16; BLOCKS];
     let mut data = Data::default();
+    let mut words = Vec::with_capacity(own_words(OWN_32, BLOCK_CELLS));
     // Blocks of own cells stand last: their descriptors reach farther.
     let (own_plans, others): (Vec<usize>, Vec<usize>) =
         (0..BLOCKS).partition(|&at| matches!(plans[at].class, Class::Own));
     for at in others {
-        let plan = &plans[at];
-        let base = palette.window(plan).unwrap_or(0);
-        let (class, words) = plan.words(&entries[base.min(entries.len())..]);
+        let (plan, base) = (&plans[at], bases[at]);
+        words.clear();
+        let class = plan.write(&entries[base.min(entries.len())..], &mut words);
         let length = class_entries(class) as usize;
         if entries.len() < base + length {
             entries.resize(base + length, entries.last().copied().unwrap_or(filler));
         }
-        let offset = data.put(words);
+        let offset = data.put(&words);
         descriptors[at] = (class << CLASS_SHIFT) as u16 | (base << BASE_SHIFT | offset) as u16;
     }
     for at in own_plans {
-        let (width, words) = own_block(&own(at));
-        let offset = data.put(words);
+        words.clear();
+        let width = own(at, &mut words);
+        let offset = data.put(&words);
         descriptors[at] = (OWN << CLASS_SHIFT | width << OWN_SHIFT) as u16 | offset as u16;
     }
     let palette = palette_words(&entries, entry_bits);
@@ -146,13 +173,17 @@ impl<'b> Plan<'b> {
         self.wanted.iter().map(|&(entry, _)| entry)
     }
 
-    /// Class and words of the block, with the palette from its window on.
-    fn words(&self, window: &[u32]) -> (u32, Vec<u32>) {
+    /// Writes the words of the block, with the palette from its window on. Returns its class.
+    fn write(&self, window: &[u32], words: &mut Vec<u32>) -> u32 {
         match &self.class {
-            Class::Parted(parts) => (parts.borders.len() as u32, parts.borders.clone()),
+            Class::Parted(parts) => {
+                words.extend_from_slice(&parts.borders);
+                parts.borders.len() as u32
+            }
             _ => {
                 let class = index_class(self.window.len());
-                (class, indices(self.wanted, window, class))
+                write_indices(self.wanted, window, class, words);
+                class
             }
         }
     }
@@ -175,25 +206,25 @@ struct Data {
 
 impl Data {
     /// Where a block stands.
-    fn put(&mut self, block: Vec<u32>) -> usize {
-        let is_equal = |&(start, end): &(usize, usize)| self.words[start..end] == block[..];
+    fn put(&mut self, block: &[u32]) -> usize {
+        let is_equal = |&(start, end): &(usize, usize)| self.words[start..end] == *block;
         if let Some(&(start, _)) = self.known.iter().find(|&range| is_equal(range)) {
             return start;
         }
-        let start = self.words.len();
-        self.words.extend(block);
-        if self.words.len() > start {
-            self.known.push((start, self.words.len()));
-            return start;
+        if block.is_empty() {
+            return 0;
         }
-        0
+        let start = self.words.len();
+        self.words.extend_from_slice(block);
+        self.known.push((start, self.words.len()));
+        start
     }
 }
 
-/// Each cell's index into a window of the palette, 0 where it does not matter.
-fn indices(wanted: &[(u32, u64)], window: &[u32], class: u32) -> Vec<u32> {
+/// Writes each cell's index into a window of the palette, 0 where it does not matter.
+fn write_indices(wanted: &[(u32, u64)], window: &[u32], class: u32, words: &mut Vec<u32>) {
     if class == 0 {
-        return Vec::new();
+        return;
     }
     let mut cells = [0u8; BLOCK_CELLS];
     for &(entry, mask) in wanted {
@@ -202,16 +233,18 @@ fn indices(wanted: &[(u32, u64)], window: &[u32], class: u32) -> Vec<u32> {
             ones(mask).for_each(|cell| cells[cell] = index);
         }
     }
-    let part = |shift: u32, bits: u32| {
-        let word = move |cells: &[u8]| {
+    let mut write = |shift: u32, bits: u32| {
+        for cells in cells.chunks(32 / bits as usize) {
             let number = |&cell: &u8| u32::from(cell) >> shift & ((1 << bits) - 1);
-            cells.iter().rev().fold(0, |word: u32, cell| word << bits | number(cell))
-        };
-        cells.chunks(32 / bits as usize).map(word)
+            words.push(cells.iter().rev().fold(0, |word, cell| word << bits | number(cell)));
+        }
     };
     match index_bits(class) {
-        3 => part(0, 2).chain(part(2, 1)).collect(),
-        bits => part(0, bits).collect(),
+        3 => {
+            write(0, 2);
+            write(2, 1);
+        }
+        bits => write(0, bits),
     }
 }
 
@@ -235,36 +268,54 @@ pub(crate) fn ones(mut bits: u64) -> impl Iterator<Item = usize> {
 /// Entries in which each block has a window that holds all of its own.
 struct Palette {
     entries: Vec<u32>,
+    /// Where the window of each block begins.
+    bases: [usize; BLOCKS],
 }
 
 impl Palette {
     /// `None` if some window would begin where no descriptor reaches.
     fn of(plans: &[Plan<'_>; BLOCKS]) -> Option<Self> {
-        let mut wanted: Vec<&Plan<'_>> =
-            plans.iter().filter(|plan| !plan.window.is_empty()).collect();
+        let mut wanted: Vec<usize> =
+            (0..BLOCKS).filter(|&at| !plans[at].window.is_empty()).collect();
         // Long windows first: the short ones then often lie within.
-        wanted.sort_by_key(|plan| std::cmp::Reverse(plan.window.len()));
-        let mut palette = Self { entries: Vec::new() };
-        for plan in wanted {
-            if palette.window(plan).is_none() {
+        wanted.sort_by_key(|&at| std::cmp::Reverse(plans[at].window.len()));
+        let mut palette = Self { entries: Vec::new(), bases: [0; BLOCKS] };
+        for at in wanted {
+            let plan = &plans[at];
+            let base = palette.window(plan).or_else(|| {
                 palette.append(plan);
-            }
-            palette.window(plan).filter(|&base| base < BASES)?;
+                palette.window(plan)
+            });
+            palette.bases[at] = base.filter(|&base| base < BASES)?;
         }
         Some(palette)
     }
 
-    /// Where the window of a block begins.
+    /// Where the first window begins that serves a block.
     fn window(&self, plan: &Plan<'_>) -> Option<usize> {
         let wanted = &plan.window[..];
+        let &first = wanted.first()?;
         if let Class::Parted(_) = plan.class {
             return self.entries.windows(wanted.len()).position(|window| window == wanted);
         }
         let length = class_entries(index_class(wanted.len())) as usize;
-        (0..self.entries.len()).find(|&base| {
-            let window = &self.entries[base..self.entries.len().min(base + length)];
-            wanted.iter().all(|entry| window.contains(entry))
-        })
+        if !wanted[1..].iter().all(|entry| self.entries.contains(entry)) {
+            return None;
+        }
+        // Only those that hold the first entry need be looked at.
+        let mut next = 0;
+        for (at, _) in self.entries.iter().enumerate().filter(|&(_, &entry)| entry == first) {
+            let from = next.max((at + 1).saturating_sub(length));
+            next = at + 1;
+            let serves = |&base: &usize| {
+                let window = &self.entries[base..self.entries.len().min(base + length)];
+                wanted[1..].iter().all(|entry| window.contains(entry))
+            };
+            if let Some(base) = (from..next).find(serves) {
+                return Some(base);
+            }
+        }
+        None
     }
 
     /// Adds a window, using what of it stands at the end already.
@@ -282,57 +333,77 @@ impl Palette {
     }
 }
 
-/// The width of the costs and the words of a block of cells that have their own code and cost: the
-/// smallest that holds them.
-fn own_block(cells: &OwnCells) -> (u32, Vec<u32>) {
-    let mask = cells.iter().rev().fold(0u64, |mask, cell| mask << 1 | u64::from(cell.is_some()));
-    let cells: Vec<(u8, u32)> = cells.iter().flatten().copied().collect();
-    let (width, base, costs) = own_costs(&cells);
-    let mut words = vec![mask as u32, (mask >> 32) as u32, base];
-    for (group, costs) in cells.chunks(GROUP).zip(costs.chunks(GROUP)) {
-        words.push(group.iter().rev().fold(0, |word, &(code, _)| word << 4 | u32::from(code)));
-        let bits = 8 << width;
-        let word = |costs: &[u32]| {
-            costs.iter().rev().fold(0, |word: u64, &cost| word << bits | u64::from(cost)) as u32
+impl OwnCells {
+    /// Writes the words of the block. Returns the width of the costs: the smallest that holds them.
+    #[inline(always)]
+    pub(crate) fn write(&self, words: &mut Vec<u32>) -> u32 {
+        let (width, base, costs) = self.stored();
+        words.extend([self.mask as u32, (self.mask >> 32) as u32, base]);
+        let groups = self.codes.chunks_exact(GROUP).zip(costs.chunks_exact(GROUP));
+        for (group, (codes, costs)) in groups.take(self.count.div_ceil(GROUP)).enumerate() {
+            words.push(codes.iter().rev().fold(0, |word, &code| word << 4 | u32::from(code & 15)));
+            let word = |costs: &[u32], bits: u32| {
+                costs.iter().rev().fold(0, |word, &cost| word << bits | cost)
+            };
+            let count = GROUP.min(self.count - group * GROUP);
+            match width {
+                OWN_4_4 => words.extend(costs[..count].chunks(4).map(|costs| word(costs, 8))),
+                OWN_8_8 => words.extend(costs[..count].chunks(2).map(|costs| word(costs, 16))),
+                _ => words.extend_from_slice(&costs[..count]),
+            }
+        }
+        width
+    }
+
+    /// The width of the costs, their base, and the costs as they are stored. Only moves have one;
+    /// the others are given one that costs nothing to store.
+    #[inline(always)]
+    fn stored(&self) -> (u32, u32, [u32; BLOCK_CELLS]) {
+        // One plain loop for each thing, so that the compiler can take many cells at a time.
+        let [mut straight, mut diagonal] = [[0; BLOCK_CELLS]; 2];
+        for (diagonal, &cost) in diagonal.iter_mut().zip(&self.costs) {
+            *diagonal = cost % STRAIGHT_STEP * INVERSE % STRAIGHT_STEP;
+        }
+        for ((straight, &diagonal), &cost) in straight.iter_mut().zip(&diagonal).zip(&self.costs) {
+            *straight = cost.wrapping_sub(diagonal * DIAGONAL_STEP) / STRAIGHT_STEP;
+        }
+        let mut all_are_paths = true;
+        for ((&diagonal, &cost), &code) in diagonal.iter().zip(&self.costs).zip(&self.codes) {
+            all_are_paths &= (code >= MOVES) | (diagonal * DIAGONAL_STEP <= cost);
+        }
+        let range = |steps: &[u32; BLOCK_CELLS]| {
+            let (mut least, mut most) = (u32::MAX, 0);
+            for (&count, &code) in steps.iter().zip(&self.codes) {
+                least = least.min(if code < MOVES { count } else { u32::MAX });
+                most = most.max(if code < MOVES { count } else { 0 });
+            }
+            [least, most]
         };
-        words.extend(costs.chunks(32 / bits).map(word));
+        let ([least_straight, most_straight], [least_diagonal, most_diagonal]) =
+            (range(&straight), range(&diagonal));
+        if least_straight > most_straight {
+            return (OWN_4_4, 0, [0; BLOCK_CELLS]);
+        }
+        let widest = (most_straight - least_straight).max(most_diagonal - least_diagonal);
+        if !all_are_paths || widest > 0xff {
+            return (OWN_32, 0, self.costs);
+        }
+        let width = if widest <= 0xf { OWN_4_4 } else { OWN_8_8 };
+        let mut stored = [0; BLOCK_CELLS];
+        for (cell, stored) in stored.iter_mut().enumerate() {
+            let straight = straight[cell].wrapping_sub(least_straight);
+            let diagonal = diagonal[cell].wrapping_sub(least_diagonal);
+            let is_move = self.codes[cell] < MOVES;
+            *stored = if is_move { straight | diagonal << (4 << width) } else { 0 };
+        }
+        (width, least_straight * STRAIGHT_STEP + least_diagonal * DIAGONAL_STEP, stored)
     }
-    debug_assert_eq!(words.len(), own_words(width, cells.len()));
-    (width, words)
 }
 
-/// The width of costs, their base, and the costs as they are stored. Only moves have one; the
-/// others are given one that costs nothing to store.
-fn own_costs(cells: &[(u8, u32)]) -> (u32, u32, Vec<u32>) {
-    let is_move = |cell: &&(u8, u32)| cell.0 < MOVES;
-    let steps: Option<Vec<(u32, u32)>> =
-        cells.iter().filter(is_move).map(|&(_, cost)| steps(cost)).collect();
-    let least = |of: fn(&(u32, u32)) -> u32, steps: &[(u32, u32)]| steps.iter().map(of).min();
-    let highest = |of: fn(&(u32, u32)) -> u32, steps: &[(u32, u32)]| steps.iter().map(of).max();
-    let steps = steps.unwrap_or_default();
-    let straight = least(|step| step.0, &steps).unwrap_or(0);
-    let diagonal = least(|step| step.1, &steps).unwrap_or(0);
-    let widest = (highest(|step| step.0, &steps).unwrap_or(0) - straight)
-        .max(highest(|step| step.1, &steps).unwrap_or(0) - diagonal);
-    if steps.len() < cells.iter().filter(is_move).count() || widest > 0xff {
-        return (OWN_32, 0, cells.iter().map(|&(_, cost)| cost).collect());
-    }
-    let width = if widest <= 0xf { OWN_4_4 } else { OWN_8_8 };
-    let mut steps = steps.into_iter();
-    let stored = cells.iter().map(|cell| {
-        let step = if is_move(&cell) { steps.next() } else { None };
-        step.map_or(0, |step| (step.0 - straight) | ((step.1 - diagonal) << (4 << width)))
-    });
-    (width, straight * STRAIGHT_STEP + diagonal * DIAGONAL_STEP, stored.collect())
-}
-
-/// Straight and diagonal steps `(a, b)` with `a 5741 + b 8119 = cost`, as few diagonal ones as can
-/// be; `None` if no path has this cost.
-fn steps(cost: u32) -> Option<(u32, u32)> {
-    let diagonal = cost % STRAIGHT_STEP * INVERSE % STRAIGHT_STEP;
-    let straight = cost.checked_sub(diagonal.checked_mul(DIAGONAL_STEP)?)? / STRAIGHT_STEP;
-    Some((straight, diagonal))
-}
+// In [`OwnCells::stored`], `straight 5741 + diagonal 8119 = cost` with as few diagonal steps as can
+// be: less than 5741 of them, by the inverse of the diagonal step modulo the straight one.
+const _: () = assert!(STRAIGHT_STEP.checked_mul(DIAGONAL_STEP).is_some(), "no step overflows");
+const _: () = assert!(STRAIGHT_STEP.checked_mul(STRAIGHT_STEP).is_some(), "nor does a remainder");
 
 /// The inverse of the diagonal step modulo the straight one.
 const INVERSE: u32 = {

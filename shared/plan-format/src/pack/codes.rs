@@ -1,33 +1,47 @@
 //! The codes of a field, block by block.
 
 use crate::blocks::BLOCK_CELLS;
-use crate::field::{Field, NO_ROUTE};
-use crate::grid::Cell;
+use crate::field::{ESCAPE, Field, NO_ESCAPE, NO_ROUTE};
+use crate::layer;
 
 /// The codes of a block's cells.
+#[derive(Clone)]
 pub(crate) struct Codes(pub(crate) [u8; BLOCK_CELLS]);
+
+const TERRAIN_FREE: u8 = layer::FREE as u8;
+const TERRAIN_NO_ESCAPE: u8 = layer::NO_ESCAPE as u8;
+const TERRAIN_ESCAPE: u8 = layer::ESCAPE as u8;
 
 /// The code of a cell that is not on the map.
 const OFF_MAP: u8 = u8::MAX;
 
-/// The codes of the block whose south-west cell this is. Cells that the field's array lacks are
-/// free without a route.
-pub(crate) fn codes_of(field: &Field, corner: Cell) -> Codes {
-    let mut codes = [OFF_MAP; BLOCK_CELLS];
-    let columns = (field.columns.saturating_sub(corner.column) as usize).min(8);
-    let rows = (field.rows.saturating_sub(corner.row) as usize).min(8);
-    for (row, cells) in codes.chunks_mut(8).take(rows).enumerate() {
-        let start = (corner.row as usize + row) * field.columns as usize + corner.column as usize;
-        let given = field.code.get(start..).unwrap_or_default();
-        let cells = &mut cells[..columns];
-        cells.fill(NO_ROUTE);
+/// The codes of the blocks of a field, in the order of their grid; those beyond the map too. Cells
+/// that the field's array lacks are free without a route.
+#[inline(always)]
+pub(crate) fn by_block(field: &Field, block_columns: usize, block_rows: usize) -> Vec<Codes> {
+    let columns = field.columns as usize;
+    let mut blocks = vec![Codes([OFF_MAP; BLOCK_CELLS]); block_columns * block_rows];
+    for row in 0..field.rows as usize {
+        let given = field.code.get(row * columns..).unwrap_or_default();
         let given = &given[..given.len().min(columns)];
-        cells[..given.len()].copy_from_slice(given);
+        let blocks = &mut blocks[row / 8 * block_columns..][..block_columns];
+        for (block, first) in blocks.iter_mut().zip((0..columns).step_by(8)) {
+            let cells = &mut block.0[row % 8 * 8..][..8];
+            let given = given.get(first..).unwrap_or_default();
+            match given.first_chunk::<8>() {
+                Some(given) => cells.copy_from_slice(given),
+                None => {
+                    cells[..8.min(columns - first)].fill(NO_ROUTE);
+                    cells[..given.len()].copy_from_slice(given);
+                }
+            }
+        }
     }
-    Codes(codes)
+    blocks
 }
 
 impl Codes {
+    #[inline(always)]
     fn mask(&self, is: impl Fn(u8) -> bool) -> u64 {
         let mut bits = [0; BLOCK_CELLS];
         for (bit, &code) in bits.iter_mut().zip(&self.0) {
@@ -42,24 +56,33 @@ impl Codes {
     }
 
     /// The cells with this code.
+    #[inline(always)]
     pub(crate) fn equal_to(&self, code: u8) -> u64 {
         self.mask(|other| other == code)
     }
 
     /// The cells with a code up to this.
+    #[inline(always)]
     pub(crate) fn up_to(&self, code: u8) -> u64 {
         self.mask(|other| other <= code)
     }
 
-    /// Every code with its cells, lowest first, but for cells that are not on the map.
-    pub(crate) fn all(&self) -> Vec<(u8, u64)> {
-        let mut left = !self.equal_to(OFF_MAP);
-        let mut all = Vec::new();
+    /// What is in the way, with its cells, lowest first, but for cells that are not on the map.
+    #[inline(always)]
+    pub(crate) fn terrain(&self) -> Vec<(u32, u64)> {
+        let terrain = Self(self.0.map(|code| match code {
+            OFF_MAP => OFF_MAP,
+            ESCAPE.. => TERRAIN_ESCAPE + (code - ESCAPE),
+            NO_ESCAPE.. => TERRAIN_NO_ESCAPE,
+            _ => TERRAIN_FREE,
+        }));
+        let mut left = !terrain.equal_to(OFF_MAP);
+        let mut all = Vec::with_capacity(1 << layer::TERRAIN_BITS);
         while left != 0 {
-            let code = self.0[left.trailing_zeros() as usize];
-            let cells = self.equal_to(code);
+            let kind = terrain.0[left.trailing_zeros() as usize];
+            let cells = terrain.equal_to(kind);
             left &= !cells;
-            all.push((code, cells));
+            all.push((u32::from(kind), cells));
         }
         all.sort_unstable();
         all

@@ -1,13 +1,13 @@
 //! Which roots the cells of each block refer to: as few as possible, the same as next door.
 
 use super::blocks::{Block, MAX_BLOCK_ENTRIES, OwnCells, index_class};
-use super::codes::{Codes, codes_of};
+use super::codes::Codes;
 use super::moves::Bordered;
 use super::roots::{NO_ROOT, Roots};
 use super::serve::BlockCells;
 use crate::blocks::{BLOCK_CELLS, OWN_4_4, data_words, own_words};
 use crate::bytes::WORD_BYTES;
-use crate::field::{Field, GOAL, MOVES, NO_ROUTE};
+use crate::field::{GOAL, NO_ROUTE, UNREACHED};
 use crate::grid::Cell;
 use crate::layer::{NO_ROUTE_ENTRY, OWN_GOAL, OWN_NO_ROUTE, ROOT_WORDS, Root};
 
@@ -39,18 +39,19 @@ type Choice = Option<Vec<Draft>>;
 
 /// A field as it is looked at here.
 pub(crate) struct Covering<'f> {
-    pub(crate) field: &'f Field,
+    /// Of each block, in the order of their grid.
+    pub(crate) codes: &'f [Codes],
     pub(crate) bordered: &'f Bordered,
     pub(crate) roots: &'f Roots,
     pub(crate) block_columns: usize,
-    pub(crate) block_rows: usize,
 }
 
 impl Covering<'_> {
     /// Chooses for all blocks.
+    #[inline(always)]
     pub(crate) fn choose(&self) -> Routes {
-        let mut choices: Vec<Choice> = Vec::with_capacity(self.block_columns * self.block_rows);
-        for index in 0..self.block_columns * self.block_rows {
+        let mut choices: Vec<Choice> = Vec::with_capacity(self.codes.len());
+        for index in 0..self.codes.len() {
             let beside = (index % self.block_columns > 0).then(|| &choices[index - 1]);
             let below = index.checked_sub(self.block_columns).map(|index| &choices[index]);
             let hints = [beside, below].into_iter().flatten().flat_map(roots_of);
@@ -61,29 +62,36 @@ impl Covering<'_> {
     }
 
     /// The south-west cell of a block.
+    #[inline(always)]
     fn corner(&self, block: usize) -> Cell {
         let (column, row) = (block % self.block_columns, block / self.block_columns);
         Cell::new(8 * column as u32, 8 * row as u32)
     }
 
     /// Few entries that serve every cell of a block that has a route.
+    #[inline(always)]
     fn cover(&self, block: usize, hints: impl Iterator<Item = u32>) -> Choice {
-        let corner = self.corner(block);
-        let codes = codes_of(self.field, corner);
-        let no_route = codes.equal_to(NO_ROUTE);
+        let codes = &self.codes[block];
         let routed = codes.up_to(GOAL);
+        if routed != 0 && self.roots.roots.is_empty() {
+            return None;
+        }
+        let no_route = codes.equal_to(NO_ROUTE);
         let mut entries =
-            if routed == 0 { Vec::new() } else { self.fewest(corner, routed, hints)? };
+            if routed == 0 { Vec::new() } else { self.fewest(self.corner(block), routed, hints)? };
         if no_route != 0 {
             entries.push((NO_ROUTE_DRAFT, no_route));
         }
         (entries.len() <= MAX_BLOCK_ENTRIES).then_some(entries)
     }
 
+    #[inline(always)]
     fn fewest(&self, corner: Cell, routed: u64, hints: impl Iterator<Item = u32>) -> Choice {
         let near = self.near(corner, routed)?;
         let cells = BlockCells::new(self.bordered, corner, routed);
-        let mut candidates = Candidates { cells: &cells, tried: Vec::new(), served: Vec::new() };
+        let room = 2 * (MAX_HINTS + MAX_NEAR_ROOTS * (1 + ANCESTORS));
+        let (tried, served) = (Vec::with_capacity(room), Vec::with_capacity(room));
+        let mut candidates = Candidates { cells: &cells, tried, served };
         // Neighbours' roots first: among equals the first is chosen.
         let beyond = near.iter().flat_map(|&root| self.ancestors(root));
         for root in hints.take(MAX_HINTS).chain(near.iter().copied()).chain(beyond) {
@@ -104,6 +112,7 @@ impl Covering<'_> {
 
     /// The roots that the cells of a block were given; `None` if they are too many or a cell has
     /// none.
+    #[inline(always)]
     fn near(&self, corner: Cell, routed: u64) -> Option<Vec<u32>> {
         let mut near: Vec<u32> = Vec::with_capacity(MAX_NEAR_ROOTS);
         let mut last = NO_ROOT;
@@ -174,22 +183,40 @@ impl Covering<'_> {
         Routes { blocks: choices.into_iter().map(block).collect(), roots }
     }
 
+    /// Writes the words of a block of cells that have their own code and cost. Returns the width of
+    /// the costs.
+    pub(crate) fn own(&self, block: usize, words: &mut Vec<u32>) -> u32 {
+        struct Write<'c>(&'c Covering<'c>, usize, &'c mut Vec<u32>);
+        impl pulp::WithSimd for Write<'_> {
+            type Output = u32;
+
+            #[inline(always)]
+            fn with_simd<S: pulp::Simd>(self, _: S) -> u32 {
+                self.0.own_cells(self.1).write(self.2)
+            }
+        }
+        pulp::Arch::new().dispatch(Write(self, block, words))
+    }
+
     /// Code and cost of each cell of a block.
-    pub(crate) fn own(&self, block: usize) -> OwnCells {
+    #[inline(always)]
+    fn own_cells(&self, block: usize) -> OwnCells {
         let corner = self.corner(block);
-        let Codes(codes) = codes_of(self.field, corner);
-        std::array::from_fn(|cell| {
-            let code = match codes[cell] {
-                code @ 0..MOVES => code,
-                GOAL => OWN_GOAL,
-                NO_ROUTE => OWN_NO_ROUTE,
-                _ => return None,
-            };
-            let (column, row) = (corner.column as usize + cell % 8, corner.row as usize + cell / 8);
-            Some((code, self.bordered.cost[self.bordered.index(column, row)]))
-        })
+        let Codes(codes) = &self.codes[block];
+        let mut own = OwnCells::new();
+        for (row, codes) in (corner.row as usize..).zip(codes.chunks(8)) {
+            let costs = self.bordered.cost.get(self.bordered.index(corner.column as usize, row)..);
+            let costs = costs.unwrap_or_default();
+            for (column, &code) in codes.iter().enumerate() {
+                let cost = costs.get(column).copied().unwrap_or(UNREACHED);
+                own.add(row % 8 * 8 + column, code <= NO_ROUTE, code, cost);
+            }
+        }
+        own
     }
 }
+
+const _: () = assert!(OWN_GOAL == GOAL && OWN_NO_ROUTE == NO_ROUTE, "codes are stored as they are");
 
 /// Roots that are tried on a block.
 struct Candidates<'c> {
@@ -201,6 +228,7 @@ struct Candidates<'c> {
 
 impl Candidates<'_> {
     /// Tries a root; the entry if it serves all cells.
+    #[inline(always)]
     fn add(&mut self, root: u32, roots: &Roots) -> Option<u32> {
         if self.tried.contains(&root) {
             return None;
@@ -221,19 +249,24 @@ impl Candidates<'_> {
 
     /// A greedy cover: always the entry that serves the most cells still without one. `None` if
     /// some cell has none, which its own root should prevent.
-    fn greedy(&self) -> Choice {
+    #[inline(always)]
+    fn greedy(mut self) -> Choice {
         let mut left = self.cells.routed;
-        let mut entries: Vec<Draft> = Vec::new();
+        let mut entries: Vec<Draft> = Vec::with_capacity(MAX_BLOCK_ENTRIES);
         while left != 0 {
             // The first of the best: neighbours' roots stand at the front.
-            let best =
-                self.served.iter().rev().max_by_key(|(_, cells)| (cells & left).count_ones());
-            let &(entry, cells) = best.filter(|(_, cells)| cells & left != 0)?;
-            if entries.len() == MAX_BLOCK_ENTRIES {
+            let (mut best, mut most) = ((0, 0), 0);
+            self.served.retain_mut(|(entry, cells)| {
+                *cells &= left;
+                let count = cells.count_ones();
+                (best, most) = if count > most { ((*entry, *cells), count) } else { (best, most) };
+                count > 0
+            });
+            if most == 0 || entries.len() == MAX_BLOCK_ENTRIES {
                 return None;
             }
-            entries.push((entry, cells & left));
-            left &= !cells;
+            entries.push(best);
+            left &= !best.1;
         }
         Some(entries)
     }

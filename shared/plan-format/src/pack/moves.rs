@@ -1,7 +1,7 @@
 //! For every cell, the moves that the advice rule allows.
 
-use crate::field::{Field, MOVES, UNREACHED, advised, is_blocked};
-use crate::grid::Direction;
+use crate::field::{Field, MOVES, UNREACHED};
+use crate::grid::{Cell, Direction};
 
 /// Bits of the diagonal directions in a set of moves.
 const DIAGONALS: u8 = 0b1010_1010;
@@ -10,6 +10,8 @@ const DIAGONALS: u8 = 0b1010_1010;
 pub(crate) struct Bordered {
     /// Cells in a row, border included.
     pub(crate) stride: usize,
+    /// From the index of a cell to that of its neighbour in each direction.
+    steps: [isize; 8],
     /// Cost of each cell.
     pub(crate) cost: Vec<u32>,
     /// Moves that minimise cost + step, without the straight ones if any is diagonal; a bit for
@@ -19,6 +21,7 @@ pub(crate) struct Bordered {
 }
 
 impl Bordered {
+    #[inline(always)]
     pub(crate) fn new(field: &Field) -> Self {
         let (columns, rows) = (field.columns as usize, field.rows as usize);
         let stride = columns + 2;
@@ -29,7 +32,11 @@ impl Bordered {
                 cost[at..at + cells.len()].copy_from_slice(cells);
             }
         }
-        let mut bordered = Self { stride, cost, moves: vec![0; stride * (rows + 2)] };
+        let steps = Direction::ALL.map(|direction| {
+            let (dx, dy) = direction.step();
+            dy as isize * stride as isize + dx as isize
+        });
+        let mut bordered = Self { stride, steps, cost, moves: vec![0; stride * (rows + 2)] };
         let cuts_corners = bordered.cuts_corners(field);
         for row in 0..rows {
             bordered.find_moves(row, columns, cuts_corners);
@@ -39,47 +46,69 @@ impl Bordered {
     }
 
     /// Index of a cell.
+    #[inline(always)]
     pub(crate) fn index(&self, column: usize, row: usize) -> usize {
         (row + 1) * self.stride + column + 1
     }
 
-    /// Column and row of an index that is not on the border.
-    pub(crate) fn column_row(&self, index: usize) -> (u32, u32) {
-        ((index % self.stride - 1) as u32, (index / self.stride - 1) as u32)
+    /// The same.
+    #[inline(always)]
+    pub(crate) fn index_of(&self, cell: Cell) -> usize {
+        self.index(cell.column as usize, cell.row as usize)
+    }
+
+    /// Cells in a row, without the border.
+    pub(crate) fn columns(&self) -> usize {
+        self.stride - 2
+    }
+
+    /// Rows, without the border.
+    pub(crate) fn rows(&self) -> usize {
+        self.cost.len() / self.stride - 2
     }
 
     /// The index of a neighbour.
+    #[inline(always)]
     pub(crate) fn neighbour(&self, index: usize, direction: Direction) -> usize {
-        let (dx, dy) = direction.step();
-        index.wrapping_add_signed(dy as isize * self.stride as isize + dx as isize)
+        index.wrapping_add_signed(self.steps[usize::from(direction.code())])
     }
 
-    /// Whether any move of the field passes the corner of a blocked cell. If none does, every
-    /// move that stays off corners obeys the rule the field was made by, whichever it was.
+    /// Whether any move of the field passes the corner of a cell without a cost, which beside a
+    /// cell with a route is blocked. If none does, every move that stays off corners obeys the rule
+    /// the field was made by, whichever it was.
+    #[inline(always)]
     fn cuts_corners(&self, field: &Field) -> bool {
-        let columns = field.columns as usize;
-        let blocked = |cell: usize| field.code.get(cell).is_none_or(|&code| is_blocked(code));
-        field.code.iter().enumerate().any(|(cell, &code)| {
-            advised(code).is_some_and(|direction| {
-                let (dx, dy) = direction.step();
-                direction.is_diagonal()
-                    && (blocked(cell.wrapping_add_signed(dx as isize))
-                        || blocked(cell.wrapping_add_signed(dy as isize * columns as isize)))
-            })
+        let columns = field.columns.max(1) as usize;
+        field.code.chunks(columns).take(field.rows as usize).enumerate().any(|(row, codes)| {
+            let start = self.index(0, row);
+            let mut cuts = false;
+            for direction in Direction::ALL.into_iter().filter(|direction| direction.is_diagonal())
+            {
+                let code = direction.code();
+                let [left, right] = [(code + 1) % 8, code - 1].map(|side| {
+                    let side = self.neighbour(start, Direction::from_code(side));
+                    &self.cost[side..side + codes.len()]
+                });
+                for ((&at, &left), &right) in codes.iter().zip(left).zip(right) {
+                    cuts |= (at == code) & ((left == UNREACHED) | (right == UNREACHED));
+                }
+            }
+            cuts
         })
     }
 
     /// Fills in the moves of one row, a direction at a time so that each is one plain loop.
+    #[inline(always)]
     fn find_moves(&mut self, row: usize, columns: usize, cuts_corners: bool) {
         let start = self.index(0, row);
         let row_at = |index: usize| &self.cost[index..index + columns];
         let here = row_at(start);
+        let around = Direction::ALL.map(|direction| row_at(self.neighbour(start, direction)));
         let moves = &mut self.moves[start..start + columns];
-        for direction in Direction::ALL {
+        for (direction, there) in Direction::ALL.into_iter().zip(around) {
             let (dx, dy) = direction.step();
             let beside = start.wrapping_add_signed(dx as isize);
             let above = start.wrapping_add_signed(dy as isize * self.stride as isize);
-            let there = row_at(above.wrapping_add_signed(dx as isize));
             let step = direction.step_cost();
             let bit = 1 << direction.code();
             let cells = moves.iter_mut().zip(here).zip(there);
@@ -105,6 +134,7 @@ impl Bordered {
 
     /// Leaves diagonals only where there are any, and nothing where the field's own advice is not
     /// among the moves found.
+    #[inline(always)]
     fn keep_agreeing(&mut self, field: &Field, row: usize) {
         let start = self.index(0, row);
         let columns = field.columns as usize;

@@ -13,6 +13,7 @@ use super::moves::Bordered;
 use crate::field::{Field, GOAL, UNREACHED};
 use crate::grid::{Cell, Direction, STRAIGHT_STEP};
 use crate::layer::{Root, direction};
+use std::ops::Range;
 
 /// The number of no root.
 pub(crate) const NO_ROOT: u32 = u32::MAX;
@@ -35,7 +36,7 @@ pub(crate) struct Roots {
 }
 
 /// Whether a cell may refer to a root.
-#[inline]
+#[inline(always)]
 fn serves(root: Root, cell: Cell, cost: u32, moves: u8) -> bool {
     let allowed = |straight_first| {
         direction(cell, root.cell, straight_first)
@@ -45,34 +46,40 @@ fn serves(root: Root, cell: Cell, cost: u32, moves: u8) -> bool {
 }
 
 impl Roots {
+    #[inline(always)]
     pub(crate) fn new(field: &Field, bordered: &Bordered) -> Self {
         let of_cell = vec![NO_ROOT; bordered.cost.len()];
         let mut this = Self { roots: Vec::new(), parents: Vec::new(), of_cell };
-        for (cell, _) in field.code.iter().enumerate().filter(|&(_, &code)| code == GOAL) {
-            let columns = field.columns as usize;
-            let index = bordered.index(cell % columns, cell / columns);
-            if bordered.cost.get(index) == Some(&0) {
-                this.make_root(index, bordered);
+        for (row, codes) in (0..field.rows).zip(field.code.chunks(field.columns.max(1) as usize)) {
+            if !codes.contains(&GOAL) {
+                continue;
+            }
+            for (column, _) in (0..).zip(codes).filter(|&(_, &code)| code == GOAL) {
+                let goal = Cell::new(column, row);
+                if bordered.cost.get(bordered.index_of(goal)) == Some(&0) {
+                    this.make_root(goal, bordered);
+                }
             }
         }
-        for (visited, index) in by_cost(bordered).into_iter().enumerate() {
-            this.of_cell[index as usize] = this.choose(index as usize, bordered);
-            if visited % LOOK == LOOK - 1 && this.roots.len() * CELLS_PER_ROOT > visited {
-                return Self::none(bordered);
+        let near = near(bordered);
+        let mut visited = 0;
+        for costs in [0..near, near..UNREACHED] {
+            for cell in by_cost(bordered, costs) {
+                this.of_cell[bordered.index_of(cell)] = this.choose(cell, bordered);
+                visited += 1;
+                if visited % LOOK == 0 && this.roots.len() * CELLS_PER_ROOT > visited {
+                    this.roots.clear();
+                    this.parents.clear();
+                    return this;
+                }
             }
         }
         this
     }
 
-    /// No roots at all.
-    fn none(bordered: &Bordered) -> Self {
-        let of_cell = vec![NO_ROOT; bordered.cost.len()];
-        Self { roots: Vec::new(), parents: Vec::new(), of_cell }
-    }
-
-    fn choose(&mut self, index: usize, bordered: &Bordered) -> u32 {
-        let (column, row) = bordered.column_row(index);
-        let cell = Cell::new(column, row);
+    #[inline(always)]
+    fn choose(&mut self, cell: Cell, bordered: &Bordered) -> u32 {
+        let index = bordered.index_of(cell);
         let (cost, moves) = (bordered.cost[index], bordered.moves[index]);
         let (mut best, mut last) = (NO_ROOT, NO_ROOT);
         for direction in directions(moves) {
@@ -98,22 +105,28 @@ impl Roots {
             }
         }
         match directions(moves).next() {
-            Some(direction) => self.make_root(bordered.neighbour(index, direction), bordered),
+            Some(direction) => {
+                let (dx, dy) = direction.step();
+                let column = cell.column.wrapping_add_signed(dx);
+                let row = cell.row.wrapping_add_signed(dy);
+                self.make_root(Cell::new(column, row), bordered)
+            }
             None => NO_ROOT,
         }
     }
 
     /// Makes a cell a root; its number.
-    fn make_root(&mut self, index: usize, bordered: &Bordered) -> u32 {
-        let (column, row) = bordered.column_row(index);
+    fn make_root(&mut self, cell: Cell, bordered: &Bordered) -> u32 {
+        let index = bordered.index_of(cell);
         let number = self.roots.len() as u32;
-        self.roots.push(Root { cell: Cell::new(column, row), cost: bordered.cost[index] });
+        self.roots.push(Root { cell, cost: bordered.cost[index] });
         self.parents.push(std::mem::replace(&mut self.of_cell[index], number));
         number
     }
 }
 
 /// The directions in a set of moves.
+#[inline(always)]
 pub(crate) fn directions(moves: u8) -> impl Iterator<Item = Direction> {
     let mut left = moves;
     std::iter::from_fn(move || {
@@ -125,27 +138,71 @@ pub(crate) fn directions(moves: u8) -> impl Iterator<Item = Direction> {
     })
 }
 
-/// The cells that have moves, bucket by bucket.
-fn by_cost(bordered: &Bordered) -> Vec<u32> {
-    let bucket = |cost: u32| (cost / STRAIGHT_STEP) as usize;
-    let routed = || {
-        let cells = bordered.cost.iter().zip(&bordered.moves).enumerate();
-        cells.filter(|&(_, (_, &moves))| moves != 0).map(|(index, (&cost, _))| (index, cost))
+/// A cost, at the end of a bucket, below which enough cells lie to see whether roots pay. Else all
+/// cells would have to be put in order first.
+#[inline(always)]
+fn near(bordered: &Bordered) -> u32 {
+    let mut near = 32 * STRAIGHT_STEP;
+    let is_enough = |near: u32| {
+        let cells = bordered.cost.iter().zip(&bordered.moves);
+        let count: u32 = cells.map(|(&cost, &moves)| u32::from((cost < near) & (moves != 0))).sum();
+        count as usize > LOOK
     };
-    let buckets = routed().map(|(_, cost)| bucket(cost) + 1).max().unwrap_or(0);
-    debug_assert!(buckets <= bucket(UNREACHED) + 1);
-    let mut starts = vec![0u32; buckets + 1];
-    for (_, cost) in routed() {
-        starts[bucket(cost) + 1] += 1;
+    while near < UNREACHED / 2 && !is_enough(near) {
+        near *= 2;
     }
-    for next in 1..starts.len() {
-        starts[next] += starts[next - 1];
+    near
+}
+
+/// The cells that have moves and costs in a range, bucket by bucket.
+#[inline(always)]
+fn by_cost(bordered: &Bordered, range: Range<u32>) -> Vec<Cell> {
+    let first = range.start / STRAIGHT_STEP;
+    let bucket = |cost: u32| (cost / STRAIGHT_STEP - first) as usize;
+    let mut counts: Vec<u32> = Vec::new();
+    each(bordered, &range, |_, cost| {
+        let bucket = bucket(cost);
+        if bucket >= counts.len() {
+            counts.resize(bucket + 1, 0);
+        }
+        counts[bucket] += 1;
+    });
+    let mut total = 0;
+    for count in &mut counts {
+        total += std::mem::replace(count, total);
     }
-    let mut order = vec![0; starts.last().map_or(0, |&count| count as usize)];
-    for (index, cost) in routed() {
-        let place = &mut starts[bucket(cost)];
-        order[*place as usize] = index as u32;
+    let mut order = vec![Cell::new(0, 0); total as usize];
+    each(bordered, &range, |cell, cost| {
+        let place = &mut counts[bucket(cost)];
+        order[*place as usize] = cell;
         *place += 1;
-    }
+    });
     order
+}
+
+/// Calls `act` with each cell that has moves and a cost in a range. Most ranges hold few cells of a
+/// row or most, so many are passed over at once.
+#[inline(always)]
+fn each(bordered: &Bordered, range: &Range<u32>, mut act: impl FnMut(Cell, u32)) {
+    const MANY: usize = 32;
+    let is_one = |cost: u32, moves: u8| (moves != 0) & (range.start <= cost) & (cost < range.end);
+    for row in 0..bordered.rows() {
+        let start = bordered.index(0, row);
+        let cells = start..start + bordered.columns();
+        let costs = bordered.cost[cells.clone()].chunks(MANY);
+        let moves = bordered.moves[cells].chunks(MANY);
+        for ((costs, moves), column) in costs.zip(moves).zip((0..).step_by(MANY)) {
+            let mut any = false;
+            for (&cost, &moves) in costs.iter().zip(moves) {
+                any |= is_one(cost, moves);
+            }
+            if any {
+                for ((&cost, &moves), column) in costs.iter().zip(moves).zip(column..) {
+                    if is_one(cost, moves) {
+                        act(Cell::new(column, row as u32), cost);
+                    }
+                }
+            }
+        }
+    }
 }

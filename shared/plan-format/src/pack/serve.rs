@@ -24,6 +24,7 @@ const SAVED: i32 = (2 * STRAIGHT_STEP - DIAGONAL_STEP) as i32;
 
 impl BlockCells {
     /// The cells of the block whose south-west cell this is, those in `routed`.
+    #[inline(always)]
     pub(crate) fn new(bordered: &Bordered, corner: Cell, routed: u64) -> Self {
         let mut cost = [-1; BLOCK_CELLS];
         let mut moves = [0; 8];
@@ -47,6 +48,7 @@ impl BlockCells {
     }
 
     /// The cells that may refer to a root, diagonal steps first and straight steps first.
+    #[inline(always)]
     pub(crate) fn served_by(&self, root: Root) -> [u64; 2] {
         // Towards the root, from each column and each row of the block.
         let dx: [i32; 8] =
@@ -64,19 +66,22 @@ impl BlockCells {
         let (east, west) = (columns(|dx| dx > 0), columns(|dx| dx < 0));
         let (north, south) = (rows(|dy| dy > 0), rows(|dy| dy < 0));
         let (flat, upright) = (!north & !south, !east & !west);
-        let longer = self.longer(dx, dy);
         let [e, ne, n, nw, w, sw, s, se] = self.moves;
         let along_row = east & e | west & w;
         let along_column = north & n | south & s;
         let diagonal = east & (north & ne | south & se) | west & (north & nw | south & sw);
         let goal = if root.cost == 0 { flat & upright } else { 0 };
         let both = straight & (goal | flat & along_row | upright & along_column);
-        let [wide, high] = longer;
+        if straight & !flat & !upright == 0 {
+            return [both; 2];
+        }
+        let [wide, high] = longer(dx[0], dy);
         let straight_first = wide & along_row | high & along_column | !wide & !high & diagonal;
         [both | straight & diagonal, both | straight & !flat & !upright & straight_first]
     }
 
     /// The cells whose cost is that of a way to the root without obstacles.
+    #[inline(always)]
     fn straight(&self, root: Root, dx: [i32; 8], dy: [i32; 8]) -> u64 {
         let long = dx.map(|dx| dx.wrapping_abs().wrapping_mul(STRAIGHT_STEP as i32));
         let saved = dx.map(|dx| dx.wrapping_abs().wrapping_mul(SAVED));
@@ -94,22 +99,26 @@ impl BlockCells {
         }
         straight & self.routed
     }
+}
 
-    /// The cells that are farther from the root in columns than in rows, and the reverse.
-    fn longer(&self, dx: [i32; 8], dy: [i32; 8]) -> [u64; 2] {
-        let (dx, dy) = (dx.map(i32::abs), dy.map(i32::abs));
-        let (mut wide, mut high) = (0, 0);
-        for (y, dy) in dy.into_iter().enumerate() {
-            let wider = dx.map(|dx| u8::from(dx > dy));
-            let higher = dx.map(|dx| u8::from(dx < dy));
-            wide |= gather(u64::from_le_bytes(wider)) << (8 * y);
-            high |= gather(u64::from_le_bytes(higher)) << (8 * y);
-        }
-        [wide, high]
+/// The cells that are farther from a root in columns than in rows, and the reverse, from how far
+/// the root lies east of the first column and north of each row.
+#[inline(always)]
+fn longer(east: i32, north: [i32; 8]) -> [u64; 2] {
+    // The first so many columns, as a row.
+    let first = |columns: i32| (1u64 << columns.clamp(0, 8)) - 1;
+    let (mut wide, mut high) = (0, 0);
+    for (y, north) in north.into_iter().enumerate() {
+        // In columns from `west` to `east` the root is as far away as in rows, or nearer.
+        let (west, east) = (east - north.abs(), east + north.abs());
+        wide |= (first(west) | 255 & !first(east + 1)) << (8 * y);
+        high |= (first(east) & !first(west + 1)) << (8 * y);
     }
+    [wide, high]
 }
 
 /// Eight bytes of 0 or 1 as eight bits.
+#[inline(always)]
 fn gather(bytes: u64) -> u64 {
     bytes.wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
