@@ -10,19 +10,19 @@
 //! Those are found 64 at a time; only from there inward a search is needed.
 
 use crate::bitmap::Bitmap;
-use crate::search::Corners;
 use crate::search::advice::{Near, Rows};
 use crate::search::open::{Passable, SIDE};
 use crate::search::tiles::Tiles;
+use crate::search::{Corners, Vectors};
 use plan_format::field::{ESCAPE, Field, MOVES, NO_ESCAPE, UNREACHED};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 
 /// Fills in the codes of the blocked cells of a field whose free cells are done.
-pub(crate) fn escape(tiles: &mut Tiles, blocked: &Bitmap, field: &mut Field) {
+pub(crate) fn escape(tiles: &mut Tiles, vectors: Vectors, blocked: &Bitmap, field: &mut Field) {
     let shores = Shores::of(blocked, &field.cost);
-    tiles.flood(&Passable::of(&shores.deep, true), &shores);
+    tiles.flood(&Passable::of(&shores.deep, true), &shores, vectors);
     let costs = Depths { shores: &shores, tiles };
-    pulp::Arch::new().dispatch(Escape { costs, blocked, field });
+    vectors.run(Escape { costs, blocked, field });
 }
 
 /// What is known of the costs of leaving blocked cells without a search.

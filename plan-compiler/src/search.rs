@@ -28,6 +28,7 @@ pub(crate) mod advice;
 mod buckets;
 pub(crate) mod open;
 pub(crate) mod tiles;
+mod vectors;
 
 use crate::bitmap::Bitmap;
 use crate::escape;
@@ -35,6 +36,7 @@ use open::Passable;
 use plan_format::field::{self, Field};
 use plan_format::grid::DIAGONAL_STEP;
 use plan_format::{Cell, Direction};
+pub use vectors::Vectors;
 
 /// Whether a diagonal step may pass between or beside blocked cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -80,6 +82,7 @@ pub struct Solver {
     tiles: tiles::Tiles,
     buckets: buckets::Queue,
     method: Option<Method>,
+    vectors: Vectors,
 }
 
 impl Solver {
@@ -91,6 +94,11 @@ impl Solver {
     /// A solver that uses one method whatever the map.
     pub fn with_method(method: Method) -> Self {
         Self { method: Some(method), ..Self::default() }
+    }
+
+    /// The same solver with a kind of vector unit that need not be the best.
+    pub fn with_vectors(self, vectors: Vectors) -> Self {
+        Self { vectors, ..self }
     }
 
     /// As [`solve`].
@@ -109,7 +117,7 @@ impl Solver {
         field: &mut Field,
     ) {
         self.routes_into(blocked, goal, corners, field);
-        escape::escape(&mut self.tiles, blocked, field);
+        escape::escape(&mut self.tiles, self.vectors, blocked, field);
     }
 
     /// As [`solve`] without the ways out of blocked cells, into a field that is overwritten.
@@ -125,22 +133,23 @@ impl Solver {
         let is_free = goal.column < field.columns && goal.row < field.rows && !blocked.get(goal);
         let goal = is_free.then_some(goal);
         self.open.fill(blocked, false);
-        match self.method.unwrap_or_else(|| suitable(&self.open)) {
+        let vectors = self.vectors;
+        match self.method.unwrap_or_else(|| suitable(&self.open, vectors)) {
             Method::Tiles => {
-                self.tiles.search(&self.open, goal, corners);
-                advice::advise(&self.tiles, blocked, goal, corners, field);
+                self.tiles.search(&self.open, goal, corners, vectors);
+                advice::advise(&self.tiles, blocked, goal, corners, vectors, field);
             }
             Method::Buckets => {
-                self.buckets.search(&self.open, goal, corners);
-                advice::advise(&self.buckets, blocked, goal, corners, field);
+                self.buckets.search(&self.open, goal, corners, vectors);
+                advice::advise(&self.buckets, blocked, goal, corners, vectors, field);
             }
         }
     }
 }
 
 /// The method that is faster on a map.
-fn suitable(open: &Passable) -> Method {
-    let (free, wide) = open::texture(open);
+fn suitable(open: &Passable, vectors: Vectors) -> Method {
+    let (free, wide) = vectors.run(open::Texture(open));
     if wide * NARROW >= free { Method::Tiles } else { Method::Buckets }
 }
 

@@ -16,7 +16,7 @@ mod peers;
 use criterion::{Criterion, SamplingMode, Throughput};
 use peers::{Eikonal, GridSearch, Petgraph, pathfinding};
 use plan_compiler::bitmap::Bitmap;
-use plan_compiler::search::{Corners, Solver};
+use plan_compiler::search::{Corners, Solver, Vectors};
 use plan_format::field::UNREACHED;
 use plan_format::grid::STRAIGHT_STEP;
 use plan_format::{Cell, Field};
@@ -26,9 +26,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 const RULES: [(Corners, &str); 2] = [(Corners::Forbid, "forbid"), (Corners::Allow, "allow")];
-const OURS: &str = "wayfield";
 const WITH_ESCAPES: &str = "wayfield + escapes";
 const PACKING: &str = "wayfield packing";
+/// What the benchmarks of the search itself begin with, before the kind of vector unit.
+const OURS: &str = "wayfield";
 /// Beyond this side the crates with hash maps are left out.
 const LARGEST_HASHED: u32 = 1_024;
 
@@ -56,6 +57,10 @@ fn main() {
     print_table(&output, &names);
 }
 
+fn ours(vectors: Vectors) -> String {
+    format!("{OURS} {}", vectors.name())
+}
+
 fn sides() -> Vec<u32> {
     let chosen = std::env::var("SIDES").unwrap_or_else(|_| "250,1024".into());
     chosen.split(',').map(|side| side.trim().parse().expect("SIDES is a list of numbers")).collect()
@@ -69,9 +74,12 @@ fn measure(criterion: &mut Criterion, name: &str, map: &Bitmap, goal: Cell, corn
     let mut solver = Solver::new();
     let mut field = solver.solve(map, goal, corners);
     let check = Check { field: field.clone(), map };
-    group.bench_function(OURS, |b| {
-        b.iter(|| solver.routes_into(map, black_box(goal), corners, &mut field));
-    });
+    for vectors in Vectors::all() {
+        let mut solver = Solver::new().with_vectors(vectors);
+        group.bench_function(ours(vectors), |b| {
+            b.iter(|| solver.routes_into(map, black_box(goal), corners, &mut field));
+        });
+    }
     group.bench_function(WITH_ESCAPES, |b| {
         b.iter(|| solver.solve_into(map, black_box(goal), corners, &mut field));
     });
@@ -140,22 +148,29 @@ fn results(output: &Path, group: &str, cells: f64) -> BTreeMap<String, f64> {
 }
 
 fn print_table(output: &Path, groups: &[(String, f64)]) {
-    let columns =
-        [OURS, WITH_ESCAPES, PACKING, "grid_search", "eikonal", "pathfinding", "petgraph"];
+    let ours: Vec<String> = Vectors::all().into_iter().map(ours).collect();
+    let others = [WITH_ESCAPES, PACKING, "grid_search", "eikonal", "pathfinding", "petgraph"];
+    let columns: Vec<&str> = ours.iter().map(String::as_str).chain(others).collect();
     println!(
-        "\nns per cell, the best of 10 samples; times faster than the fastest of the others\n"
+        "\nns per cell, the best of 10 samples; times faster than the fastest of the others, with \
+         each kind of vector unit\n"
     );
     println!("| map, side, corners | {} | faster |", columns.join(" | "));
     println!("|---|{}---|", "---|".repeat(columns.len()));
     for (group, cells) in groups {
         let results = results(output, group, *cells);
-        let shown = columns
-            .map(|column| results.get(column).map_or(String::new(), |time| format!("{time:.2}")));
+        let shown: Vec<String> = columns
+            .iter()
+            .map(|&column| results.get(column).map_or(String::new(), |time| format!("{time:.2}")))
+            .collect();
         let others = results.iter().filter(|(name, _)| !name.starts_with(OURS));
         let fastest = others.map(|(_, &time)| time).fold(f64::INFINITY, f64::min);
-        let faster = results.get(OURS).map_or(String::new(), |ours| {
-            if fastest.is_finite() { format!("{:.0} x", fastest / ours) } else { String::new() }
-        });
-        println!("| {group} | {} | {faster} |", shown.join(" | "));
+        let faster: Vec<String> = ours
+            .iter()
+            .filter_map(|ours| results.get(ours))
+            .filter(|_| fastest.is_finite())
+            .map(|ours| format!("{:.0} x", fastest / ours))
+            .collect();
+        println!("| {group} | {} | {} |", shown.join(" | "), faster.join(", "));
     }
 }

@@ -12,8 +12,8 @@
 //! Among equally good moves a diagonal is preferred to a straight one (the paper's "minimal
 //! adjacent cell"), else NE, NW, SW, SE, E, N, W, S in this order.
 
-use super::Corners;
 use super::open::SIDE;
+use super::{Corners, Vectors};
 use crate::bitmap::Bitmap;
 use plan_format::field::{self, Field, UNREACHED};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
@@ -33,6 +33,7 @@ pub(super) fn advise(
     blocked: &Bitmap,
     goal: Option<Cell>,
     corners: Corners,
+    vectors: Vectors,
     field: &mut Field,
 ) {
     // Whole words are written, in the order of rows. What lies beyond the end of a row is in the
@@ -40,7 +41,7 @@ pub(super) fn advise(
     let cells = field.columns as usize * field.rows as usize;
     field.cost.resize(cells + SIDE, UNREACHED);
     field.code.resize(cells + SIDE, field::NO_ROUTE);
-    pulp::Arch::new().dispatch(Advise { costs, blocked, corners, field });
+    vectors.run(Advise { costs, blocked, corners, field });
     field.cost.truncate(cells);
     field.code.truncate(cells);
     if let Some(goal) = goal {

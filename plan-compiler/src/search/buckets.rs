@@ -12,7 +12,7 @@
 
 use super::advice::Rows;
 use super::open::{Passable, SIDE, moves};
-use super::{Corners, MAX_COST};
+use super::{Corners, MAX_COST, Vectors};
 use plan_format::field::UNREACHED;
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
@@ -45,14 +45,20 @@ pub(crate) struct Queue {
 
 impl Queue {
     /// Finds the cheapest ways from the goal, an open cell if there is one.
-    pub(crate) fn search(&mut self, open: &Passable, goal: Option<Cell>, corners: Corners) {
+    pub(crate) fn search(
+        &mut self,
+        open: &Passable,
+        goal: Option<Cell>,
+        corners: Corners,
+        vectors: Vectors,
+    ) {
         let columns = open.columns;
         let cells = columns * open.rows;
         self.columns = columns;
         self.cost.clear();
         self.cost.resize(cells, UNREACHED);
         self.moves.resize(cells, 0);
-        pulp::Arch::new().dispatch(Enter { open, corners, moves: &mut self.moves });
+        vectors.run(Enter { open, corners, moves: &mut self.moves });
         self.buckets.iter_mut().for_each(Vec::clear);
         if let Some(goal) = goal {
             let at = goal.row as usize * columns + goal.column as usize;

@@ -41,16 +41,20 @@ impl Passable {
         (self.columns, self.rows) = (map.columns() as usize, map.rows() as usize);
         let across = self.columns.div_ceil(SIDE);
         self.stride = across + 2;
-        self.words.clear();
         // Whole tiles, so that the last one has a border too.
         self.words.resize((self.rows.next_multiple_of(SIDE) + 2) * self.stride, 0);
         let flip = if through { 0 } else { u64::MAX };
         let outside = (across * SIDE - self.columns) as u32;
-        for (row, words) in (0..map.rows()).zip(self.words.chunks_mut(self.stride).skip(1)) {
+        let (south, rest) = self.words.split_at_mut(self.stride);
+        let (inside, north) = rest.split_at_mut(self.rows * self.stride);
+        south.fill(0);
+        north.fill(0);
+        for (row, words) in (0..map.rows()).zip(inside.chunks_exact_mut(self.stride)) {
             for (word, map) in words[1..].iter_mut().zip(map.row(row)) {
                 *word = map ^ flip;
             }
             words[across] &= u64::MAX.checked_shr(outside).unwrap_or(0);
+            (words[0], words[across + 1]) = (0, 0);
         }
     }
 
@@ -144,11 +148,7 @@ pub(super) fn moves(south: Open, here: Open, north: Open, corners: Corners) -> [
 
 /// How many passable cells there are, and how many of them are the south-western corner of four
 /// that are, in every fourth row.
-pub(super) fn texture(open: &Passable) -> (u64, u64) {
-    pulp::Arch::new().dispatch(Texture(open))
-}
-
-struct Texture<'a>(&'a Passable);
+pub(super) struct Texture<'a>(pub(super) &'a Passable);
 
 impl pulp::WithSimd for Texture<'_> {
     type Output = (u64, u64);

@@ -15,7 +15,7 @@ mod relax;
 
 use super::advice::Rows;
 use super::open::{Open, Passable, SIDE};
-use super::{Corners, MAX_COST};
+use super::{Corners, MAX_COST, Vectors};
 use crate::escape::Shores;
 use plan_format::Cell;
 use plan_format::field::UNREACHED;
@@ -64,7 +64,13 @@ pub(crate) struct Tiles {
 
 impl Tiles {
     /// Finds the cheapest ways from the goal, an open cell if there is one.
-    pub(crate) fn search(&mut self, map: &Passable, goal: Option<Cell>, corners: Corners) {
+    pub(crate) fn search(
+        &mut self,
+        map: &Passable,
+        goal: Option<Cell>,
+        corners: Corners,
+        vectors: Vectors,
+    ) {
         self.reset(map, corners);
         let Some(goal) = goal else { return };
         let (x, y) = (goal.column as usize, goal.row as usize);
@@ -78,14 +84,14 @@ impl Tiles {
         spread_west(cost, start, x as isize % SIDE as isize, open);
         let row = 1u64 << (y % SIDE);
         self.wake(at, Pending { from_south: row << 1, from_north: row >> 1, key: Some(0) });
-        pulp::Arch::new().dispatch(Run { tiles: self, map, shores: None, corners });
+        vectors.run(Run { tiles: self, map, shores: None, corners });
     }
 
     /// Finds the cheapest ways out of the deep cells, from what is known of the shores.
-    pub(crate) fn flood(&mut self, deep: &Passable, shores: &Shores) {
+    pub(crate) fn flood(&mut self, deep: &Passable, shores: &Shores, vectors: Vectors) {
         self.reset(deep, Corners::Allow);
         let corners = Corners::Allow;
-        pulp::Arch::new().dispatch(Run { tiles: self, map: deep, shores: Some(shores), corners });
+        vectors.run(Run { tiles: self, map: deep, shores: Some(shores), corners });
     }
 
     fn reset(&mut self, map: &Passable, corners: Corners) {

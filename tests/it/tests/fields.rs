@@ -4,7 +4,9 @@ use it::real_data;
 use plan_compiler::bitmap::Bitmap;
 use plan_compiler::formats::{ReadOptions, read};
 use plan_compiler::problem::draw;
-use plan_compiler::search::{Corners, MAX_COST, Method, Solver, is_cut_short, solve, step};
+use plan_compiler::search::{
+    Corners, MAX_COST, Method, Solver, Vectors, is_cut_short, solve, step,
+};
 use plan_format::field::{self, Field};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
@@ -155,8 +157,11 @@ fn assert_solved(blocked: &Bitmap, goal: Cell, corners: Corners) {
     let field = solve(blocked, goal, corners);
     assert_right(blocked, goal, corners, &field);
     for method in [Method::Tiles, Method::Buckets] {
-        let other = Solver::with_method(method).solve(blocked, goal, corners);
-        assert!(other == field, "{method:?} differs");
+        for vectors in Vectors::all() {
+            let mut solver = Solver::with_method(method).with_vectors(vectors);
+            let other = solver.solve(blocked, goal, corners);
+            assert!(other == field, "{method:?} with {} differs", vectors.name());
+        }
     }
 }
 
