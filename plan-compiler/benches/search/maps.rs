@@ -98,6 +98,10 @@ fn noise(side: u32) -> Bitmap {
     Bitmap::from_fn(side, side, |_| random.random_range(0..5) == 0)
 }
 
+/// Beyond this side a maze has more ways than one, since the only one would be longer than a cost
+/// can tell.
+const LARGEST_TREE: u32 = 2_048;
+
 /// Corridors one cell wide that branch at random, one way between any two places.
 fn maze(side: u32) -> Bitmap {
     let mut random = ChaCha8Rng::seed_from_u64(4);
@@ -124,6 +128,14 @@ fn maze(side: u32) -> Bitmap {
             }
             None => {
                 trail.pop();
+            }
+        }
+    }
+    if side > LARGEST_TREE {
+        for wall in cells(&map).filter(|cell| (cell.column + cell.row) % 2 == 1) {
+            let is_inside = [wall.column, wall.row].iter().all(|&at| 0 < at && at < side - 2);
+            if is_inside && random.random_range(0..50) == 0 {
+                map.set(wall, false);
             }
         }
     }

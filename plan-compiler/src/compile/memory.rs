@@ -11,7 +11,7 @@ use plan_format::{Grid, limits};
 
 /// Bytes that a build may take unless its options say otherwise.
 pub(super) const DEFAULT_LIMIT_BYTES: u64 = 4 << 30;
-/// Bytes of a cell in one search and the packing after it, at most: 23 were measured where there
+/// Bytes of a cell in one search and the packing after it, at most: 27 were measured where there
 /// is room, 45 in mazes of narrow corridors.
 const SEARCH_BYTES_PER_CELL: u64 = 48;
 /// Bytes that everything else takes at most, packed layers of common maps among it.

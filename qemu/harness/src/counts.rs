@@ -5,6 +5,13 @@ use std::path::{Path, PathBuf};
 use crate::mission::{Changes, Scenario};
 use crate::setup::root;
 use crate::{Build, Machine};
+use math::GeoPoint;
+use plan_compiler::bitmap::Bitmap;
+use plan_compiler::search::{Corners, solve};
+use plan_format::mission::MissionDraft;
+use plan_format::{
+    Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, pack, write,
+};
 
 /// A name and what may be counted for it at most.
 ///
@@ -18,6 +25,8 @@ pub const LIMITS: &[(&str, u64)] = &[
     ("plan-view-bytes", 512),
     ("behaviours-tick-worst", 20_000),
     ("behaviours-tick-stack-bytes", 8_192),
+    ("worst-map-blob-validation", 30_000_000),
+    ("worst-map-look-up-worst", 400),
 ];
 
 /// Where the counts stand that the tests hold.
@@ -26,14 +35,74 @@ pub fn golden() -> PathBuf {
 }
 
 /// Counts on the emulated Cortex-M4F: a line of a name and a number each. The campus has the plans,
-/// and the mission of [`soak::fixtures::budget`] the behaviours.
+/// the mission of [`soak::fixtures::budget`] the behaviours; and a look-up and a validation are
+/// counted once more on a map that packs badly.
 pub fn measure() -> Result<String, String> {
     let map: &Path = &root().join("tests/maps/campus.opar");
     let plans = count(&Scenario::compile(map, &Changes::default())?.blob)?;
     let blob = soak::fixtures::blob(soak::fixtures::budget()).map_err(|error| error.to_string())?;
     let all = count(&blob)?;
     let behaviours = all.lines().filter(|line| line.starts_with("behaviours-"));
-    Ok(behaviours.fold(plans, |said, line| said + line + "\n"))
+    let large = count(&worst_map().map_err(|error| error.to_string())?)?;
+    let large = large
+        .lines()
+        .filter(|line| line.starts_with("blob-validation") || line.starts_with("look-up-worst"));
+    let large = large.map(|line| format!("worst-map-{line}"));
+    Ok(behaviours.map(str::to_owned).chain(large).fold(plans, |said, line| said + &line + "\n"))
+}
+
+/// Cells along each side of the map that packs badly.
+const SIDE: u32 = 394;
+
+/// A blob of 256 KB: noise in the west of its map and in the east a maze, both of which blocks of
+/// roots do not pay for.
+fn worst_map() -> Result<Vec<u8>, WriteError> {
+    let blocked = Bitmap::from_fn(SIDE, SIDE, |cell| {
+        if cell.column < SIDE / 2 { drawn(cell).is_multiple_of(5) } else { is_wall(cell) }
+    });
+    // The ticks that are counted along with it find themselves by fixes.
+    let place = GeoPoint { lat_e7: 337_756_000, lon_e7: -843_990_000 };
+    // A room, which is free.
+    let middle = (SIDE / 2) | 1;
+    let goal = Cell::new(middle, middle);
+    let plan = PlanDraft {
+        name: "worst".into(),
+        goal_m: [goal.column, goal.row].map(|at| f64::from(at) + 0.5),
+        layers: vec![LayerDraft {
+            name: "physical".into(),
+            packed: pack(&solve(&blocked, goal, Corners::Forbid)),
+        }],
+    };
+    write(&Draft {
+        grid: Grid { columns: SIDE, rows: SIDE, resolution_m: 1.0, corner_m: [0.0, 0.0] },
+        origin: Some(Origin { place, at_m: [0.0, 0.0], heading_rad: 0.0 }),
+        parameters: Parameters::default(),
+        plans: vec![plan],
+        mission: MissionDraft::default(),
+    })
+}
+
+/// Whether a cell is a wall of a maze of corridors one cell wide: every room, a cell in an odd
+/// column and an odd row, is open to the room east or to the room north of it.
+fn is_wall(cell: Cell) -> bool {
+    let opens_north = |room: Cell| room.column + 2 >= SIDE || drawn(room).is_multiple_of(2);
+    match (cell.column % 2, cell.row % 2) {
+        (1, 1) => false,
+        (0, 1) => cell.column + 1 >= SIDE || opens_north(Cell::new(cell.column - 1, cell.row)),
+        (1, 0) => cell.row == 0 || !opens_north(Cell::new(cell.column, cell.row - 1)),
+        _ => true,
+    }
+}
+
+/// A number that looks drawn at random.
+fn drawn(cell: Cell) -> u32 {
+    let mut state = (cell.column << 16) | cell.row | (1 << 15);
+    for _ in 0..3 {
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
+    }
+    state >> 8
 }
 
 fn count(blob: &[u8]) -> Result<String, String> {

@@ -232,7 +232,8 @@ proptest! {
 
     #[test]
     fn fields_equal_the_reference(
-        map in maps(40), corners in corners(), column in 0u32..40, row in 0u32..40,
+        // Large enough for two tiles and what passes between them.
+        map in maps(100), corners in corners(), column in 0u32..100, row in 0u32..100,
     ) {
         let goal = Cell::new(column, row);
         assert_solved(&map, goal, corners);

@@ -34,8 +34,8 @@ impl OwnCells {
         Self { mask: 0, count: 0, codes: [MOVES; BLOCK_CELLS], costs: [0; BLOCK_CELLS] }
     }
 
-    /// Adds the next cell of the block, if it matters, as all moves do. Without a branch, since in noise and mazes
-    /// nobody could guess which way it went.
+    /// Adds the next cell of the block, if it matters, as all moves do. Without a branch, since in
+    /// noise and mazes nobody could guess which way it went.
     #[inline(always)]
     pub(crate) fn add(&mut self, cell: usize, matters: bool, code: u8, cost: u32) {
         let at = self.count % BLOCK_CELLS;

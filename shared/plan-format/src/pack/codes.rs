@@ -72,7 +72,7 @@ impl Codes {
     pub(crate) fn terrain(&self) -> Vec<(u32, u64)> {
         let terrain = Self(self.0.map(|code| match code {
             OFF_MAP => OFF_MAP,
-            ESCAPE.. => TERRAIN_ESCAPE + (code - ESCAPE),
+            ESCAPE.. => TERRAIN_ESCAPE + (code - ESCAPE) % 8,
             NO_ESCAPE.. => TERRAIN_NO_ESCAPE,
             _ => TERRAIN_FREE,
         }));

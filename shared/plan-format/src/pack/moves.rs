@@ -45,13 +45,13 @@ impl Bordered {
         bordered
     }
 
-    /// Index of a cell.
+    /// Index of a column and a row.
     #[inline(always)]
     pub(crate) fn index(&self, column: usize, row: usize) -> usize {
         (row + 1) * self.stride + column + 1
     }
 
-    /// The same.
+    /// Index of a cell.
     #[inline(always)]
     pub(crate) fn index_of(&self, cell: Cell) -> usize {
         self.index(cell.column as usize, cell.row as usize)

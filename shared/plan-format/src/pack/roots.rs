@@ -64,7 +64,8 @@ impl Roots {
         let near = near(bordered);
         let mut visited = 0;
         for costs in [0..near, near..UNREACHED] {
-            for cell in by_cost(bordered, costs) {
+            for at in by_cost(bordered, costs) {
+                let cell = Cell::new(at & 0xffff, at >> 16);
                 this.of_cell[bordered.index_of(cell)] = this.choose(cell, bordered);
                 visited += 1;
                 if visited % LOOK == 0 && this.roots.len() * CELLS_PER_ROOT > visited {
@@ -154,9 +155,10 @@ fn near(bordered: &Bordered) -> u32 {
     near
 }
 
-/// The cells that have moves and costs in a range, bucket by bucket.
+/// The cells that have moves and costs in a range, bucket by bucket: column + 65,536 x row, as in a
+/// root.
 #[inline(always)]
-fn by_cost(bordered: &Bordered, range: Range<u32>) -> Vec<Cell> {
+fn by_cost(bordered: &Bordered, range: Range<u32>) -> Vec<u32> {
     let first = range.start / STRAIGHT_STEP;
     let bucket = |cost: u32| (cost / STRAIGHT_STEP - first) as usize;
     let mut counts: Vec<u32> = Vec::new();
@@ -171,10 +173,10 @@ fn by_cost(bordered: &Bordered, range: Range<u32>) -> Vec<Cell> {
     for count in &mut counts {
         total += std::mem::replace(count, total);
     }
-    let mut order = vec![Cell::new(0, 0); total as usize];
+    let mut order = vec![0; total as usize];
     each(bordered, &range, |cell, cost| {
         let place = &mut counts[bucket(cost)];
-        order[*place as usize] = cell;
+        order[*place as usize] = cell.column | cell.row << 16;
         *place += 1;
     });
     order
