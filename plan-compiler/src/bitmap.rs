@@ -6,7 +6,7 @@
 use plan_format::Cell;
 
 /// A set of cells; row 0 is in the south, the lowest bit of a word in the west.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Bitmap {
     columns: u32,
     rows: u32,

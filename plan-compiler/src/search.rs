@@ -49,9 +49,10 @@ pub enum Corners {
 }
 
 /// How a field is found. The field is the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
     /// Tiles of 64 x 64 cells, a row at a time.
+    #[default]
     Tiles,
     /// Cell by cell, in buckets one step wide.
     Buckets,
@@ -78,7 +79,10 @@ pub fn solve(blocked: &Bitmap, goal: Cell, corners: Corners) -> Field {
 /// memory costs more than the search.
 #[derive(Debug, Default)]
 pub struct Solver {
+    /// The last map that was solved, and what is known of it: it may have several goals.
+    blocked: Bitmap,
     open: Passable,
+    suitable: Method,
     tiles: tiles::Tiles,
     buckets: buckets::Queue,
     method: Option<Method>,
@@ -132,9 +136,13 @@ impl Solver {
         field.rows = blocked.rows();
         let is_free = goal.column < field.columns && goal.row < field.rows && !blocked.get(goal);
         let goal = is_free.then_some(goal);
-        self.open.fill(blocked, false);
         let vectors = self.vectors;
-        match self.method.unwrap_or_else(|| suitable(&self.open, vectors)) {
+        if self.blocked != *blocked {
+            self.blocked.clone_from(blocked);
+            self.open.fill(blocked, false);
+            self.suitable = suitable(&self.open, vectors);
+        }
+        match self.method.unwrap_or(self.suitable) {
             Method::Tiles => {
                 self.tiles.search(&self.open, goal, corners, vectors);
                 advice::advise(&self.tiles, blocked, goal, corners, vectors, field);

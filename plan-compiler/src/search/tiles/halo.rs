@@ -70,9 +70,9 @@ impl Tile {
 impl Tiles {
     /// The tile a step away, if there is one.
     #[inline(always)]
-    fn neighbour(&self, at: usize, dx: isize, dy: isize) -> Option<usize> {
-        let x = (at % self.across).checked_add_signed(dx)?;
-        let y = (at / self.across).checked_add_signed(dy)?;
+    fn neighbour(&self, [x, y]: [usize; 2], dx: isize, dy: isize) -> Option<usize> {
+        let x = x.checked_add_signed(dx)?;
+        let y = y.checked_add_signed(dy)?;
         (x < self.across && y < self.down).then_some(y * self.across + x)
     }
 
@@ -86,9 +86,10 @@ impl Tiles {
     /// the halo is too, from when the tile was cleared.
     #[inline(always)]
     pub(super) fn pull(&mut self, at: usize) {
+        let tile = [at % self.across, at / self.across];
         for dy in -1..=1 {
             for dx in -1..=1 {
-                let beside = self.neighbour(at, dx, dy).filter(|&beside| beside != at);
+                let beside = self.neighbour(tile, dx, dy).filter(|&beside| beside != at);
                 let Some(beside) = beside.filter(|&beside| !self.is_stale[beside]) else {
                     continue;
                 };
@@ -110,9 +111,12 @@ impl Tiles {
     /// Wakes the neighbouring tiles that this tile's edges improve.
     #[inline(always)]
     pub(super) fn notify(&mut self, at: usize, open: TileOpen<'_>) {
+        let tile = [at % self.across, at / self.across];
         for dy in -1..=1 {
             for dx in -1..=1 {
-                let Some(to) = self.neighbour(at, dx, dy).filter(|&to| to != at) else { continue };
+                let Some(to) = self.neighbour(tile, dx, dy).filter(|&to| to != at) else {
+                    continue;
+                };
                 let offer = if dx == 0 {
                     self.offer_row(at, to, dy, open)
                 } else if dy == 0 {
@@ -159,6 +163,7 @@ impl Tiles {
         source[0] = from.cost[place(-1, edge(dx))];
         source[SIDE + 1] = from.cost[place(LAST + 1, edge(dx))];
         let target = self.known(to).map_or(&[UNKNOWN; SIDE], |to| to.side(-dx));
+        // Most columns have nothing to offer, whatever the obstacles, which take longer to look at.
         let mut improves = false;
         for row in 0..SIDE {
             improves |= source[row + 1] + STRAIGHT < target[row]

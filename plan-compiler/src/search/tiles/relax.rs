@@ -221,7 +221,7 @@ fn ends(here: Open, there: Open, corners: Corners) -> [u64; 2] {
 fn close(cost: &mut [u32; CELLS], row: usize, here: Open, ends: [u64; 2]) -> bool {
     let [mut eastward, mut westward] = ends;
     // Looking at all columns at once costs as much as looking at a few one by one.
-    if (eastward | westward).count_ones() > 6 {
+    if (eastward | westward).count_ones() > 14 {
         let [east, west] = slopes(cost, row);
         eastward &= east;
         westward &= west;
