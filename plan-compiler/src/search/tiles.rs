@@ -59,7 +59,6 @@ pub(crate) struct Tiles {
     pending: Vec<Pending>,
     /// Tiles by their keys. One whose key was lowered later is passed over.
     queue: BinaryHeap<Reverse<(u32, u32)>>,
-    corners: Corners,
 }
 
 impl Tiles {
@@ -71,7 +70,7 @@ impl Tiles {
         corners: Corners,
         vectors: Vectors,
     ) {
-        self.reset(map, corners);
+        self.reset(map);
         let Some(goal) = goal else { return };
         let (x, y) = (goal.column as usize, goal.row as usize);
         let at = y / SIDE * self.across + x / SIDE;
@@ -89,15 +88,14 @@ impl Tiles {
 
     /// Finds the cheapest ways out of the deep cells, from what is known of the shores.
     pub(crate) fn flood(&mut self, deep: &Passable, shores: &Shores, vectors: Vectors) {
-        self.reset(deep, Corners::Allow);
+        self.reset(deep);
         let corners = Corners::Allow;
         vectors.run(Run { tiles: self, map: deep, shores: Some(shores), corners });
     }
 
-    fn reset(&mut self, map: &Passable, corners: Corners) {
+    fn reset(&mut self, map: &Passable) {
         self.across = map.columns.div_ceil(SIDE);
         self.down = map.rows.div_ceil(SIDE);
-        self.corners = corners;
         let count = self.across * self.down;
         if self.tiles.len() < count {
             self.tiles.resize(count, Tile { cost: [UNKNOWN; CELLS], sides: [[UNKNOWN; SIDE]; 2] });
@@ -212,7 +210,7 @@ impl Tiles {
             }
         }
         self.tiles[at].keep_sides();
-        self.notify(at, open);
+        self.notify(at, open, corners);
     }
 }
 

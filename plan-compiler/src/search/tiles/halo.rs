@@ -110,7 +110,7 @@ impl Tiles {
 
     /// Wakes the neighbouring tiles that this tile's edges improve.
     #[inline(always)]
-    pub(super) fn notify(&mut self, at: usize, open: TileOpen<'_>) {
+    pub(super) fn notify(&mut self, at: usize, open: TileOpen<'_>, corners: Corners) {
         let tile = [at % self.across, at / self.across];
         for dy in -1..=1 {
             for dx in -1..=1 {
@@ -118,11 +118,11 @@ impl Tiles {
                     continue;
                 };
                 let offer = if dx == 0 {
-                    self.offer_row(at, to, dy, open)
+                    self.offer_row([at, to], dy, open, corners)
                 } else if dy == 0 {
-                    self.offer_column(at, to, dx, open)
+                    self.offer_column([at, to], dx, open, corners)
                 } else {
-                    self.offer_corner(at, to, [dx, dy], open)
+                    self.offer_corner([at, to], [dx, dy], open, corners)
                 };
                 if offer.key.is_some() {
                     self.wake(to, offer);
@@ -133,9 +133,15 @@ impl Tiles {
 
     /// What the tile's edge row offers to the tile north (`dy` = 1) or south (-1) of it.
     #[inline(always)]
-    fn offer_row(&self, at: usize, to: usize, dy: isize, open: TileOpen<'_>) -> Pending {
+    fn offer_row(
+        &self,
+        [at, to]: [usize; 2],
+        dy: isize,
+        open: TileOpen<'_>,
+        corners: Corners,
+    ) -> Pending {
         let (here, there) = (open.row(beyond(dy)), open.row(edge(dy)));
-        let passes = here.passes(there, self.corners);
+        let passes = here.passes(there, corners);
         let source = self.tiles[at].cost[place(edge(dy), -1)..].first_chunk();
         let target = match self.known(to) {
             Some(tile) => tile.cost[place(edge(-dy), 0)..].first_chunk(),
@@ -156,7 +162,13 @@ impl Tiles {
 
     /// What the tile's edge column offers to the tile east (`dx` = 1) or west (-1) of it.
     #[inline(always)]
-    fn offer_column(&self, at: usize, to: usize, dx: isize, open: TileOpen<'_>) -> Pending {
+    fn offer_column(
+        &self,
+        [at, to]: [usize; 2],
+        dx: isize,
+        open: TileOpen<'_>,
+        corners: Corners,
+    ) -> Pending {
         let from = &self.tiles[at];
         let mut source = [UNKNOWN; SIDE + 2];
         source[1..=SIDE].copy_from_slice(from.side(dx));
@@ -173,7 +185,7 @@ impl Tiles {
             return Pending::default();
         }
         let [here, there] = columns(open, dx);
-        let [open, south, north] = here.passes(there, self.corners);
+        let [open, south, north] = here.passes(there, corners);
         // What lies beyond the column is the other tiles' to offer.
         let passes = [open, south & !1, north & !(1 << LAST)];
         let mut result = Pending::default();
@@ -208,14 +220,14 @@ impl Tiles {
     #[inline(always)]
     fn offer_corner(
         &self,
-        at: usize,
-        to: usize,
+        [at, to]: [usize; 2],
         [dx, dy]: [isize; 2],
         open: TileOpen<'_>,
+        corners: Corners,
     ) -> Pending {
         let (here, there) = (open.row(beyond(dy)), open.row(edge(dy)));
         let passes =
-            self.corners == Corners::Allow || (here.cells >> edge(dx) & 1 != 0 && outer(there, dx));
+            corners == Corners::Allow || (here.cells >> edge(dx) & 1 != 0 && outer(there, dx));
         let cost = self.tiles[at].cost[place(edge(dy), edge(dx))] + DIAGONAL;
         let old = self.known(to).map_or(UNKNOWN, |to| to.cost[place(edge(-dy), edge(-dx))]);
         let is_better = passes && outer(here, dx) && cost < old;

@@ -1,5 +1,6 @@
 //! The codes of a field, block by block.
 
+use super::serve::gather;
 use crate::blocks::BLOCK_CELLS;
 use crate::field::{ESCAPE, Field, NO_ESCAPE, NO_ROUTE};
 use crate::layer;
@@ -48,10 +49,7 @@ impl Codes {
             *bit = u8::from(is(code));
         }
         let bytes = bits.as_chunks::<8>().0.iter();
-        let gather = |&row: &[u8; 8]| {
-            (u64::from_le_bytes(row).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
-        };
-        let mut rows = bytes.map(gather);
+        let mut rows = bytes.map(|&row| gather(u64::from_le_bytes(row)) as u8);
         u64::from_le_bytes(std::array::from_fn(|_| rows.next().unwrap_or(0)))
     }
 

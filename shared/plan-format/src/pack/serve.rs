@@ -119,6 +119,6 @@ fn longer(east: i32, north: [i32; 8]) -> [u64; 2] {
 
 /// Eight bytes of 0 or 1 as eight bits.
 #[inline(always)]
-fn gather(bytes: u64) -> u64 {
+pub(crate) fn gather(bytes: u64) -> u64 {
     bytes.wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
