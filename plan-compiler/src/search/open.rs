@@ -26,6 +26,9 @@ pub(crate) struct Passable {
     /// Words from one row to the next.
     stride: usize,
     words: Vec<u64>,
+    /// Of each tile, by rows of tiles, the westernmost and the easternmost column as words: the
+    /// southernmost cell in bit 0.
+    sides: Vec<[u64; 2]>,
 }
 
 impl Passable {
@@ -49,12 +52,20 @@ impl Passable {
         let (inside, north) = rest.split_at_mut(self.rows * self.stride);
         south.fill(0);
         north.fill(0);
+        self.sides.clear();
+        self.sides.resize(self.rows.div_ceil(SIDE) * across, [0; 2]);
         for (row, words) in (0..map.rows()).zip(inside.chunks_exact_mut(self.stride)) {
             for (word, map) in words[1..].iter_mut().zip(map.row(row)) {
                 *word = map ^ flip;
             }
             words[across] &= u64::MAX.checked_shr(outside).unwrap_or(0);
             (words[0], words[across + 1]) = (0, 0);
+            let row = row as usize;
+            let sides = &mut self.sides[row / SIDE * across..][..across];
+            for ([west, east], word) in sides.iter_mut().zip(&words[1..]) {
+                *west |= (word & 1) << (row % SIDE);
+                *east |= (word >> (SIDE - 1)) << (row % SIDE);
+            }
         }
     }
 
@@ -66,6 +77,13 @@ impl Passable {
             Some(&[west, cells, east]) => Open { cells, west: west >> 63, east: east << 63 },
             None => Open::default(),
         }
+    }
+
+    /// The westernmost (`dx` = -1) or the easternmost (1) column of a tile, as if it were a row.
+    #[inline(always)]
+    pub(crate) fn side(&self, tile: usize, dx: isize) -> Open {
+        let sides = self.sides.get(tile).copied().unwrap_or_default();
+        Open { cells: sides[usize::from(dx > 0)], ..Open::default() }
     }
 
     /// The part of the map that a tile lies in, by its place from the west and from the south.

@@ -19,7 +19,8 @@ use super::{Corners, MAX_COST, Vectors};
 use crate::escape::Shores;
 use plan_format::Cell;
 use plan_format::field::UNREACHED;
-use relax::{CELLS, line, relax, spread_east, spread_west};
+use pulp::Simd;
+use relax::{CELLS, Row, line, relax, spread_east, spread_west};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -31,9 +32,9 @@ const UNKNOWN: u32 = MAX_COST + 1;
 #[repr(C, align(64))]
 struct Tile {
     cost: [u32; CELLS],
-    /// The westernmost and the easternmost column once more, as they were after the last visit.
-    /// The neighbours read them, and a column of `cost` would cost them a cache line a cell.
-    sides: [[u32; SIDE]; 2],
+    /// The westernmost and the easternmost column once more, as they were after the last visit,
+    /// as if they were rows. A column of `cost` is a cache line a cell.
+    sides: [Row; 2],
 }
 
 /// What a tile waits to be visited for.
@@ -98,7 +99,7 @@ impl Tiles {
         self.down = map.rows.div_ceil(SIDE);
         let count = self.across * self.down;
         if self.tiles.len() < count {
-            self.tiles.resize(count, Tile { cost: [UNKNOWN; CELLS], sides: [[UNKNOWN; SIDE]; 2] });
+            self.tiles.resize(count, Tile { cost: [UNKNOWN; CELLS], sides: [[UNKNOWN; _]; 2] });
         }
         self.is_stale.clear();
         self.is_stale.resize(count, true);
@@ -172,10 +173,10 @@ impl Tiles {
 
     /// Visits tiles until none waits.
     #[inline(always)]
-    fn visit_all(&mut self, map: &Passable, corners: Corners) {
+    fn visit_all<S: Simd>(&mut self, simd: S, map: &Passable, corners: Corners) {
         while let Some(Reverse((key, at))) = self.queue.pop() {
             if self.pending[at as usize].key == Some(key) {
-                self.visit(map, at as usize, corners);
+                self.visit(simd, map, at as usize, corners);
             }
         }
     }
@@ -183,7 +184,7 @@ impl Tiles {
     /// Lowers the costs of a tile as far as it and its halo allow, going north and south over
     /// the rows that wait until none does.
     #[inline(always)]
-    fn visit(&mut self, map: &Passable, at: usize, corners: Corners) {
+    fn visit<S: Simd>(&mut self, simd: S, map: &Passable, at: usize, corners: Corners) {
         let Pending { mut from_south, mut from_north, .. } = std::mem::take(&mut self.pending[at]);
         let open = map.tile(at % self.across, at / self.across);
         self.freshen(at);
@@ -196,7 +197,7 @@ impl Tiles {
             while from_south != 0 {
                 let row = from_south.trailing_zeros() as usize;
                 from_south &= from_south - 1;
-                let relaxed = relax(cost, open, row, row as isize - 1, corners);
+                let relaxed = relax(simd, cost, open, row, row as isize - 1, corners);
                 from_south |= u64::from(relaxed.has_changed) << row << 1 & all;
                 from_north |= u64::from(relaxed.leads_back) << row >> 1;
             }
@@ -204,13 +205,13 @@ impl Tiles {
             while from_north != 0 {
                 let row = 63 - from_north.leading_zeros() as usize;
                 from_north &= !(1 << row);
-                let relaxed = relax(cost, open, row, row as isize + 1, corners);
+                let relaxed = relax(simd, cost, open, row, row as isize + 1, corners);
                 from_north |= u64::from(relaxed.has_changed) << row >> 1;
                 from_south |= u64::from(relaxed.leads_back) << row << 1;
             }
         }
         self.tiles[at].keep_sides();
-        self.notify(at, open, corners);
+        self.notify(map, at, corners);
     }
 }
 
@@ -227,7 +228,7 @@ impl pulp::WithSimd for Run<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Self { tiles, map, shores, corners } = self;
         if let Some(shores) = shores {
             for at in 0..tiles.across * tiles.down {
@@ -236,8 +237,8 @@ impl pulp::WithSimd for Run<'_> {
         }
         // The rule is a constant in each, so that nothing of the other is left in the loops.
         match corners {
-            Corners::Forbid => tiles.visit_all(map, Corners::Forbid),
-            Corners::Allow => tiles.visit_all(map, Corners::Allow),
+            Corners::Forbid => tiles.visit_all(simd, map, Corners::Forbid),
+            Corners::Allow => tiles.visit_all(simd, map, Corners::Allow),
         }
     }
 }

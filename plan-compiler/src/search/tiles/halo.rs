@@ -4,10 +4,10 @@
 //! An offer is exact, so a tile is woken only to be improved. That bounds the number of
 //! visits: each lowers the cost of at least one cell of the tile's edge.
 
-use super::relax::{cheapest, halves, line};
+use super::relax::{GAP, cheapest, halves, line, with_halo, within};
 use super::{Pending, Tile, Tiles, UNKNOWN};
 use crate::search::Corners;
-use crate::search::open::{Open, SIDE, TileOpen};
+use crate::search::open::{Open, Passable, SIDE, TileOpen};
 use plan_format::grid::{DIAGONAL_STEP as DIAGONAL, STRAIGHT_STEP as STRAIGHT};
 
 /// The last row or column of a tile.
@@ -37,33 +37,22 @@ fn outer(open: Open, dx: isize) -> bool {
     if dx > 0 { open.east != 0 } else { open.west != 0 }
 }
 
-/// The passable cells of the column beyond a tile and of that edge of it, as if they were rows.
-#[inline(always)]
-fn columns(open: TileOpen<'_>, dx: isize) -> [Open; 2] {
-    let mut columns = [Open::default(); 2];
-    for row in 0..=LAST {
-        let here = open.row(row);
-        columns[0].cells |= u64::from(outer(here, dx)) << row;
-        columns[1].cells |= (here.cells >> edge(dx) & 1) << row;
-    }
-    columns
-}
-
 impl Tile {
     /// Copies the columns that the neighbours read.
     #[inline(always)]
     pub(super) fn keep_sides(&mut self) {
         let [west, east] = &mut self.sides;
-        for (row, (west, east)) in (0..).zip(west.iter_mut().zip(east)) {
-            *west = self.cost[place(row, 0)];
-            *east = self.cost[place(row, LAST)];
+        for row in -1..=LAST + 1 {
+            let at = GAP.wrapping_add_signed(row);
+            west[at] = self.cost[place(row, 0)];
+            east[at] = self.cost[place(row, LAST)];
         }
     }
 
     /// The westernmost column (`dx` = -1) or the easternmost (1).
     #[inline(always)]
     fn side(&self, dx: isize) -> &[u32; SIDE] {
-        &self.sides[usize::from(dx > 0)]
+        within(&self.sides[usize::from(dx > 0)])
     }
 }
 
@@ -110,8 +99,9 @@ impl Tiles {
 
     /// Wakes the neighbouring tiles that this tile's edges improve.
     #[inline(always)]
-    pub(super) fn notify(&mut self, at: usize, open: TileOpen<'_>, corners: Corners) {
+    pub(super) fn notify(&mut self, map: &Passable, at: usize, corners: Corners) {
         let tile = [at % self.across, at / self.across];
+        let open = map.tile(tile[0], tile[1]);
         for dy in -1..=1 {
             for dx in -1..=1 {
                 let Some(to) = self.neighbour(tile, dx, dy).filter(|&to| to != at) else {
@@ -120,7 +110,7 @@ impl Tiles {
                 let offer = if dx == 0 {
                     self.offer_row([at, to], dy, open, corners)
                 } else if dy == 0 {
-                    self.offer_column([at, to], dx, open, corners)
+                    self.offer_column([at, to], dx, map, corners)
                 } else {
                     self.offer_corner([at, to], [dx, dy], open, corners)
                 };
@@ -166,26 +156,12 @@ impl Tiles {
         &self,
         [at, to]: [usize; 2],
         dx: isize,
-        open: TileOpen<'_>,
+        map: &Passable,
         corners: Corners,
     ) -> Pending {
-        let from = &self.tiles[at];
-        let mut source = [UNKNOWN; SIDE + 2];
-        source[1..=SIDE].copy_from_slice(from.side(dx));
-        source[0] = from.cost[place(-1, edge(dx))];
-        source[SIDE + 1] = from.cost[place(LAST + 1, edge(dx))];
+        let source = with_halo(&self.tiles[at].sides[usize::from(dx > 0)]);
         let target = self.known(to).map_or(&[UNKNOWN; SIDE], |to| to.side(-dx));
-        // Most columns have nothing to offer, whatever the obstacles, which take longer to look at.
-        let mut improves = false;
-        for row in 0..SIDE {
-            improves |= source[row + 1] + STRAIGHT < target[row]
-                || source[row].min(source[row + 2]) + DIAGONAL < target[row];
-        }
-        if !improves {
-            return Pending::default();
-        }
-        let [here, there] = columns(open, dx);
-        let [open, south, north] = here.passes(there, corners);
+        let [open, south, north] = map.side(to, -dx).passes(map.side(at, dx), corners);
         // What lies beyond the column is the other tiles' to offer.
         let passes = [open, south & !1, north & !(1 << LAST)];
         let mut result = Pending::default();

@@ -20,22 +20,30 @@
 //! needs another look only if a step along the row played a part: steps from the other row
 //! alone never lead back to it with profit, since it was closed.
 
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+
 use super::UNKNOWN;
 use crate::search::Corners;
 use crate::search::open::{Open, SIDE, TileOpen};
 use plan_format::grid::{DIAGONAL_STEP as DIAGONAL, STRAIGHT_STEP as STRAIGHT};
+use pulp::Simd;
 
-/// From one row of a tile to the next: its cells, and cells between the rows of which the
-/// first is the halo east of a row and the last the halo west of the next. A multiple of a
-/// cache line, so that rows are aligned.
-const STRIDE: usize = SIDE + 16;
-/// Cells of a tile with its halo, and before them the halo west of the first row.
-pub(super) const CELLS: usize = 16 + STRIDE * (SIDE + 2);
+/// Cells between one row of a tile and the next, of which the first is the halo east of the one
+/// and the last the halo west of the other. A cache line, so that rows are aligned.
+pub(super) const GAP: usize = 16;
+
+/// From one row of a tile to the next.
+const STRIDE: usize = SIDE + GAP;
+/// Cells of a tile with its halo, and before them the gap that the first row has too.
+pub(super) const CELLS: usize = GAP + STRIDE * (SIDE + 2);
+/// The cells of a row and the gaps on both sides of it.
+pub(super) type Row = [u32; GAP + SIDE + GAP];
 
 /// Where a row of a tile starts; rows -1 and 64 are the halo. Columns -1 and 64 are too.
 #[inline(always)]
 pub(super) const fn line(row: isize) -> usize {
-    16 + STRIDE * (row + 1) as usize
+    GAP + STRIDE * (row + 1) as usize
 }
 
 const _: () = assert!(
@@ -66,7 +74,8 @@ pub(super) struct Relaxed {
 
 /// Lowers a row by the steps from the row `before` it, on either side, and along itself.
 #[inline(always)]
-pub(super) fn relax(
+pub(super) fn relax<S: Simd>(
+    simd: S,
     cost: &mut [u32; CELLS],
     open: TileOpen<'_>,
     row: usize,
@@ -81,24 +90,37 @@ pub(super) fn relax(
     if is_plain {
         relax_plain(cost, row, before)
     } else {
-        relax_masked(cost, row, before, [here, there], corners)
+        relax_masked(simd, cost, row, before, [here, there], corners)
     }
 }
 
-/// A row to lower and the row before it, with its halo, out of one tile.
+/// A row to lower and the row before it, out of one tile.
 #[inline(always)]
-fn pair(
-    cost: &mut [u32; CELLS],
-    row: usize,
-    before: usize,
-) -> Option<(&mut [u32; SIDE], &[u32; SIDE + 2])> {
-    if row < before {
-        let (low, high) = cost.split_at_mut(before - 1);
-        Some((low[row..].first_chunk_mut()?, high.first_chunk()?))
+fn pair(cost: &mut [u32; CELLS], row: usize, before: usize) -> (&mut [u32; SIDE], &Row) {
+    let [row, source] = [row, before - GAP];
+    let (target, source) = if row < source {
+        let (low, high) = cost.split_at_mut(source);
+        (low[row..].first_chunk_mut(), high.first_chunk())
     } else {
         let (low, high) = cost.split_at_mut(row);
-        Some((high.first_chunk_mut()?, low[before - 1..].first_chunk()?))
-    }
+        (high.first_chunk_mut(), low[source..].first_chunk())
+    };
+    let (Some(target), Some(source)) = (target, source) else { unreachable_row() };
+    (target, source)
+}
+
+/// A row with its halo.
+#[inline(always)]
+pub(super) fn with_halo(row: &Row) -> &[u32; SIDE + 2] {
+    let Some(row) = row[GAP - 1..].first_chunk() else { unreachable_row() };
+    row
+}
+
+/// A row without what lies around it.
+#[inline(always)]
+pub(super) fn within(row: &Row) -> &[u32; SIDE] {
+    let Some(row) = row[GAP..].first_chunk() else { unreachable_row() };
+    row
 }
 
 /// Relaxes a row without obstacles from another. A halo cell of the row may be closed only if
@@ -106,7 +128,8 @@ fn pair(
 #[inline(always)]
 fn relax_plain(cost: &mut [u32; CELLS], row: usize, before: usize) -> Relaxed {
     let halo = [cost[row - 1], cost[row + SIDE]];
-    let Some((target, source)) = pair(cost, row, before) else { unreachable_row() };
+    let (target, source) = pair(cost, row, before);
+    let source = with_halo(source);
     // Also the diagonals from the halo of the row before, which may be newer than what that
     // row was closed with.
     let west = (halo[0] + STRAIGHT).min(source[0] + DIAGONAL);
@@ -135,14 +158,16 @@ fn is_source(halo: u32, beside: u32) -> bool {
 
 /// Relaxes a row with obstacles.
 #[inline(always)]
-fn relax_masked(
+fn relax_masked<S: Simd>(
+    simd: S,
     cost: &mut [u32; CELLS],
     row: usize,
     before: usize,
     [here, there]: [Open; 2],
     corners: Corners,
 ) -> Relaxed {
-    let changed = step_over(cost, row, before, here.passes(there, corners));
+    let (target, source) = pair(cost, row, before);
+    let changed = step_over(simd, target, source, here.passes(there, corners));
     let mut leads_back = false;
     // What comes from the halo leads back like in a row without obstacles, as far as the row
     // before has none either.
@@ -158,7 +183,7 @@ fn relax_masked(
     }
     let has_changed = changed || reached | reached_west != 0;
     if changed {
-        leads_back |= close(cost, row, here, ends(here, there, corners));
+        leads_back |= close(simd, cost, row, here, ends(here, there, corners));
         // Between two obstacles a way may go down and up again.
         leads_back |= corners == Corners::Allow && here.cells & !there.cells != 0;
     }
@@ -168,8 +193,12 @@ fn relax_masked(
 /// Lowers a row by the steps from the row before it, into the cells that may be entered
 /// straight, from the west and from the east. Returns whether that changed it.
 #[inline(always)]
-fn step_over(cost: &mut [u32; CELLS], row: usize, before: usize, passes: [u64; 3]) -> bool {
-    let Some((target, source)) = pair(cost, row, before) else { unreachable_row() };
+fn step_over<S: Simd>(simd: S, target: &mut [u32; SIDE], source: &Row, passes: [u64; 3]) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = avx512::of(simd) {
+        return avx512::step_over(simd, target, source, passes);
+    }
+    let source = with_halo(source);
     let mut has_changed = false;
     for half in 0..2 {
         let passes = halves(passes, half);
@@ -218,11 +247,18 @@ fn ends(here: Open, there: Open, corners: Corners) -> [u64; 2] {
 /// Closes a row by following the steps east and west from some cells. Returns whether that
 /// changed it.
 #[inline(always)]
-fn close(cost: &mut [u32; CELLS], row: usize, here: Open, ends: [u64; 2]) -> bool {
+fn close<S: Simd>(
+    simd: S,
+    cost: &mut [u32; CELLS],
+    row: usize,
+    here: Open,
+    ends: [u64; 2],
+) -> bool {
     let [mut eastward, mut westward] = ends;
     // Looking at all columns at once costs as much as looking at a few one by one.
     if (eastward | westward).count_ones() > 14 {
-        let [east, west] = slopes(cost, row);
+        let Some(cost) = cost[row - GAP..].first_chunk() else { unreachable_row() };
+        let [east, west] = slopes(simd, cost);
         eastward &= east;
         westward &= west;
     }
@@ -242,8 +278,12 @@ fn close(cost: &mut [u32; CELLS], row: usize, here: Open, ends: [u64; 2]) -> boo
 /// The columns whose cost is more than a straight step below that of the next column east,
 /// and west.
 #[inline(always)]
-fn slopes(cost: &[u32; CELLS], row: usize) -> [u64; 2] {
-    let Some(row) = cost[row - 1..].first_chunk::<{ SIDE + 2 }>() else { unreachable_row() };
+fn slopes<S: Simd>(simd: S, row: &Row) -> [u64; 2] {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = avx512::of(simd) {
+        return avx512::slopes(simd, row);
+    }
+    let row = with_halo(row);
     let [mut east, mut west] = [[0u32; 2]; 2];
     for half in 0..2 {
         let (mut lower_east, mut lower_west) = (0, 0);
