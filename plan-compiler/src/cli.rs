@@ -46,11 +46,13 @@ What is assumed of maps:
            robot's radius, touches it. A diagonal step needs both cells beside it free
            unless --corners allow.
   Overlay  (MissionLab .ovl) ORIGIN is added to coordinates and subtracted from UTM ones.
-           UTM LAT/LON is converted by WGS-84, not by the historic Clarke 1866. OBSTACLE
-           gives a radius, OBJECT a diameter; OBJECTs block only if FIXED. Walls are lines:
-           their insides are unreachable, and blocked only with --fill-walls. BOUNDARYs
-           whose names hold NoCommZone block in layer `comms`; NoFlyZones and WeatherZones
-           only where a mission says so. A comment `--RESOLUTION 1.0` sets the cells.
+           UTM LAT/LON is converted by WGS-84, not by the historic Clarke 1866. HEADING is
+           where the map's y axis points, degrees clockwise from true north; only positions
+           on the globe depend on it. OBSTACLE gives a radius, OBJECT a diameter; OBJECTs
+           block only if FIXED. Walls are lines: their insides are unreachable, and blocked
+           only with --fill-walls. BOUNDARYs whose names hold NoCommZone block in layer
+           `comms`; NoFlyZones and WeatherZones only where a mission says so. A comment
+           `--RESOLUTION 1.0` sets the cells.
   OPAR     WGS-84 decimal degrees. Deltas are metres (--opar-units deg for degrees), each
            an offset from its record's position, east before north (--opar-order ne for
            the reverse). The points form a closed polygon. Type 1 is a building, an

@@ -55,7 +55,7 @@ pub enum Format {
 }
 
 /// What a user may say about how to read a map.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// The format, where the file does not tell.
     pub format: Option<Format>,

@@ -9,7 +9,8 @@
 //! Every other crate's costs are compared with the search's before they are timed.
 //!
 //! `SIDES=250,1024,4096` chooses other sizes; above 1,024 the crates that keep costs in hash
-//! maps are left out, as they would need gigabytes.
+//! maps are left out, as they would need gigabytes. `ROUNDS=5` measures everything five times: a
+//! machine that is shared may be slow for minutes, and then so for some rows alone.
 
 mod maps;
 mod peers;
@@ -31,14 +32,13 @@ const WITH_ESCAPES: &str = "wayfield + escapes";
 const PACKING: &str = "wayfield packing";
 /// What the benchmarks of the search itself begin with, before the kind of vector unit.
 const OURS: &str = "wayfield";
-/// Times that all is measured, from the first to the last. A machine may be slow for a minute, and
-/// then it would be so for one of those that are compared alone.
-const ROUNDS: u32 = 2;
 /// Beyond this side the crates with hash maps are left out.
 const LARGEST_HASHED: u32 = 1_024;
 
 fn main() {
     let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("search-bench");
+    // So that the table shows nothing of an earlier run.
+    let _ = std::fs::remove_dir_all(&output);
     let mut criterion = Criterion::default()
         .output_directory(&output)
         .without_plots()
@@ -47,7 +47,7 @@ fn main() {
         .measurement_time(Duration::from_millis(800))
         .configure_from_args();
     let mut names = Vec::new();
-    for round in 1..=ROUNDS {
+    for round in 1..=rounds() {
         for side in sides() {
             for (name, map) in maps::all(side) {
                 let goal = maps::central(&map);
@@ -71,6 +71,11 @@ fn ours(vectors: Vectors) -> String {
 
 fn in_round(group: &str, round: u32) -> String {
     format!("{group} round {round}")
+}
+
+/// Times that all is measured, from the first to the last.
+fn rounds() -> u32 {
+    std::env::var("ROUNDS").map_or(2, |chosen| chosen.parse().expect("ROUNDS is a number"))
 }
 
 fn sides() -> Vec<u32> {
@@ -146,7 +151,7 @@ impl Check<'_> {
 /// The best nanoseconds per cell of each benchmark of a group in all rounds.
 fn results(output: &Path, group: &str, cells: f64) -> BTreeMap<String, f64> {
     let mut best: BTreeMap<String, f64> = BTreeMap::new();
-    for (name, time) in (1..=ROUNDS).flat_map(|round| written(output, &in_round(group, round))) {
+    for (name, time) in (1..=rounds()).flat_map(|round| written(output, &in_round(group, round))) {
         best.entry(name).and_modify(|best| *best = best.min(time)).or_insert(time);
     }
     best.values_mut().for_each(|time| *time /= cells);
@@ -181,6 +186,10 @@ fn print_table(output: &Path, groups: &[(String, f64)]) {
     println!("|---|{}---|", "---|".repeat(columns.len()));
     for (group, cells) in groups {
         let results = results(output, group, *cells);
+        // A filter on the command line leaves rows out.
+        if results.is_empty() {
+            continue;
+        }
         let shown: Vec<String> = columns
             .iter()
             .map(|&column| results.get(column).map_or(String::new(), |time| format!("{time:.2}")))

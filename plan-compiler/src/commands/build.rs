@@ -2,7 +2,7 @@
 
 use super::description::{self, describe};
 use super::progress::{with_patience, with_progress};
-use super::{Failure, layers, parallel_plans, project, tell};
+use super::{Failure, check_output, layers, parallel_plans, project, tell};
 use crate::cli::{Build, Compiling};
 use plan_compiler::boards::Board;
 use plan_compiler::compile::{Need, gib, has_errors, pair, prepare};
@@ -12,9 +12,8 @@ use plan_compiler::problem::Problem;
 use plan_format::Plan;
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::fs;
 use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 pub(super) fn run(args: &Build, quiet: bool) -> Result<(), Failure> {
@@ -108,17 +107,6 @@ fn print_json(output: &Path, board: Option<&Board>, blob: &[u8], took: Duration)
     serde_json::to_writer_pretty(&mut out, &built)?;
     writeln!(out)?;
     out.flush()
-}
-
-/// A blob that replaced its own map would cost somebody a day, and one that cannot be written
-/// a build.
-pub(super) fn check_output(output: &Path, inputs: &[PathBuf], problems: &mut Vec<Problem>) {
-    problems.extend(output::check(output));
-    let Ok(replaced) = fs::canonicalize(output) else { return };
-    if inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == replaced)) {
-        let message = format!("the output {} is also the input", output.display());
-        problems.push(Problem::error(message).mend("choose another -o, for example plans.bin"));
-    }
 }
 
 fn summary(

@@ -1,10 +1,10 @@
 //! `convert`: between maps, blobs and MissionLab's Iplan.dat.
 
-use super::build::{build, check_output, compile};
-use super::{Failure, open, read_blob, tell};
+use super::build::{build, compile};
+use super::{Failure, check_output, open, read_blob, tell};
 use crate::cli::{Compiling, Convert};
 use plan_compiler::compile::has_errors;
-use plan_compiler::formats::iplan;
+use plan_compiler::formats::{ReadOptions, iplan};
 use plan_compiler::image::{self, Image};
 use plan_compiler::output;
 use plan_compiler::problem::Problem;
@@ -71,8 +71,10 @@ fn write_iplan(args: &Convert, blob: &[u8], problems: &mut Vec<Problem>) -> Resu
 
 /// Whether options say how to make a map into plans.
 fn is_about_maps(args: &Compiling) -> bool {
-    let map = &args.map;
+    let (map, reading) = (&args.map, args.map.reading.options());
     !args.goals.is_empty()
+        || args.max_memory.is_some()
+        || reading != ReadOptions::default()
         || map.mission.is_some()
         || map.resolution.is_some()
         || map.robot_radius.is_some()

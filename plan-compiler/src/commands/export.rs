@@ -1,6 +1,6 @@
 //! `export`: a layer as an array.
 
-use super::{Failure, find, open, read_blob};
+use super::{Failure, find, open, read_blob, refuse_output};
 use crate::cli::{Export, WhatToExport};
 use plan_compiler::output::{self, ArrayFormat, What};
 
@@ -16,6 +16,7 @@ pub(super) fn run(args: &Export) -> Result<(), Failure> {
         WhatToExport::Direction => What::Direction,
         WhatToExport::Blocked => What::Blocked,
     };
+    refuse_output(&args.output, &[&args.plans])?;
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;
     let (_, layer) = find(&plan, &args.layer)?;

@@ -1,6 +1,6 @@
 //! `graph`: behaviours and their plans as graphs.
 
-use super::{Failure, open, parallel_plans, read_blob, tell};
+use super::{Failure, open, parallel_plans, read_blob, refuse_output, tell};
 use crate::cli::Graph;
 use plan_compiler::behaviours::draw::{Drawn, dot, picture};
 use plan_compiler::behaviours::{self, Plans};
@@ -23,6 +23,7 @@ pub(super) fn run(args: &Graph, quiet: bool) -> Result<(), Failure> {
                 return Err(Failure::Usage(message.into()));
             }
         };
+    refuse_output(&args.output, &[&args.input])?;
     let is_mission = args.input.extension().is_some_and(|extension| extension == "toml");
     let bytes = if is_mission {
         let section = of_mission(&args.input, quiet)?;

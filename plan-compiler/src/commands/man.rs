@@ -12,6 +12,7 @@ pub(super) fn run(args: &Man) -> Result<(), Failure> {
         None => command,
         Some(wanted) => {
             let found = command.get_subcommands().find(|one| one.get_name() == wanted).cloned();
+            let found = found.map(|one| one.version(env!("CARGO_PKG_VERSION")));
             found.ok_or_else(|| {
                 let names = command.get_subcommands().map(|one| one.get_name());
                 let names: Vec<&str> = names.filter(|&name| name != "help").collect();

@@ -19,8 +19,9 @@ use crate::cli::{Cli, Command, LayerName};
 use plan_compiler::image;
 use plan_compiler::mission::nearest;
 use plan_compiler::problem::{Problem, draw};
-use plan_compiler::source;
+use plan_compiler::{output, source};
 use plan_format::{Layer, ParallelPlan, Plan};
+use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -76,6 +77,27 @@ fn print(bytes: &[u8]) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     out.write_all(bytes)?;
     Ok(out.flush()?)
+}
+
+/// A file that replaced its own input, by a symbolic link perhaps, would cost somebody a day, and
+/// one that cannot be written the work.
+fn check_output(output: &Path, inputs: &[impl AsRef<Path>], problems: &mut Vec<Problem>) {
+    problems.extend(output::check(output));
+    let Ok(replaced) = fs::canonicalize(output) else { return };
+    if inputs
+        .iter()
+        .any(|input| fs::canonicalize(input.as_ref()).is_ok_and(|input| input == replaced))
+    {
+        let message = format!("the output {} is also the input", output.display());
+        problems.push(Problem::error(message).mend("choose another -o"));
+    }
+}
+
+/// As [`check_output`], for a command that has found nothing else wrong yet.
+fn refuse_output(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+    let mut problems = Vec::new();
+    check_output(output, inputs, &mut problems);
+    if problems.is_empty() { Ok(()) } else { Err(Failure::Wrong(problems)) }
 }
 
 /// The bytes of a blob.

@@ -1,6 +1,6 @@
 //! `render`: layers as a picture.
 
-use super::{Failure, find, layers, open, read_blob, tell};
+use super::{Failure, find, layers, open, read_blob, refuse_output, tell};
 use crate::cli::Render;
 use plan_compiler::compile::{has_errors, metres, pair};
 use plan_compiler::map::{Feature, Point};
@@ -9,6 +9,7 @@ use plan_compiler::render::{Overlay, Panel, png, side_by_side};
 use plan_compiler::route::{self, NoRoute, Route};
 use plan_compiler::{formats, output};
 use plan_format::{Layer, ParallelPlan, Plan};
+use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
     let extension = args.output.extension().and_then(|extension| extension.to_str());
@@ -17,6 +18,9 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
         Some("png") => true,
         _ => return Err(Failure::Usage("the output's name must end in .svg or .png".into())),
     };
+    let inputs = [Some(&args.plans), args.map.as_ref()];
+    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
+    refuse_output(&args.output, &inputs)?;
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;
     let drawn = chosen(args, &plan)?;

@@ -234,6 +234,28 @@ fn missions_with_mistakes() {
     check("mission_of_a_missing_map", &files, "build yard.mission.toml", "");
 }
 
+#[cfg(unix)]
+#[test]
+fn no_command_replaces_what_it_reads() {
+    let run = Run::yard();
+    run.done("build yard.ovl");
+    let layer = "plans.bin --layer gate/physical";
+    for (command, read, link) in [
+        (format!("export {layer} --what cost"), "plans.bin", "plans.npy"),
+        (format!("render {layer}"), "plans.bin", "plans.svg"),
+        (format!("render {layer} --map yard.ovl"), "yard.ovl", "yard.svg"),
+        ("graph plans.bin".to_owned(), "plans.bin", "plans.dot"),
+        ("convert plans.bin".to_owned(), "plans.bin", "Iplan.dat"),
+    ] {
+        let before = fs::read(run.path(read)).unwrap();
+        std::os::unix::fs::symlink(read, run.path(link)).unwrap();
+        let ended = run.run(&format!("{command} -o {link}"), "");
+        let is_refused = ended.status == 1 && ended.err.contains("is also the input");
+        assert!(is_refused, "{command}\n{}", ended.err);
+        assert_eq!(fs::read(run.path(read)).unwrap(), before, "{command}");
+    }
+}
+
 #[test]
 fn outputs_that_cannot_be_written() {
     check_yard("output_folder_missing", "build yard.ovl -o no/such/plans.bin");

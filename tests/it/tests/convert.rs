@@ -173,6 +173,9 @@ fn the_command_line_is_checked() {
         ("convert plans.bin -o plans.hex", "the board must be named"),
         ("convert plans.bin --corners allow -o Iplan.dat", "decided by `build`"),
         ("convert plans.bin --goal a=1,1 -o Iplan.dat", "decided by `build`"),
+        ("convert plans.bin --format iplan -o Iplan.dat", "decided by `build`"),
+        ("convert plans.bin --unknown free -o Iplan.dat", "decided by `build`"),
+        ("convert plans.bin --max-memory 1 -o Iplan.dat", "decided by `build`"),
     ] {
         let (status, err) = run.run(arguments);
         assert_eq!(status, 2, "{arguments}\n{err}");

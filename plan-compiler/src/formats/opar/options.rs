@@ -61,7 +61,7 @@ impl FromStr for ObstructionType {
 }
 
 /// What an OPAR file leaves open. The default is what the crate's documentation assumes.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct OparOptions {
     /// What deltas are measured in.
     pub units: DeltaUnit,

@@ -227,6 +227,14 @@ impl Reader<'_> {
         let negate = match pair.value {
             YamlData::Value(Scalar::Boolean(negate)) => Some(*negate),
             YamlData::Value(Scalar::Integer(number @ 0..=1)) => Some(*number == 1),
+            // Quoted, or as YAML once spelled it; map_server takes these too.
+            YamlData::Value(Scalar::String(word)) => {
+                match word.trim().to_ascii_lowercase().as_str() {
+                    "0" | "false" | "no" | "off" => Some(false),
+                    "1" | "true" | "yes" | "on" => Some(true),
+                    _ => None,
+                }
+            }
             _ => None,
         };
         if negate.is_none() {
@@ -268,11 +276,12 @@ impl Reader<'_> {
     }
 }
 
-/// A finite number of a size that maps have.
+/// A finite number of a size that maps have. It may be quoted: map_server takes that too.
 fn number<'y>(value: &YamlData<'y, MarkedYaml<'y>>) -> Option<f64> {
     let number = match value {
         YamlData::Value(Scalar::Integer(number)) => *number as f64,
         YamlData::Value(Scalar::FloatingPoint(number)) => number.into_inner(),
+        YamlData::Value(Scalar::String(text)) => text.trim().parse().ok()?,
         _ => return None,
     };
     (number.abs() <= crate::formats::FARTHEST_M).then_some(number)

@@ -43,6 +43,24 @@ fn an_image_becomes_cells() {
 }
 
 #[test]
+fn values_may_be_quoted_and_spelled_as_map_server_takes_them() {
+    let plain = check(YAML);
+    for (by, spelled) in [
+        ("resolution: 0.5", "resolution: \"0.5\""),
+        ("origin: [-1.0, 2, 0.0]", "origin: ['-1.0', \"2\", 0]"),
+        ("negate: 0", "negate: '0'"),
+        ("negate: 0", "negate: no"),
+        ("occupied_thresh: 0.65", "occupied_thresh: '.65'"),
+    ] {
+        assert_eq!(check(&YAML.replace(by, spelled)), plain, "{spelled}");
+    }
+    let light = check(&YAML.replace("negate: 0", "negate: 1"));
+    for spelled in ["yes", "On", "'1'", "true"] {
+        assert_eq!(check(&YAML.replace("negate: 0", &format!("negate: {spelled}"))), light);
+    }
+}
+
+#[test]
 fn every_kind_of_image_gives_the_same_cells() {
     let plain = check(YAML);
     let binary = b"P5\n# by map_saver\n3 2\n255\n\x00\xcd\xff\xff\xfe\xff";

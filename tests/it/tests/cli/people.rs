@@ -200,5 +200,7 @@ fn shells_and_man_get_what_they_read() {
         page.contains(".TH plan-compiler 1") && page.contains("plan\\-compiler\\-build"),
         "{page}"
     );
-    assert!(run.done("man build").contains("robot\\-radius"));
+    let page = run.done("man build");
+    let version = concat!("v", env!("CARGO_PKG_VERSION"));
+    assert!(page.contains("robot\\-radius") && page.contains(version), "{page}");
 }
