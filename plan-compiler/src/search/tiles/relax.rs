@@ -193,6 +193,7 @@ fn relax_masked<S: Simd>(
 /// Lowers a row by the steps from the row before it, into the cells that may be entered
 /// straight, from the west and from the east. Returns whether that changed it.
 #[inline(always)]
+#[cfg_attr(not(target_arch = "x86_64"), expect(unused_variables))]
 fn step_over<S: Simd>(simd: S, target: &mut [u32; SIDE], source: &Row, passes: [u64; 3]) -> bool {
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = avx512::of(simd) {
@@ -278,6 +279,7 @@ fn close<S: Simd>(
 /// The columns whose cost is more than a straight step below that of the next column east,
 /// and west.
 #[inline(always)]
+#[cfg_attr(not(target_arch = "x86_64"), expect(unused_variables))]
 fn slopes<S: Simd>(simd: S, row: &Row) -> [u64; 2] {
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = avx512::of(simd) {
