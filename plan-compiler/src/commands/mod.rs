@@ -84,17 +84,14 @@ fn print(bytes: &[u8]) -> Result<(), Failure> {
 fn check_output(output: &Path, inputs: &[impl AsRef<Path>], problems: &mut Vec<Problem>) {
     problems.extend(output::check(output));
     let Ok(replaced) = fs::canonicalize(output) else { return };
-    if inputs
-        .iter()
-        .any(|input| fs::canonicalize(input.as_ref()).is_ok_and(|input| input == replaced))
-    {
+    if inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == replaced)) {
         let message = format!("the output {} is also the input", output.display());
         problems.push(Problem::error(message).mend("choose another -o"));
     }
 }
 
 /// As [`check_output`], for a command that has found nothing else wrong yet.
-fn refuse_output(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+fn refuse_output(output: &Path, inputs: &[impl AsRef<Path>]) -> Result<(), Failure> {
     let mut problems = Vec::new();
     check_output(output, inputs, &mut problems);
     if problems.is_empty() { Ok(()) } else { Err(Failure::Wrong(problems)) }

@@ -9,7 +9,8 @@ use plan_compiler::render::{Overlay, Panel, png, side_by_side};
 use plan_compiler::route::{self, NoRoute, Route};
 use plan_compiler::{formats, output};
 use plan_format::{Layer, ParallelPlan, Plan};
-use std::path::{Path, PathBuf};
+use std::iter;
+use std::path::PathBuf;
 
 pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
     let extension = args.output.extension().and_then(|extension| extension.to_str());
@@ -18,8 +19,7 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
         Some("png") => true,
         _ => return Err(Failure::Usage("the output's name must end in .svg or .png".into())),
     };
-    let inputs = [Some(&args.plans), args.map.as_ref()];
-    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
+    let inputs: Vec<&PathBuf> = iter::once(&args.plans).chain(&args.map).collect();
     refuse_output(&args.output, &inputs)?;
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;

@@ -65,16 +65,17 @@ fn worst_map() -> Result<Vec<u8>, WriteError> {
     // A room, which is free.
     let middle = (SIDE / 2) | 1;
     let goal = Cell::new(middle, middle);
+    let grid = Grid { columns: SIDE, rows: SIDE, resolution_m: 1.0, corner_m: [0.0, 0.0] };
     let plan = PlanDraft {
         name: "worst".into(),
-        goal_m: [goal.column, goal.row].map(|at| f64::from(at) + 0.5),
+        goal_m: grid.centre(goal),
         layers: vec![LayerDraft {
             name: "physical".into(),
             packed: pack(&solve(&blocked, goal, Corners::Forbid)),
         }],
     };
     write(&Draft {
-        grid: Grid { columns: SIDE, rows: SIDE, resolution_m: 1.0, corner_m: [0.0, 0.0] },
+        grid,
         origin: Some(Origin { place, at_m: [0.0, 0.0], heading_rad: 0.0 }),
         parameters: Parameters::default(),
         plans: vec![plan],

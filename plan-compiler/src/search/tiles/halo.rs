@@ -4,7 +4,7 @@
 //! An offer is exact, so a tile is woken only to be improved. That bounds the number of
 //! visits: each lowers the cost of at least one cell of the tile's edge.
 
-use super::relax::{GAP, cheapest, halves, line, with_halo, within};
+use super::relax::{GAP, Row, cheapest, halves, line, with_halo, within};
 use super::{Pending, Tile, Tiles, UNKNOWN};
 use crate::search::Corners;
 use crate::search::open::{Open, Passable, SIDE, TileOpen};
@@ -51,8 +51,8 @@ impl Tile {
 
     /// The westernmost column (`dx` = -1) or the easternmost (1).
     #[inline(always)]
-    fn side(&self, dx: isize) -> &[u32; SIDE] {
-        within(&self.sides[usize::from(dx > 0)])
+    fn side(&self, dx: isize) -> &Row {
+        &self.sides[usize::from(dx > 0)]
     }
 }
 
@@ -87,7 +87,7 @@ impl Tiles {
                     let source = &from.cost[place(edge(-dy), 0)..][..SIDE];
                     to.cost[place(beyond(dy), 0)..][..SIDE].copy_from_slice(source);
                 } else if dy == 0 {
-                    for (row, &cost) in (0..).zip(from.side(-dx)) {
+                    for (row, &cost) in (0..).zip(within(from.side(-dx))) {
                         to.cost[place(row, beyond(dx))] = cost;
                     }
                 } else {
@@ -159,8 +159,8 @@ impl Tiles {
         map: &Passable,
         corners: Corners,
     ) -> Pending {
-        let source = with_halo(&self.tiles[at].sides[usize::from(dx > 0)]);
-        let target = self.known(to).map_or(&[UNKNOWN; SIDE], |to| to.side(-dx));
+        let source = with_halo(self.tiles[at].side(dx));
+        let target = self.known(to).map_or(&[UNKNOWN; SIDE], |to| within(to.side(-dx)));
         let [open, south, north] = map.side(to, -dx).passes(map.side(at, dx), corners);
         // What lies beyond the column is the other tiles' to offer.
         let passes = [open, south & !1, north & !(1 << LAST)];
