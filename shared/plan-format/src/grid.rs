@@ -158,6 +158,19 @@ impl Cell {
         Self { column, row }
     }
 
+    /// Column and row in the low and the high half of a word, as the blob has a root's cell.
+    #[cfg(feature = "std")]
+    #[inline(always)]
+    pub(crate) const fn to_word(self) -> u32 {
+        self.column | self.row << 16
+    }
+
+    /// The cell of such a word.
+    #[inline(always)]
+    pub(crate) const fn of_word(word: u32) -> Self {
+        Self::new(word & 0xffff, word >> 16)
+    }
+
     /// The neighbour in a direction; `None` off a grid of this size.
     pub const fn neighbour(self, direction: Direction, columns: u32, rows: u32) -> Option<Self> {
         let (dx, dy) = direction.step();

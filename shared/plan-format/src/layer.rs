@@ -208,8 +208,7 @@ impl<'a> Layer<'a> {
 
     #[inline(always)]
     fn root_cell(&self, number: u32) -> Option<Cell> {
-        let at = self.section.get(self.roots.wrapping_add(number * ROOT_WORDS))?;
-        Some(Cell::new(at & 0xffff, at >> 16))
+        self.section.get(self.roots.wrapping_add(number * ROOT_WORDS)).map(Cell::of_word)
     }
 
     #[inline(always)]

@@ -102,7 +102,7 @@ fn packed(field: &Field) -> PackedLayer {
 }
 
 fn root_words(root: &Root) -> [u32; 2] {
-    [root.cell.column | root.cell.row << 16, root.cost]
+    [root.cell.to_word(), root.cost]
 }
 
 #[inline(always)]

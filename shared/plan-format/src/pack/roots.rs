@@ -64,8 +64,7 @@ impl Roots {
         let near = near(bordered);
         let mut visited = 0;
         for costs in [0..near, near..UNREACHED] {
-            for at in by_cost(bordered, costs) {
-                let cell = Cell::new(at & 0xffff, at >> 16);
+            for cell in by_cost(bordered, costs).into_iter().map(Cell::of_word) {
                 this.of_cell[bordered.index_of(cell)] = this.choose(cell, bordered);
                 visited += 1;
                 if visited % LOOK == 0 && this.roots.len() * CELLS_PER_ROOT > visited {
@@ -155,8 +154,7 @@ fn near(bordered: &Bordered) -> u32 {
     near
 }
 
-/// The cells that have moves and costs in a range, bucket by bucket: column + 65,536 x row, as in a
-/// root.
+/// The cells that have moves and costs in a range, bucket by bucket: [words](Cell::to_word).
 #[inline(always)]
 fn by_cost(bordered: &Bordered, range: Range<u32>) -> Vec<u32> {
     let first = range.start / STRAIGHT_STEP;
@@ -176,7 +174,7 @@ fn by_cost(bordered: &Bordered, range: Range<u32>) -> Vec<u32> {
     let mut order = vec![0; total as usize];
     each(bordered, &range, |cell, cost| {
         let place = &mut counts[bucket(cost)];
-        order[*place as usize] = cell.column | cell.row << 16;
+        order[*place as usize] = cell.to_word();
         *place += 1;
     });
     order
