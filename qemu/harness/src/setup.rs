@@ -84,7 +84,7 @@ pub fn plan_compiler() -> Result<PathBuf, SetupError> {
 }
 
 /// Makes sure that code for `triple` can be built.
-fn rust_target(triple: &str) -> Result<(), SetupError> {
+pub fn rust_target(triple: &str) -> Result<(), SetupError> {
     static DONE: Mutex<Vec<(String, Result<(), SetupError>)>> = Mutex::new(Vec::new());
     let mut done = DONE.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((_, result)) = done.iter().find(|(known, _)| known == triple) {

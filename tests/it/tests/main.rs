@@ -6,6 +6,7 @@ mod cli;
 mod convert;
 mod fields;
 mod formats;
+mod how_to_add;
 mod layering;
 mod missions;
 mod opar;

@@ -1,0 +1,229 @@
+//! "How to add" in the README, followed: a schema, a map format and a board are added to a copy of
+//! the project by exactly the steps that stand there, and what comes out is used.
+//!
+//! Each step edits one file. A step that the README does not name fails, and so does one that it
+//! names and that no longer fits the code.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use harness::setup;
+use it::root;
+
+/// A copy of the project's sources, and the part of the README that is followed.
+struct Tree {
+    folder: tempfile::TempDir,
+    steps: String,
+}
+
+impl Tree {
+    /// `part`: how its heading in the README begins.
+    fn following(part: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        copy(root(), folder.path());
+        let readme = fs::read_to_string(root().join("README.md")).expect("there is a README");
+        let heading = format!("#### {part}");
+        let (_, steps) = readme.split_once(&heading).expect("the README has this part");
+        let end = steps.find("\n#").unwrap_or(steps.len());
+        Self { folder, steps: steps[..end].to_owned() }
+    }
+
+    fn path(&self, file: &str) -> PathBuf {
+        self.folder.path().join(file)
+    }
+
+    /// The steps must name the file that is about to be touched, or its folder's copy.
+    fn step(&self, file: &str) {
+        assert!(self.steps.contains(&format!("`{file}`")), "no step names {file}:\n{}", self.steps);
+    }
+
+    fn new_file(&self, file: &str, named: &str, text: &str) {
+        self.step(named);
+        fs::write(self.path(file), text).expect("the copy can be written");
+    }
+
+    fn edit(&self, file: &str, edits: &[(&str, &str)]) {
+        self.step(file);
+        let mut text = fs::read_to_string(self.path(file)).expect("a file of the project");
+        for (after, insert) in edits {
+            let at = text.find(after).unwrap_or_else(|| panic!("{file} has no {after:?}"));
+            text.insert_str(at + after.len(), insert);
+        }
+        fs::write(self.path(file), text).expect("the copy can be written");
+    }
+
+    /// Writes beside each line that mentions `old` the same with `new`, in the cases that occur.
+    fn beside(&self, file: &str, old: &[&str], new: &[&str]) {
+        self.step(file);
+        let text = fs::read_to_string(self.path(file)).expect("a file of the project");
+        let mut lines = Vec::new();
+        for line in text.lines() {
+            lines.push(line.to_owned());
+            if old.iter().any(|old| line.contains(old)) {
+                let renamed = old
+                    .iter()
+                    .zip(new)
+                    .fold(line.to_owned(), |line, (old, new)| line.replace(old, new));
+                lines.push(renamed);
+            }
+        }
+        fs::write(self.path(file), lines.join("\n") + "\n").expect("the copy can be written");
+    }
+
+    /// Runs cargo in the copy, with a build folder of its own that is kept for the next time.
+    fn cargo(&self, folder: &str, arguments: &[&str]) -> String {
+        let target = setup::target_folder().join("how-to-add");
+        let output = Command::new(env!("CARGO"))
+            .args(arguments)
+            .current_dir(self.path(folder))
+            .env("CARGO_TARGET_DIR", target)
+            // Nothing here is slow, and nobody debugs it.
+            .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
+            .env("CARGO_PROFILE_DEV_DEBUG", "0")
+            .env_remove("RUSTFLAGS")
+            .output()
+            .expect("cargo runs");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "cargo {arguments:?}:\n{said}");
+        String::from_utf8_lossy(&output.stdout).into_owned() + &said
+    }
+}
+
+/// All but build output and git's own.
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).expect("the copy can be written");
+    for entry in fs::read_dir(from).expect("a folder is readable") {
+        let entry = entry.expect("an entry is readable");
+        let name = entry.file_name();
+        if name == "target" || name == ".git" {
+            continue;
+        }
+        let (from, to) = (entry.path(), to.join(&name));
+        if from.is_dir() {
+            copy(&from, &to);
+        } else {
+            fs::copy(from, to).expect("the copy can be written");
+        }
+    }
+}
+
+#[test]
+fn a_schema_and_a_format_are_added_by_the_steps_of_the_readme() {
+    let tree = Tree::following("A schema");
+    tree.new_file(
+        "firmware/schemas/src/move_ahead.rs",
+        "firmware/schemas/src",
+        include_str!("how_to_add/move_ahead.rs"),
+    );
+    tree.edit(
+        "firmware/schemas/src/lib.rs",
+        &[
+            ("pub mod follow_plan;", "\npub mod move_ahead;"),
+            ("pub use follow_plan::follow_plan;", "\npub use move_ahead::move_ahead;"),
+        ],
+    );
+    tree.edit(
+        "shared/plan-format/src/parameters.rs",
+        &[
+            ("pub avoid_gain: f32,", "\n    /// Gain of move-ahead.\n    pub ahead_gain: f32,"),
+            ("avoid_gain: 1.0,", "\n                ahead_gain: 0.0,"),
+            (
+                "(\"schemas.avoid_gain\", self.schemas.avoid_gain, 0.0, 100.0),",
+                "\n            (\"schemas.ahead_gain\", self.schemas.ahead_gain, 0.0, 100.0),",
+            ),
+        ],
+    );
+    tree.edit(
+        "firmware/schemas/src/blend.rs",
+        &[
+            ("pub avoid: Vec2,", "\n    /// Of move-ahead.\n    pub ahead: Vec2,"),
+            ("vectors.avoid * schemas.avoid_gain", " + vectors.ahead * schemas.ahead_gain"),
+            ("avoid: Vec2::new(-0.5, 0.0),", "\n        ahead: Vec2::new(1.0, 0.0),"),
+            ("avoid: -east * SATURATED,", " ahead: east,"),
+            ("Vectors { goal, avoid,", " ahead: advice,"),
+        ],
+    );
+    tree.edit(
+        "firmware/controller/src/lib.rs",
+        &[(
+            "avoid: math::vector::rotated(repulsion.vector, heading_rad),",
+            "\n        ahead: schemas::move_ahead(0.0),",
+        )],
+    );
+    tree.edit(
+        "plan-compiler/src/mission/keys.rs",
+        &[(
+            "|m, v| m.parameters.schemas.avoid_gain = v as f32,\n    ),",
+            "\n    number(\n        \"schemas\",\n        \"ahead_gain\",\n        \"\",\n        \
+             \"0.0\",\n        \"Gain of move-ahead.\",\n        \
+             |m, v| m.parameters.schemas.ahead_gain = v as f32,\n    ),",
+        )],
+    );
+
+    let format = Tree { steps: Tree::following("A map format").steps, ..tree };
+    format.new_file(
+        "plan-compiler/src/formats/sketch.rs",
+        "plan-compiler/src/formats",
+        include_str!("how_to_add/sketch.rs"),
+    );
+    let old = ["Movingai", "movingai", "MovingAI map", "\"map\""];
+    let new = ["Sketch", "sketch", "sketch", "\"sketch\""];
+    format.beside("plan-compiler/src/formats.rs", &old[..], &new[..]);
+    grow_the_list(&format.path("plan-compiler/src/formats.rs"));
+    format.edit(
+        "plan-compiler/src/cli.rs",
+        &[("movingai::CONVENTIONS,", "\n        sketch::CONVENTIONS,")],
+    );
+    // Where the list of imports ends, whatever else stands in it.
+    format.edit("plan-compiler/src/cli.rs", &[("use plan_compiler::formats::{", "sketch, ")]);
+
+    // The schema: its golden vectors hold, and a mission can weigh it.
+    let said = format.cargo("", &["test", "--package", "schemas", "--lib"]);
+    assert!(said.contains("move_ahead::tests::golden_vectors ... ok"), "{said}");
+    // The format: map text in, field out.
+    let map = format.path("yard.sketch");
+    fs::write(&map, "sketch\n.....\n.###.\n.....\n").expect("a map is written");
+    let mission = "[goals]\neast = [4.5, 0.5]\n[schemas]\nahead_gain = 0.5\n";
+    fs::write(format.path("yard.mission.toml"), mission).expect("a mission is written");
+    let run = ["run", "--quiet", "--package", "plan-compiler", "--"];
+    let build = ["build", "yard.sketch", "--robot-radius", "0", "-o", "plans.bin"];
+    format.cargo("", &[&run[..], &build[..]].concat());
+    let query = ["query", "plans.bin", "--layer", "east/physical", "--at", "2.5,2.5"];
+    let said = format.cargo("", &[&run[..], &query[..]].concat());
+    // Two steps along the bar, then round its end without cutting the corner.
+    assert!(said.contains("\"cost_m\":4,") || said.contains("\"cost_m\":4.0,"), "{said}");
+}
+
+/// The list of all formats says how long it is.
+fn grow_the_list(path: &Path) {
+    let text = fs::read_to_string(path).expect("a file of the project");
+    let (before, after) = text.split_once("ALL: [Self; ").expect("the list of formats");
+    let (count, after) = after.split_once(']').expect("its length");
+    let count: usize = count.parse().expect("its length");
+    fs::write(path, format!("{before}ALL: [Self; {}]{after}", count + 1)).expect("it is written");
+}
+
+#[test]
+fn a_board_is_added_by_the_steps_of_its_readme() {
+    let steps = fs::read_to_string(root().join("boards/README.md")).expect("there is a README");
+    let (_, steps) = steps.split_once("## Add a board").expect("it has the steps");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    copy(root(), folder.path());
+    let copied = Tree { folder, steps: steps.to_owned() };
+    copy(&copied.path("boards/nrf52840-dk"), &copied.path("boards/my-rover"));
+    copied.step("nrf52840-dk");
+    for file in ["Cargo.toml", ".cargo/config.toml", "memory.x", "board.rs", "robot.rs"] {
+        copied.step(file);
+        let inside = if file.ends_with(".rs") { format!("src/{file}") } else { file.to_owned() };
+        assert!(copied.path("boards/my-rover").join(inside).is_file(), "{file} is copied");
+    }
+    let manifest = copied.path("boards/my-rover/Cargo.toml");
+    let text = fs::read_to_string(&manifest).expect("the manifest is copied");
+    fs::write(&manifest, text.replace("nrf52840-dk", "my-rover")).expect("it is written");
+    let config = fs::read_to_string(copied.path("boards/my-rover/.cargo/config.toml"));
+    let config = config.expect("the folder's own target is copied");
+    let target = config.split('"').nth(1).expect("it names a target").to_owned();
+    setup::rust_target(&target).unwrap_or_else(|error| panic!("{error}"));
+    copied.cargo("boards/my-rover", &["check", "--quiet", "--profile", "firmware"]);
+}
