@@ -1,6 +1,7 @@
 //! What the robot knows at one tick.
 
 use crate::limits::{MAX_CHANNELS, MAX_RANGES};
+use crate::receiver::Receiver;
 use heapless::Vec;
 use math::{GeoPoint, scalar};
 use serde::{Deserialize, Serialize};
@@ -12,6 +13,8 @@ pub struct Percepts {
     pub time_us: u64,
     /// The latest solution of the GPS receiver, new or not; `None` before the first.
     pub fix: Option<Fix>,
+    /// What the bytes of the GPS receiver add up to.
+    pub receiver: Receiver,
     /// Heading from a compass or IMU, radians counter-clockwise from true east.
     pub heading_rad: Option<f32>,
     /// Speed ahead from odometry, m/s; negative astern.
@@ -44,9 +47,9 @@ pub mod channel {
 pub struct Fix {
     /// When its last byte arrived, on the clock of [`Percepts::time_us`].
     pub time_us: u64,
-    /// Whether the receiver vouches for it (NAV-PVT: gnssFixOK, fix type 2 to 4, position
-    /// not invalid; NMEA: quality 1 to 5 and mode A or D, that is, measured and not estimated,
-    /// set by hand or simulated).
+    /// Whether the receiver vouches for it as measured: not estimated, set by hand or simulated
+    /// (NAV-PVT: gnssFixOK, fix type 2 to 4, position not invalid; NMEA: quality 1 to 5 or 9,
+    /// and no RMC that says anything but valid).
     pub is_valid: bool,
     /// Where.
     pub place: GeoPoint,
@@ -105,6 +108,7 @@ impl Percepts {
         Self {
             time_us: self.time_us,
             fix: self.fix,
+            receiver: self.receiver,
             heading_rad: finite(self.heading_rad).map(scalar::wrap_angle),
             speed_mps: finite(self.speed_mps),
             turn_rate_radps: finite(self.turn_rate_radps),

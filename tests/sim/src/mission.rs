@@ -221,7 +221,7 @@ mod tests {
     use crate::{Chassis, SensorSettings, SensorSuite};
     use math::GeoPoint;
     use plan_compiler::map::{Reference, Shape};
-    use robot_io::{CommandRecord, SensorRecord};
+    use robot_io::{CommandRecord, Receiver, SensorRecord};
 
     /// Drives straight ahead and says that it is at the goal after so many ticks.
     struct Straight(u64);
@@ -231,7 +231,8 @@ mod tests {
             self.0 = self.0.saturating_sub(1);
             let reason = if self.0 == 0 { Reason::AtGoal } else { Reason::Driving };
             let commands = Commands { speed_mps: 1.0, ..Commands::stop(reason) };
-            Ok(CommandRecord { time_us: 0, commands, trace_hash: self.0, instructions: 0 })
+            let receiver = Receiver::Sound;
+            Ok(CommandRecord { time_us: 0, commands, trace_hash: self.0, instructions: 0, receiver })
         }
     }
 
