@@ -303,7 +303,6 @@ fn a_leap_second_and_midnight_are_times_like_any_other() {
 #[test]
 fn checksums_are_of_either_case_and_lines_end_as_they_like() {
     let text = stream([GOOD; 10], 1_000);
-    assert!(text.contains("*6A") || text.contains('F'), "some digit is a letter");
     let lower: String = text
         .lines()
         .map(|line| {

@@ -1,7 +1,7 @@
 //! One mission: world, body, sensors and pilot tick by tick, and what came of it.
 
 use crate::body::distance;
-use crate::{Body, Pilot, PilotError, Point, Scene, Sensors, Surroundings, World};
+use crate::{Body, Mode, Pilot, PilotError, Point, Scene, Sensors, Surroundings, World};
 use robot_io::{Commands, Reason};
 
 /// Obstacles farther from the body than this do not matter for the closest approach, metres.
@@ -130,6 +130,7 @@ impl<'w, S: Sensors, P: Pilot> Run<'w, S, P> {
             world: self.world,
             body: self.body,
             antenna: self.body.position,
+            mode: Mode::Autonomous,
             time_us,
             tick_us: self.limits.tick_us,
         });
@@ -232,7 +233,13 @@ mod tests {
             let reason = if self.0 == 0 { Reason::AtGoal } else { Reason::Driving };
             let commands = Commands { speed_mps: 1.0, ..Commands::stop(reason) };
             let receiver = Receiver::Sound;
-            Ok(CommandRecord { time_us: 0, commands, trace_hash: self.0, instructions: 0, receiver })
+            Ok(CommandRecord {
+                time_us: 0,
+                commands,
+                trace_hash: self.0,
+                instructions: 0,
+                receiver,
+            })
         }
     }
 
