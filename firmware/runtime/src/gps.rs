@@ -94,17 +94,19 @@ impl Decoder {
         self.heard.sound |= ubx.is_some() || nmea.is_some_and(|nmea| nmea != Sentence::Unchecked);
         self.heard.unchecked |= nmea == Some(Sentence::Unchecked);
         self.heard.position |= matches!(nmea, Some(Sentence::Position | Sentence::Solution(_)));
-        let solution = match (ubx, nmea) {
+        let (solution, has_velocity) = match (ubx, nmea) {
             (Some(Message::Solution(solution)), _) => {
                 self.heard.position = true;
-                self.believes_ubx().then_some(solution)
+                self.believes_ubx().then_some((solution, true))
             }
-            (_, Some(Sentence::Solution(solution))) => self.believes_nmea().then_some(solution),
+            (_, Some(Sentence::Solution(solution))) => {
+                self.believes_nmea().then_some((solution, self.nmea.has_rmc()))
+            }
             _ => None,
         }?;
         self.heard.solution = true;
         self.heard.valid |= solution.is_valid;
-        self.heard.velocity |= solution.is_valid && solution.velocity_mmps.is_some();
+        self.heard.velocity |= solution.is_valid && has_velocity;
         Some(solution)
     }
 

@@ -99,6 +99,8 @@ fn ubx(class: u8, id: u8, payload: &[u8]) -> Vec<u8> {
 }
 
 const RMC: &str = "GNRMC,@,A,3346.53708,N,08423.77980,W,0.000,,010125,,,A";
+/// Standing still, nearly.
+const SLOW_RMC: &str = "GNRMC,@,A,3346.53708,N,08423.77980,W,0.057,,010125,,,A,V";
 const VOID_RMC: &str = "GNRMC,@,V,,,,,,,010125,,,N";
 const GGA: &str = "GNGGA,@,3346.53708,N,08423.77980,W,1,12,0.9,45.0,M,46.9,M,,";
 const NO_GGA: &str = "GNGGA,@,,,,,0,00,99.99,,,,,,";
@@ -182,6 +184,7 @@ fn gga_without_rmc_is_served_and_said_to_have_no_velocity() {
 #[test]
 fn a_sound_receiver_is_sound() {
     check("NMEA", nmea(&[RMC, GGA]), Receiver::Sound, Reason::NoHeading);
+    check("slow", nmea(&[SLOW_RMC, GGA]), Receiver::Sound, Reason::NoHeading);
     let mut pvt = [0; 92];
     (pvt[20], pvt[21]) = (3, 1);
     pvt[24..28].copy_from_slice(&HOME.lon_e7.to_le_bytes());

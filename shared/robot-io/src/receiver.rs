@@ -26,6 +26,7 @@ pub enum Receiver {
     NoFix,
     /// Valid solutions come by GGA without RMC: no velocity, so no course; switch RMC on.
     NoVelocity,
-    /// Valid solutions come, with velocity.
+    /// Valid solutions come, with velocity; many receivers leave the course out while they stand
+    /// still.
     Sound,
 }

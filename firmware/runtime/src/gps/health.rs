@@ -19,7 +19,7 @@ pub struct Heard {
     pub solution: bool,
     /// A valid solution.
     pub valid: bool,
-    /// A valid solution with velocity.
+    /// A valid solution of a receiver that tells the velocity, if only where it moves.
     pub velocity: bool,
 }
 

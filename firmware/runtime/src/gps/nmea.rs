@@ -96,6 +96,11 @@ impl Decoder {
         self.time_ms
     }
 
+    /// Whether a valid RMC is part of the current epoch, even if it leaves the course out.
+    pub(super) fn has_rmc(&self) -> bool {
+        self.epoch.rmc.is_some_and(|rmc| rmc.is_valid)
+    }
+
     fn gga(&mut self, gga: Gga) -> Option<Solution> {
         if gga.time_ms.is_none() {
             // Only a receiver that has no fix has no time, and nothing else belongs to it.

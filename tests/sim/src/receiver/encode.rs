@@ -82,6 +82,8 @@ impl Dialect {
     }
 }
 
+/// Slower than this the receiver leaves the course out, knots.
+const LEAST_SPEED_KN: f64 = 0.2;
 /// Knots in a metre a second.
 const KNOTS_PER_MPS: f64 = 3600.0 / 1852.0;
 /// Bytes of the payload of NAV-PVT.
@@ -133,11 +135,12 @@ fn frame(class: u8, identity: u8, payload: &[u8; PAYLOAD]) -> [u8; PAYLOAD + 8] 
 fn rmc(solution: &Solution) -> String {
     let (status, mode) = solution.mode.of_rmc();
     let speed = wide::hypot(solution.velocity_mps[0], solution.velocity_mps[1]) * KNOTS_PER_MPS;
+    let course =
+        if speed < LEAST_SPEED_KN { String::new() } else { format!("{:.2}", course_deg(solution)) };
     sentence(&format!(
-        "GNRMC,{},{status},{},{speed:.3},{:.2},010626,,,{mode}",
+        "GNRMC,{},{status},{},{speed:.3},{course},010626,,,{mode}",
         utc(solution),
         coordinates(solution.place),
-        course_deg(solution),
     ))
 }
 
@@ -215,6 +218,13 @@ mod tests {
             "$GNRMC,130101.25,A,3346.53600,N,08423.94001,W,2.749,315.00,010626,,,A*68\r\n\
              $GNGGA,130101.25,3346.53600,N,08423.94001,W,1,12,0.38,0.0,M,0.0,M,,*6E\r\n"
         );
+    }
+
+    #[test]
+    fn a_receiver_that_stands_still_leaves_the_course_out() {
+        let solution = Solution { velocity_mps: [0.05, 0.05], ..solution() };
+        let text = String::from_utf8(Dialect::Nmea.message(&solution)).expect("ASCII");
+        assert!(text.contains(",W,0.137,,010626,,,A*"), "{text}");
     }
 
     #[test]
