@@ -1,7 +1,7 @@
 //! Traces: what a robot saw, tick by tick, with the plans that it drove by.
 //!
 //! A tick is a pure function, so the percepts and the blob are enough to have the whole mission
-//! again, inside and out, bit for bit. The file holds the eight bytes `WAYTRACE`, the version (1)
+//! again, inside and out, bit for bit. The file holds the eight bytes `WAYTRACE`, the version (2)
 //! as `u16`, the trace hash of the mission as `u64`, the blob's length as `u32` and the blob, then
 //! for each tick the length as `u16` and the percepts in postcard; all numbers little-endian.
 
@@ -12,7 +12,7 @@ use robot_io::{Percepts, TraceHash};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"WAYTRACE";
-const VERSION: u16 = 1;
+const VERSION: u16 = 2;
 
 /// A mission as a robot saw it.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,7 +13,7 @@
 
 use math::{Vec2, scalar, vector};
 use plan_format::parameters::{Steering, Vehicle};
-use robot_io::{Commands, Percepts, Reason};
+use robot_io::{Commands, Percepts, Reason, Receiver};
 
 use crate::sense::COURSE_SPEED_MPS;
 
@@ -69,7 +69,9 @@ pub fn drive(vehicle: &Vehicle, blended: Vec2, heading_rad: f32, is_repelled: bo
 /// Straight ahead until the course over ground tells the heading; an error where that is not
 /// allowed or cannot succeed.
 pub fn creep(vehicle: &Vehicle, percepts: &Percepts) -> Result<Commands, Reason> {
-    let tells_course = percepts.fix.is_some_and(|fix| fix.velocity_mmps.is_some());
+    // Many receivers leave the course out while they stand still.
+    let tells_course = percepts.receiver == Receiver::Sound
+        || percepts.fix.is_some_and(|fix| fix.velocity_mmps.is_some());
     if vehicle.may_creep && tells_course && vehicle.max_speed_mps > COURSE_SPEED_MPS {
         let motion = Motion { speed_mps: CREEP_SPEED_MPS, turn_rate_radps: 0.0 };
         Ok(motion.because(Reason::NoHeading))
@@ -149,6 +151,8 @@ mod tests {
         let silent = Fix { velocity_mmps: None, ..fix };
         let silent = Percepts { fix: Some(silent), ..Percepts::default() };
         let able = vehicle(Differential);
+        let standing = Percepts { receiver: Receiver::Sound, ..silent.clone() };
+        assert_eq!(creep(&able, &standing).map(|c| c.speed_mps), Ok(CREEP_SPEED_MPS));
         let forbidden = Vehicle { may_creep: false, ..able };
         let slow = Vehicle { max_speed_mps: 0.5, ..able };
         assert_eq!(creep(&able, &moving).map(|c| c.speed_mps), Ok(CREEP_SPEED_MPS));

@@ -13,7 +13,7 @@
 use math::{Frame, Vec2, scalar, vector};
 use plan_format::Plan;
 use plan_format::parameters::FixPolicy;
-use robot_io::{Commands, Fix, Percepts, Reason};
+use robot_io::{Commands, Fix, Percepts, Reason, Receiver};
 use serde::{Deserialize, Serialize};
 
 /// Slower than this, the course over ground says nothing about the heading, m/s.
@@ -144,7 +144,8 @@ pub fn sense(plan: &Plan<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
         }
     }
     track.heading_rad = compass_rad.or(track.heading_rad);
-    Sensed { position: position(track, &plan.parameters().fixes), heading_rad: track.heading_rad }
+    let position = position(track, &plan.parameters().fixes, percepts);
+    Sensed { position, heading_rad: track.heading_rad }
 }
 
 fn carry_on(track: &mut Track, percepts: &Percepts, elapsed_s: f32, speed_mps: f32) {
@@ -165,10 +166,23 @@ fn course(fix: &Fix, frame: &Frame, is_astern: bool) -> Option<f32> {
     (vector::length(velocity) > COURSE_SPEED_MPS).then(|| vector::angle(ahead))
 }
 
-fn position(track: &Track, policy: &FixPolicy) -> Result<Vec2, Reason> {
+fn position(track: &Track, policy: &FixPolicy, percepts: &Percepts) -> Result<Vec2, Reason> {
     match &track.anchor {
         Some(anchor) if !track.is_stale(anchor.time_us, policy) => Ok(track.position_m.into()),
         Some(_) => Err(track.refusal.unwrap_or(Reason::StaleFix)),
-        None => Err(track.refusal.unwrap_or(Reason::NoFix)),
+        None => Err(track.refusal.unwrap_or_else(|| no_fix(percepts.receiver))),
+    }
+}
+
+/// Why no fix has ever come.
+fn no_fix(receiver: Receiver) -> Reason {
+    match receiver {
+        Receiver::Unreadable => Reason::UnreadableReceiver,
+        Receiver::Unchecked => Reason::UncheckedReceiver,
+        Receiver::NoPosition => Reason::NoPositionMessage,
+        Receiver::NoFix => Reason::PoorFix,
+        Receiver::Silent | Receiver::Heard | Receiver::NoVelocity | Receiver::Sound => {
+            Reason::NoFix
+        }
     }
 }

@@ -17,7 +17,8 @@ pub trait Robot {
     /// decreases; `None` ends the control task, which a real robot never does.
     async fn wait(&mut self) -> Option<u64>;
 
-    /// Fills in heading, odometry, ranges and operator. Time and fix are there already.
+    /// Fills in heading, odometry, ranges and operator. Time, fix and what is known of the
+    /// receiver are there already.
     async fn sense(&mut self, percepts: &mut Percepts);
 
     /// Called right before the tick, to start counting instructions where that can be done.
@@ -46,7 +47,9 @@ pub async fn control_task<M: RawMutex>(plan: Plan<'_>, robot: &mut impl Robot, f
     let mut state = State::new(&plan);
     let mut trace = TraceHash::default();
     while let Some(time_us) = robot.wait().await {
-        let mut percepts = Percepts { time_us, fix: fixes.latest(), ..Percepts::default() };
+        let receiver = fixes.receiver(time_us);
+        let mut percepts =
+            Percepts { time_us, fix: fixes.latest(), receiver, ..Percepts::default() };
         robot.sense(&mut percepts).await;
         let percepts = percepts.sanitised();
 
@@ -56,7 +59,8 @@ pub async fn control_task<M: RawMutex>(plan: Plan<'_>, robot: &mut impl Robot, f
 
         robot.keep(&percepts);
         trace.record(&percepts, &commands);
-        let record = CommandRecord { time_us, commands, trace_hash: trace.get(), instructions };
+        let trace_hash = trace.get();
+        let record = CommandRecord { time_us, commands, trace_hash, instructions, receiver };
         robot.act(&record).await;
         robot.feed_watchdog();
     }

@@ -115,7 +115,7 @@ mod tests {
     use embassy_futures::select::select;
     use embassy_sync::blocking_mutex::raw::NoopRawMutex;
     use embassy_sync::pipe::Pipe;
-    use robot_io::{Commands, Manual, Reason};
+    use robot_io::{Commands, Manual, Reason, Receiver};
 
     const ARMED: Operator = Operator { is_armed: true, is_emergency_stop: false, manual: None };
     const BY_HAND: Operator =
@@ -151,6 +151,7 @@ mod tests {
             commands: Commands::stop(Reason::NoFix),
             trace_hash: 1,
             instructions: 2,
+            receiver: Receiver::Silent,
         };
         let telemetry = Telemetry::<NoopRawMutex>::new();
         let wire = Pipe::<NoopRawMutex, 512>::new();

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::mission::{Changes, Scenario};
+use crate::mission::{Changes, Scenario, Start};
 use crate::setup::root;
-use crate::{Build, Machine};
+use crate::{Build, Machine, QemuPilot};
 use math::GeoPoint;
 use plan_compiler::bitmap::Bitmap;
 use plan_compiler::search::{Corners, solve};
@@ -12,6 +12,7 @@ use plan_format::mission::MissionDraft;
 use plan_format::{
     Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, pack, write,
 };
+use sim::{Dialect, ReceiverSettings, SensorSettings};
 
 /// A name and what may be counted for it at most.
 ///
@@ -27,6 +28,7 @@ pub const LIMITS: &[(&str, u64)] = &[
     ("behaviours-tick-stack-bytes", 8_192),
     ("worst-map-blob-validation", 30_000_000),
     ("worst-map-look-up-worst", 400),
+    ("guest-stack-bytes", 16_384),
 ];
 
 /// Where the counts stand that the tests hold.
@@ -36,10 +38,12 @@ pub fn golden() -> PathBuf {
 
 /// Counts on the emulated Cortex-M4F: a line of a name and a number each. The campus has the plans,
 /// the mission of [`soak::fixtures::budget`] the behaviours; and a look-up and a validation are
-/// counted once more on a map that packs badly.
+/// counted once more on a map that packs badly. The stack of the whole guest, tasks and executor
+/// included, is that of a mission on the campus.
 pub fn measure() -> Result<String, String> {
     let map: &Path = &root().join("tests/maps/campus.opar");
-    let plans = count(&Scenario::compile(map, &Changes::default())?.blob)?;
+    let campus = Scenario::compile(map, &Changes::default())?;
+    let plans = count(&campus.blob)?;
     let blob = soak::fixtures::blob(soak::fixtures::budget()).map_err(|error| error.to_string())?;
     let all = count(&blob)?;
     let behaviours = all.lines().filter(|line| line.starts_with("behaviours-"));
@@ -48,7 +52,30 @@ pub fn measure() -> Result<String, String> {
         .lines()
         .filter(|line| line.starts_with("blob-validation") || line.starts_with("look-up-worst"));
     let large = large.map(|line| format!("worst-map-{line}"));
-    Ok(behaviours.map(str::to_owned).chain(large).fold(plans, |said, line| said + &line + "\n"))
+    let stack = format!("guest-stack-bytes {}", guest_stack(&campus)?);
+    let more = behaviours.map(str::to_owned).chain(large).chain([stack]);
+    Ok(more.fold(plans, |said, line| said + &line + "\n"))
+}
+
+/// Bytes of stack that the guest uses at most in a minute of a mission, from reset on.
+fn guest_stack(scenario: &Scenario) -> Result<u64, String> {
+    const TICKS: usize = 1_200;
+    let world = scenario.world();
+    let position = scenario.draw_start(&world, 1).ok_or("the campus has no free place")?;
+    // Sentences take the longer way through the receiver's drivers.
+    let gps = ReceiverSettings { dialect: Dialect::Nmea, ..ReceiverSettings::ONE_METRE };
+    let sensors = SensorSettings { gps: Some(gps), ..SensorSettings::USUAL };
+    let start = Start { position, heading_rad: 0.5, seed: 1, sensors };
+    let said = |error: &dyn std::fmt::Display| error.to_string();
+    let mut pilot = QemuPilot::boot(Machine::CortexM4F, Build::Release, &scenario.blob)
+        .map_err(|error| said(&error))?;
+    let mut run = scenario.run(&world, &start, &mut pilot)?;
+    for _ in 0..TICKS {
+        run.step().map_err(|error| said(&error))?;
+    }
+    drop(run);
+    let report = pilot.finish().map_err(|error| said(&error))?;
+    report.get("stack-bytes").ok_or_else(|| format!("no stack in {}", report.console))
 }
 
 /// Cells along each side of the map that packs badly.

@@ -42,7 +42,7 @@ pub enum Reason {
     NoRoute,
     /// The position is outside the map.
     OffMap,
-    /// No fix has arrived yet.
+    /// No fix has arrived yet, and as far as can be told none was sent.
     NoFix,
     /// The last usable fix is too old.
     StaleFix,
@@ -68,4 +68,11 @@ pub enum Reason {
     Holding,
     /// No behaviour of the mission is critical.
     Idle,
+    /// No fix has arrived yet: what the receiver sends is no message. The baud rate is wrong or
+    /// the protocol unknown.
+    UnreadableReceiver,
+    /// No fix has arrived yet: the receiver's sentences have no checksum or a wrong one.
+    UncheckedReceiver,
+    /// No fix has arrived yet: the receiver sends messages, but none with a position.
+    NoPositionMessage,
 }

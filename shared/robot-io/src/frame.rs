@@ -135,7 +135,7 @@ fn crc16(bytes: &[u8]) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Commands, Manual, Reason};
+    use crate::{Commands, Manual, Reason, Receiver};
 
     /// What a stream of bytes says, one entry a sound frame.
     fn read_all(bytes: &[u8]) -> Vec<Uplink, 8> {
@@ -194,6 +194,7 @@ mod tests {
             commands: Commands { speed_mps: 1.5, ..Commands::stop(Reason::Manual) },
             trace_hash: 0x0102_0300_0000_0004,
             instructions: u32::MAX,
+            receiver: Receiver::NoVelocity,
         };
         let frame = encode(&Downlink::Telemetry(record)).unwrap();
         let mut decoder = Decoder::default();

@@ -11,10 +11,12 @@ pub mod commands;
 pub mod frame;
 pub mod limits;
 pub mod percepts;
+pub mod receiver;
 pub mod record;
 pub mod trace;
 
 pub use commands::{Commands, Reason};
 pub use percepts::{Fix, Manual, Operator, Percepts, RangeReading};
+pub use receiver::Receiver;
 pub use record::{CommandRecord, SensorRecord};
 pub use trace::TraceHash;

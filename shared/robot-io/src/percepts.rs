@@ -1,6 +1,7 @@
 //! What the robot knows at one tick.
 
 use crate::limits::{MAX_CHANNELS, MAX_RANGES};
+use crate::receiver::Receiver;
 use heapless::Vec;
 use math::{GeoPoint, scalar};
 use serde::{Deserialize, Serialize};
@@ -25,6 +26,8 @@ pub struct Percepts {
     pub inputs: [Option<f32>; MAX_CHANNELS],
     /// What the human in charge says.
     pub operator: Operator,
+    /// What the bytes of the GPS receiver add up to.
+    pub receiver: Receiver,
 }
 
 /// Which input channel carries what.
@@ -44,9 +47,9 @@ pub mod channel {
 pub struct Fix {
     /// When its last byte arrived, on the clock of [`Percepts::time_us`].
     pub time_us: u64,
-    /// Whether the receiver vouches for it (NAV-PVT: gnssFixOK, fix type 2 to 4, position
-    /// not invalid; NMEA: quality 1 to 5 and mode A or D, that is, measured and not estimated,
-    /// set by hand or simulated).
+    /// Whether the receiver vouches for it as measured: not estimated, set by hand or simulated
+    /// (NAV-PVT: gnssFixOK, fix type 2 to 4, position not invalid; NMEA: quality 1 to 5 or 9,
+    /// and no RMC that says anything but valid).
     pub is_valid: bool,
     /// Where.
     pub place: GeoPoint,
@@ -117,6 +120,7 @@ impl Percepts {
                 }),
                 ..self.operator
             },
+            receiver: self.receiver,
         }
     }
 }

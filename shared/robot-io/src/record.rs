@@ -7,7 +7,7 @@
 use crate::limits::{
     COMMAND_RECORD_BYTES, MAX_CHANNELS, MAX_GPS_BYTES, MAX_RANGES, SENSOR_RECORD_BYTES,
 };
-use crate::{Commands, Operator, RangeReading};
+use crate::{Commands, Operator, RangeReading, Receiver};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +41,8 @@ pub struct CommandRecord {
     pub trace_hash: u64,
     /// Instructions that the tick took, where that can be counted; else 0.
     pub instructions: u32,
+    /// How the GPS receiver fares.
+    pub receiver: Receiver,
 }
 
 impl SensorRecord {
@@ -110,6 +112,7 @@ mod tests {
             commands,
             trace_hash: u64::MAX,
             instructions: u32::MAX,
+            receiver: Receiver::Sound,
         };
         assert_eq!(CommandRecord::from_bytes(&record.to_bytes().unwrap()), Some(record));
         assert_eq!(CommandRecord::from_bytes(&[0xff; COMMAND_RECORD_BYTES]), None);

@@ -45,7 +45,7 @@ impl TraceHash {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Fix, Manual, Operator, RangeReading};
+    use crate::{Fix, Manual, Operator, RangeReading, Receiver};
     use math::GeoPoint;
 
     #[test]
@@ -60,6 +60,7 @@ mod tests {
                 accuracy_mm: u32::MAX,
                 velocity_mmps: Some([i32::MIN; 2]),
             }),
+            receiver: Receiver::Sound,
             heading_rad: Some(1.0),
             speed_mps: Some(1.0),
             turn_rate_radps: Some(1.0),

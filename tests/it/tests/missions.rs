@@ -17,6 +17,7 @@ use sim::{
 use std::sync::{Arc, OnceLock};
 
 mod faults;
+mod receivers;
 mod starts;
 
 /// Everything that the missions on the campus share.

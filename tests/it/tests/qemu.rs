@@ -14,7 +14,7 @@ use math::{GeoPoint, Vec2};
 use plan_format::parameters::Gains;
 use robot_io::frame::{Decoder, Downlink};
 use robot_io::{CommandRecord, Reason, SensorRecord};
-use sim::receiver::{Dialect, Solution};
+use sim::receiver::{Dialect, Mode, Solution};
 use sim::{HostPilot, Outcome, Pilot, SensorSettings};
 
 fn campus(gains: Gains) -> Scenario {
@@ -152,7 +152,7 @@ fn fixes_arrive_and_telemetry_leaves_by_uart() {
             let place: GeoPoint = frame.to_geodetic(Vec2::new(125.5, 60.0 + time_us as f32 * 1e-6));
             let velocity_mps = [0.0, 1.0];
             let solution =
-                Solution { time_us, place, velocity_mps, accuracy_m: 0.5, is_valid: true };
+                Solution { time_us, place, velocity_mps, accuracy_m: 0.5, mode: Mode::Autonomous };
             to_guest.write_all(&Dialect::Ubx.message(&solution)).expect("the guest listens");
             to_guest.flush().expect("the guest listens");
         }

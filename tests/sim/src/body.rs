@@ -20,6 +20,9 @@ pub struct Chassis {
     pub max_turn_rate_radps: f64,
     /// Change of the turn rate, rad/s^2.
     pub turn_acceleration_radps2: f64,
+    /// Turn rate that unequal wheels add while they roll, rad/s counter-clockwise. No sensor on
+    /// the wheels notices it.
+    pub drift_radps: f64,
 }
 
 impl Default for Chassis {
@@ -31,6 +34,7 @@ impl Default for Chassis {
             braking_mps2: 3.0,
             max_turn_rate_radps: 1.5,
             turn_acceleration_radps2: 6.0,
+            drift_radps: 0.0,
         }
     }
 }
@@ -115,7 +119,8 @@ impl Body {
 
     /// Moves along the arc that speed and turn rate make.
     fn coast(&mut self, seconds: f64) {
-        let turn = self.turn_rate_radps * seconds;
+        let drift_radps = if self.speed_mps == 0.0 { 0.0 } else { self.chassis.drift_radps };
+        let turn = (self.turn_rate_radps + drift_radps) * seconds;
         // The chord of the arc has the mean heading; its length differs from the arc's by
         // turn^2 / 24, less than a thousandth at these turn rates.
         let heading = self.heading_rad + turn / 2.0;
@@ -164,6 +169,22 @@ mod tests {
         let way: f64 = (0..100).map(|_| body.step(&stop, &world, 0.05).distance_m).sum();
         assert!((way - 0.62).abs() < 0.06, "braking from 2 m/s at 3 m/s^2 took {way} m");
         assert_eq!(body.speed_mps, 0.0);
+    }
+
+    #[test]
+    fn unequal_wheels_turn_a_body_that_rolls_and_not_one_that_stands() {
+        let world = World::new([]);
+        let chassis = Chassis { drift_radps: 0.03, ..Chassis::default() };
+        let mut body = Body::new(chassis, [0.0, 0.0], 0.0);
+        for _ in 0..200 {
+            body.step(&ahead(0.0, 0.0), &world, 0.05);
+        }
+        assert_eq!(body.heading_rad, 0.0);
+        for _ in 0..200 {
+            body.step(&ahead(1.0, 0.0), &world, 0.05);
+        }
+        assert!((body.heading_rad - 0.3).abs() < 1e-9, "{body:?}");
+        assert_eq!(body.turn_rate_radps, 0.0);
     }
 
     #[test]

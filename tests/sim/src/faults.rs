@@ -4,7 +4,7 @@
 //! intermittent): `Drop` with chance 1 is off, with less intermittent; `Freeze` is stuck,
 //! `Garble` garbage, `Jump` wrong, `Delay` delayed. Decorators nest, so faults combine.
 
-use crate::{Random, Scene, Sensors, Stream};
+use crate::{Mode, Random, Scene, Sensors, Stream};
 use robot_io::SensorRecord;
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -33,6 +33,8 @@ pub enum Fault {
         /// 0 to 1.
         chance: f64,
     },
+    /// The GPS receiver works in another mode.
+    Mode(Mode),
     /// Data arrives this much later.
     Delay {
         /// Whole ticks.
@@ -109,10 +111,15 @@ impl<S: Sensors> Sensors for Faulty<S> {
         if let (true, Channel::Gps, Fault::Jump { offset }) = (fails, self.channel, self.fault) {
             scene.antenna = [scene.antenna[0] + offset[0], scene.antenna[1] + offset[1]];
         }
+        if let (true, Channel::Gps, Fault::Mode(mode)) = (fails, self.channel, self.fault) {
+            scene.mode = mode;
+        }
         let mut record = self.inner.sense(&scene);
         match self.fault {
             Fault::Delay { ticks } => self.delayed(&mut record, fails, ticks),
             Fault::Freeze if !fails => self.frozen = None,
+            // The receiver was told before it looked.
+            Fault::Mode(_) => {}
             _ if !fails => {}
             Fault::Drop { chance } => {
                 if self.random.chance(chance) {
@@ -235,8 +242,9 @@ mod tests {
             .map(|i| {
                 let (time_us, tick_us) = (i * 1_000_000, 1_000_000);
                 let antenna = body.position;
+                let mode = Mode::Autonomous;
                 let record =
-                    sensors.sense(&Scene { world: &world, body, antenna, time_us, tick_us });
+                    sensors.sense(&Scene { world: &world, body, antenna, mode, time_us, tick_us });
                 let numbers: Vec<String> = match channel {
                     Channel::Gps => record.gps.iter().map(u8::to_string).collect(),
                     _ => record.heading_rad.iter().map(f32::to_string).collect(),
@@ -265,8 +273,8 @@ mod tests {
     fn a_jump_moves_the_antenna_and_not_the_body() {
         let world = World::new([]);
         let body = Body::new(Chassis::default(), [1.0, 0.0], 0.0);
-        let scene =
-            Scene { world: &world, body, antenna: body.position, time_us: 0, tick_us: 50_000 };
+        let (antenna, mode) = (body.position, Mode::Autonomous);
+        let scene = Scene { world: &world, body, antenna, mode, time_us: 0, tick_us: 50_000 };
         let jump = Fault::Jump { offset: [50.0, 0.0] };
         let mut sensors = Faulty::new(Counter(0), jump, Channel::Gps, 0.0..1.0, 1);
         assert_eq!(sensors.sense(&scene).speed_mps, Some(51.0));

@@ -30,7 +30,7 @@ pub use faults::{Channel, Fault, Faulty};
 pub use mission::{Ending, Limits, Outcome, Run};
 pub use pilot::{HostPilot, Pilot, PilotError};
 pub use random::{Random, Stream};
-pub use receiver::{Dialect, Receiver, ReceiverSettings};
+pub use receiver::{Dialect, Mode, Receiver, ReceiverSettings};
 pub use sensors::{RingSettings, Scene, SensorSettings, SensorSuite, Sensors};
 pub use surroundings::Surroundings;
 pub use world::{Nearest, World};

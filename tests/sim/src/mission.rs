@@ -1,7 +1,7 @@
 //! One mission: world, body, sensors and pilot tick by tick, and what came of it.
 
 use crate::body::distance;
-use crate::{Body, Pilot, PilotError, Point, Scene, Sensors, Surroundings, World};
+use crate::{Body, Mode, Pilot, PilotError, Point, Scene, Sensors, Surroundings, World};
 use robot_io::{Commands, Reason};
 
 /// Obstacles farther from the body than this do not matter for the closest approach, metres.
@@ -130,6 +130,7 @@ impl<'w, S: Sensors, P: Pilot> Run<'w, S, P> {
             world: self.world,
             body: self.body,
             antenna: self.body.position,
+            mode: Mode::Autonomous,
             time_us,
             tick_us: self.limits.tick_us,
         });
@@ -221,7 +222,7 @@ mod tests {
     use crate::{Chassis, SensorSettings, SensorSuite};
     use math::GeoPoint;
     use plan_compiler::map::{Reference, Shape};
-    use robot_io::{CommandRecord, SensorRecord};
+    use robot_io::{CommandRecord, Receiver, SensorRecord};
 
     /// Drives straight ahead and says that it is at the goal after so many ticks.
     struct Straight(u64);
@@ -231,7 +232,14 @@ mod tests {
             self.0 = self.0.saturating_sub(1);
             let reason = if self.0 == 0 { Reason::AtGoal } else { Reason::Driving };
             let commands = Commands { speed_mps: 1.0, ..Commands::stop(reason) };
-            Ok(CommandRecord { time_us: 0, commands, trace_hash: self.0, instructions: 0 })
+            let receiver = Receiver::Sound;
+            Ok(CommandRecord {
+                time_us: 0,
+                commands,
+                trace_hash: self.0,
+                instructions: 0,
+                receiver,
+            })
         }
     }
 

@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 
 mod encode;
 
-pub use encode::{Dialect, Solution};
+pub use encode::{Dialect, Mode, Solution};
 
 /// How a receiver works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +65,7 @@ pub struct Receiver {
     heading_rad: f64,
     random: Random,
     error_m: Point,
+    mode: Mode,
     solved: u64,
     /// Messages that are not yet on the line, with the time when they get there.
     waiting: VecDeque<(u64, Vec<u8>)>,
@@ -84,11 +85,18 @@ impl Receiver {
             heading_rad: reference.heading_rad,
             random,
             error_m,
+            mode: Mode::Autonomous,
             solved: 0,
             waiting: VecDeque::new(),
             line: VecDeque::new(),
             room: 0.0,
         }
+    }
+
+    /// The same in this mode from now on.
+    pub fn in_mode(&mut self, mode: Mode) -> &mut Self {
+        self.mode = mode;
+        self
     }
 
     /// The bytes that arrive by `time_us`, at most `most`, when the antenna is at a point of
@@ -126,7 +134,8 @@ impl Receiver {
 
     fn solve(&mut self, time_us: u64, antenna: Point, velocity: Point) -> Solution {
         self.wander();
-        let at = [antenna[0] + self.error_m[0], antenna[1] + self.error_m[1]];
+        let share = self.mode.share_of_error();
+        let at = [0, 1].map(|axis| antenna[axis] + share * self.error_m[axis]);
         let (c, s) = (wide::cos(self.heading_rad), wide::sin(self.heading_rad));
         let true_velocity = [c * velocity[0] + s * velocity[1], c * velocity[1] - s * velocity[0]];
         Solution {
@@ -134,8 +143,8 @@ impl Receiver {
             place: self.place(at),
             velocity_mps: true_velocity
                 .map(|v| v + self.settings.velocity_sigma_mps * self.random.normal()),
-            accuracy_m: (self.settings.sigma_m * std::f64::consts::SQRT_2).max(0.02),
-            is_valid: true,
+            accuracy_m: (share * self.settings.sigma_m * std::f64::consts::SQRT_2).max(0.02),
+            mode: self.mode,
         }
     }
 

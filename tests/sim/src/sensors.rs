@@ -1,6 +1,6 @@
 //! The robot's sensors: what they report of the true state of things.
 
-use crate::{Body, Point, Random, Receiver, ReceiverSettings, Stream, World};
+use crate::{Body, Mode, Point, Random, Receiver, ReceiverSettings, Stream, World};
 use plan_compiler::map::Reference;
 use robot_io::limits::{MAX_GPS_BYTES, MAX_RANGES};
 use robot_io::{Operator, RangeReading, SensorRecord};
@@ -19,6 +19,8 @@ pub struct Scene<'w> {
     /// Where the satellites' signals put the antenna: at the body's centre, unless a fault
     /// moves it.
     pub antenna: Point,
+    /// How the GPS receiver works: as it should, unless a fault changes that.
+    pub mode: Mode,
     /// Since the start of the mission.
     pub time_us: u64,
     /// Since the last look.
@@ -148,7 +150,7 @@ impl Sensors for SensorSuite {
     fn sense(&mut self, scene: &Scene<'_>) -> SensorRecord {
         let body = &scene.body;
         let gps = self.receiver.as_mut().map(|receiver| {
-            receiver.bytes(
+            receiver.in_mode(scene.mode).bytes(
                 scene.time_us,
                 scene.tick_us,
                 scene.antenna,

@@ -66,6 +66,7 @@ impl<'a> World<'a> {
             ranges,
             inputs: self.inputs,
             operator: self.operator,
+            ..Percepts::default()
         }
     }
 

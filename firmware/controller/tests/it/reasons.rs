@@ -5,7 +5,7 @@ use math::{GeoPoint, Vec2};
 use plan_format::mission::{ActionKind, Label};
 use plan_format::parameters::{Gains, OnTrouble};
 use plan_format::{Parameters, Plan};
-use robot_io::{Manual, Operator, Percepts, Reason};
+use robot_io::{Manual, Operator, Percepts, Reason, Receiver};
 
 /// Goal in the east; a walled-in pocket in the west; an obstacle in the middle.
 const MAP: &str = "
@@ -66,14 +66,21 @@ fn index_of(reason: Reason) -> usize {
         NoOrigin,
         Holding,
         Idle,
+        UnreadableReceiver,
+        UncheckedReceiver,
+        NoPositionMessage,
     ];
     match reason {
         Driving | AtGoal | Escaping | NoPlan | NoRoute | OffMap | NoFix | StaleFix | PoorFix
         | JumpedFix | DistantFix | NoHeading | ObstacleStop | Disarmed | EmergencyStop | Manual
-        | NoOrigin | Holding | Idle => {
-            all.iter().position(|&other| other == reason).expect("it is listed")
-        }
+        | NoOrigin | Holding | Idle | UnreadableReceiver | UncheckedReceiver
+        | NoPositionMessage => all.iter().position(|&other| other == reason).expect("it is listed"),
     }
+}
+
+/// Never a fix, and what the receiver's bytes add up to.
+fn heard(receiver: Receiver) -> impl Fn(usize, &mut Percepts) {
+    move |_, percepts| (percepts.fix, percepts.receiver) = (None, receiver)
 }
 
 type Case<'a> =
@@ -117,6 +124,11 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         p.fix.as_mut().unwrap().place = GeoPoint { lat_e7: 0, lon_e7: 0 }
     };
     let no_fix = |_: usize, p: &mut Percepts| p.fix = None;
+    let unreadable = heard(Receiver::Unreadable);
+    let unchecked = heard(Receiver::Unchecked);
+    let no_position = heard(Receiver::NoPosition);
+    let no_solution = heard(Receiver::NoFix);
+    let silent = heard(Receiver::Silent);
     let no_compass = |_: usize, p: &mut Percepts| p.heading_rad = None;
     let still = |_: usize, p: &mut Percepts| {
         p.heading_rad = None;
@@ -129,6 +141,7 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         p.operator.manual = Some(Manual { speed_mps: 1.0, turn_rate_radps: 0.0 });
     };
 
+    use Reason::{NoPositionMessage, UncheckedReceiver, UnreadableReceiver};
     let table: &[Case<'_>] = &[
         ("all is well", &stops, START, 1, &nothing, Reason::Driving, Drives),
         ("at the goal", &stops, GOAL, 1, &nothing, Reason::AtGoal, Stops),
@@ -138,6 +151,19 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         ("off the map", &stops, OUTSIDE, 1, &nothing, Reason::OffMap, Stops),
         ("off the map, undaunted", &goes_on, OUTSIDE, 1, &nothing, Reason::OffMap, Drives),
         ("never a fix", &stops, START, 9, &no_fix, Reason::NoFix, Stops),
+        (
+            "a receiver that is not understood",
+            &stops,
+            START,
+            9,
+            &unreadable,
+            UnreadableReceiver,
+            Stops,
+        ),
+        ("sentences without checksums", &stops, START, 9, &unchecked, UncheckedReceiver, Stops),
+        ("messages without a position", &stops, START, 9, &no_position, NoPositionMessage, Stops),
+        ("a receiver without a fix", &stops, START, 9, &no_solution, Reason::PoorFix, Stops),
+        ("a receiver that is silent", &stops, START, 9, &silent, Reason::NoFix, Stops),
         ("the fix is frozen, 2 s", &stops, START, 41, &first_fix_only, Reason::Driving, Drives),
         ("the fix is frozen", &stops, START, 42, &first_fix_only, Reason::StaleFix, Stops),
         ("the fix is not valid", &stops, START, 1, &poor, Reason::PoorFix, Stops),
@@ -156,7 +182,7 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         ("nothing to do", &idle, START, 1, &nothing, Reason::Idle, Stops),
         ("no origin", &unknown_place, START, 1, &nothing, Reason::NoOrigin, Stops),
     ];
-    let mut reached = vec![false; 19];
+    let mut reached = vec![false; 22];
     for (name, blob, at, ticks, change, reason, does) in table {
         let plan = Plan::parse(blob).expect("the blob is sound");
         let (result, did) = after(*ticks, plan, *at, *change);

@@ -1,28 +1,44 @@
-//! NMEA 0183: RMC and GGA of one epoch, merged.
+//! NMEA 0183: GGA and RMC of one epoch, merged.
 //!
-//! GGA has quality and HDOP, RMC status and velocity; a solution needs both. Receivers send
-//! them in either order, with the same time. One that never sends RMC is recognised and
-//! served without velocity; RMC alone says nothing about accuracy and is never a solution.
-
-use math::{GeoPoint, scalar};
-use nmea0183::coords::{Hemisphere, Latitude, Longitude};
-use nmea0183::datetime::Time;
-use nmea0183::{GGA, GPSQuality, ParseResult, Parser, RMC, Sentence};
+//! GGA has the place, its quality and HDOP; RMC says whether to believe it, and the velocity.
+//! They belong to one epoch if they have the same time, in either order. What counts:
+//!
+//! | RMC | then a GGA of a measured quality is |
+//! |---|---|
+//! | valid, of the same epoch | a valid solution with velocity |
+//! | void, or not clearly valid, with or without a time | void, and so are all after it until an RMC of another epoch is valid |
+//! | none in this epoch | not served, as RMC may still come ... |
+//! | none in most epochs, or never | ... and where it rarely does, a valid solution without velocity |
+//!
+//! RMC alone says nothing about accuracy and is never a solution. A second talker adds nothing
+//! to an epoch whose GGA has a fix, and one without a fix takes nothing away.
 
 use super::Solution;
+use super::fields::{self, Gga, Rmc, Sentence, Talker};
+use super::sentence::{Heard, Reader};
 
-/// Metres a second in a knot.
-const MPS_PER_KNOT: f32 = 1_852.0 / 3_600.0;
-/// No robot of ours is faster; such a speed is nonsense, and its square would overflow.
-const MAX_SPEED_MPS: f32 = 1_000.0;
-/// Epochs with GGA alone after which RMC is no longer waited for.
-const LONE_EPOCHS: u8 = 2;
+/// What a byte completes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Message {
+    /// A solution.
+    Solution(Solution),
+    /// A GGA that is no solution yet.
+    Position,
+    /// A sentence that says nothing about the place.
+    Other,
+    /// A sentence without checksum or with a wrong one.
+    Unchecked,
+}
 
+#[derive(Default)]
 pub(super) struct Decoder {
-    parser: Parser,
+    reader: Reader,
     epoch: Epoch,
-    /// Epochs in a row that ended with GGA alone.
-    lone_epochs: u8,
+    pace: Pace,
+    /// The last RMC was void, and its time: no GGA counts until one of another time is valid.
+    void: Option<Option<u32>>,
+    /// Time of the last sentence that has one, milliseconds of the day.
+    time_ms: Option<u32>,
 }
 
 /// What has arrived of the current epoch.
@@ -30,166 +46,125 @@ pub(super) struct Decoder {
 struct Epoch {
     /// Milliseconds of the day.
     time_ms: Option<u32>,
-    gga: Option<Position>,
-    rmc: Option<Motion>,
+    gga: Option<Gga>,
+    rmc: Option<Rmc>,
 }
 
-/// What GGA says.
-#[derive(Clone, Copy)]
-struct Position {
-    is_valid: bool,
-    place: GeoPoint,
-    accuracy_mm: u32,
+/// Whether RMC comes with each GGA, learned from the epochs that are over.
+#[derive(Clone, Copy, Default)]
+struct Pace {
+    /// Rises with each epoch of GGA alone, falls with each that had both.
+    lone: u8,
+    /// RMC is not waited for.
+    is_lone: bool,
 }
 
-/// What RMC says beyond GGA.
-#[derive(Clone, Copy)]
-struct Motion {
-    is_valid: bool,
-    velocity_mmps: Option<[i32; 2]>,
-}
+impl Pace {
+    /// What an epoch of GGA alone adds; one with both takes away 1. So RMC that comes every
+    /// second time is not waited for, and one that is lost now and then is.
+    const STEP: u8 = 2;
+    /// Two epochs of GGA alone, one after the other, are enough to stop waiting.
+    const LONE_AT: u8 = 2 * Self::STEP;
+    /// How long both must come, at most, to wait again.
+    const MOST: u8 = 10;
 
-impl Default for Decoder {
-    fn default() -> Self {
-        Self { parser: parser(), epoch: Epoch::default(), lone_epochs: 0 }
+    fn learn(&mut self, epoch: &Epoch) {
+        match epoch {
+            Epoch { gga: None, .. } => return,
+            Epoch { rmc: Some(_), .. } => self.lone = self.lone.saturating_sub(1),
+            Epoch { rmc: None, .. } => self.lone = (self.lone + Self::STEP).min(Self::MOST),
+        }
+        self.is_lone = self.lone >= Self::LONE_AT || self.is_lone && self.lone > 0;
     }
-}
-
-fn parser() -> Parser {
-    Parser::new().sentence_filter(Sentence::RMC | Sentence::GGA)
 }
 
 impl Decoder {
-    pub(super) fn push(&mut self, byte: u8) -> Option<Solution> {
-        if byte == b'$' {
-            // No sentence contains this sign, but the parser knows that only while it waits
-            // for one: without a new start, a cut sentence would swallow the next.
-            self.parser = parser();
+    pub(super) fn push(&mut self, byte: u8) -> Option<Message> {
+        let sentence = match self.reader.push(byte)? {
+            Heard::Sentence(body) => fields::parse(body),
+            Heard::Unchecked => return Some(Message::Unchecked),
+        };
+        Some(match sentence {
+            Some(Sentence::Gga(gga)) => self.gga(gga).map_or(Message::Position, Message::Solution),
+            Some(Sentence::Rmc(rmc)) => self.rmc(rmc).map_or(Message::Other, Message::Solution),
+            None => Message::Other,
+        })
+    }
+
+    /// The receiver's clock, milliseconds of the day, as far as its sentences say it.
+    pub(super) fn time_ms(&self) -> Option<u32> {
+        self.time_ms
+    }
+
+    /// Whether a valid RMC is part of the current epoch, even if it leaves the course out.
+    pub(super) fn has_rmc(&self) -> bool {
+        self.epoch.rmc.is_some_and(|rmc| rmc.is_valid)
+    }
+
+    fn gga(&mut self, gga: Gga) -> Option<Solution> {
+        if gga.time_ms.is_none() {
+            // Only a receiver that has no fix has no time, and nothing else belongs to it.
+            return Some(solution(&gga, None));
         }
-        match self.parser.parse_from_byte(byte)? {
-            Ok(ParseResult::GGA(Some(gga))) => {
-                let position = position(&gga)?;
-                self.enter(&gga.time);
-                self.epoch.gga = Some(position);
-            }
-            Ok(ParseResult::RMC(Some(rmc))) => {
-                self.enter(&rmc.datetime.time);
-                self.epoch.rmc = Some(motion(&rmc));
-            }
-            _ => return None,
+        self.enter(gga.time_ms, self.epoch.gga.map(|gga| gga.talker), gga.talker);
+        if self.epoch.gga.is_some_and(|first| first.has_fix || !gga.has_fix) {
+            return None;
         }
+        self.epoch.gga = Some(gga);
         self.solution()
     }
 
-    /// Begins a new epoch if `time` is not the current one's.
-    fn enter(&mut self, time: &Time) {
-        let time_ms = Some(milliseconds(time));
-        if self.epoch.time_ms == time_ms {
+    fn rmc(&mut self, rmc: Rmc) -> Option<Solution> {
+        if !rmc.is_valid {
+            return self.void(rmc);
+        }
+        // One without a time belongs to nothing.
+        rmc.time_ms?;
+        self.enter(rmc.time_ms, self.epoch.rmc.map(|rmc| rmc.talker), rmc.talker);
+        if self.void.is_some_and(|void_ms| void_ms != rmc.time_ms) {
+            self.void = None;
+        }
+        if self.epoch.rmc.is_some() {
+            return None;
+        }
+        self.epoch.rmc = Some(rmc);
+        self.solution()
+    }
+
+    /// A void RMC: of the current epoch if it does not say which, and of all GGA to come.
+    fn void(&mut self, rmc: Rmc) -> Option<Solution> {
+        if rmc.time_ms.is_some() {
+            self.enter(rmc.time_ms, self.epoch.rmc.map(|rmc| rmc.talker), rmc.talker);
+        }
+        self.void = Some(self.epoch.time_ms);
+        self.epoch.rmc = Some(rmc);
+        self.solution()
+    }
+
+    /// Begins a new epoch if `time_ms` is not the current one's, or if its talker has said such a
+    /// sentence already: some receivers print whole seconds however often they send.
+    fn enter(&mut self, time_ms: Option<u32>, said: Option<Talker>, talker: Talker) {
+        self.time_ms = time_ms;
+        if self.epoch.time_ms == time_ms && said != Some(talker) {
             return;
         }
-        match self.epoch {
-            Epoch { gga: Some(_), rmc: Some(_), .. } => self.lone_epochs = 0,
-            Epoch { gga: Some(_), rmc: None, .. } => {
-                self.lone_epochs = self.lone_epochs.saturating_add(1);
-            }
-            Epoch { gga: None, .. } => {}
-        }
+        self.pace.learn(&self.epoch);
         self.epoch = Epoch { time_ms, ..Epoch::default() };
     }
 
     /// The solution that the latest sentence completes.
     fn solution(&self) -> Option<Solution> {
-        let Position { is_valid, place, accuracy_mm } = self.epoch.gga?;
+        let gga = self.epoch.gga?;
         match self.epoch.rmc {
-            Some(motion) => Some(Solution {
-                is_valid: is_valid && motion.is_valid,
-                place,
-                accuracy_mm,
-                velocity_mmps: motion.velocity_mmps,
-            }),
-            None if self.lone_epochs >= LONE_EPOCHS => {
-                Some(Solution { is_valid, place, accuracy_mm, velocity_mmps: None })
-            }
+            _ if self.void.is_some() => Some(solution(&Gga { has_fix: false, ..gga }, None)),
+            Some(rmc) => Some(solution(&gga, rmc.velocity_mmps)),
+            None if self.pace.is_lone => Some(solution(&gga, None)),
             None => None,
         }
     }
 }
 
-fn position(gga: &GGA) -> Option<Position> {
-    let place =
-        GeoPoint { lat_e7: latitude_e7(&gga.latitude)?, lon_e7: longitude_e7(&gga.longitude)? };
-    let metres_per_hdop = metres_per_hdop(&gga.gps_quality);
-    // A DOP is positive; 0 and 99.99 are what receivers print when they have none.
-    let has_hdop = gga.hdop > 0.0 && gga.hdop < 99.0;
-    let accuracy_mm = match metres_per_hdop {
-        Some(metres) if has_hdop => (gga.hdop * metres * 1_000.0) as u32,
-        _ => u32::MAX,
-    };
-    let is_valid = metres_per_hdop.is_some() && has_hdop && place.is_valid();
-    Some(Position { is_valid, place, accuracy_mm })
-}
-
-/// Error of one satellite's range that becomes, times HDOP, the horizontal error (one
-/// sigma); `None` for qualities that are no measurement.
-///
-/// The GPS standard positioning service promises 7.8 m in 95 % of cases (its performance
-/// standard of 2008, user range error), a sigma of 4 m. Corrections by satellite or radio
-/// halve that; the two kinds of carrier phase solution are good to decimetres and
-/// centimetres, of which the values here are cautious sizes.
-fn metres_per_hdop(quality: &GPSQuality) -> Option<f32> {
-    match quality {
-        GPSQuality::GPS | GPSQuality::PPS => Some(4.0),
-        GPSQuality::DGPS => Some(2.0),
-        GPSQuality::FRTK => Some(0.5),
-        GPSQuality::RTK => Some(0.05),
-        GPSQuality::NoFix | GPSQuality::Estimated | GPSQuality::Manual | GPSQuality::Simulated => {
-            None
-        }
-    }
-}
-
-fn motion(rmc: &RMC) -> Motion {
-    let speed_mps = rmc.speed.as_knots() * MPS_PER_KNOT;
-    let velocity_mmps = match rmc.course.as_ref().map(|course| course.degrees) {
-        // Receivers that stand still leave the course out.
-        None if speed_mps == 0.0 => Some([0, 0]),
-        Some(degrees) if degrees.is_finite() && (0.0..=MAX_SPEED_MPS).contains(&speed_mps) => {
-            // Clockwise from north.
-            let course_rad = scalar::wrap_angle(degrees.to_radians());
-            let mmps = speed_mps * 1_000.0;
-            Some([(mmps * scalar::sin(course_rad)) as i32, (mmps * scalar::cos(course_rad)) as i32])
-        }
-        _ => None,
-    };
-    Motion { is_valid: rmc.mode.is_valid(), velocity_mmps }
-}
-
-/// The parser admits seconds up to 60 only, so this cannot overflow.
-fn milliseconds(time: &Time) -> u32 {
-    let minutes = u32::from(time.hours) * 60 + u32::from(time.minutes);
-    minutes * 60_000 + (time.seconds * 1_000.0) as u32
-}
-
-fn latitude_e7(latitude: &Latitude) -> Option<i32> {
-    let magnitude = angle_e7(latitude.degrees, latitude.minutes, latitude.seconds)?;
-    Some(if latitude.hemisphere == Hemisphere::South { -magnitude } else { magnitude })
-}
-
-fn longitude_e7(longitude: &Longitude) -> Option<i32> {
-    let magnitude = angle_e7(longitude.degrees, longitude.minutes, longitude.seconds)?;
-    Some(if longitude.hemisphere == Hemisphere::West { -magnitude } else { magnitude })
-}
-
-/// Units of 1e-7 degrees, rounded to nearest; `None` for what is no angle on the globe.
-fn angle_e7(degrees: u8, minutes: u8, seconds: f32) -> Option<i32> {
-    // The parser takes whole minutes off what it prints as seconds, so a minute's worth of
-    // them is the most that is left.
-    if degrees > 180 || minutes >= 60 || !(0.0..=60.0).contains(&seconds) {
-        return None;
-    }
-    let micro_arcseconds = i64::from(degrees) * 3_600_000_000
-        + i64::from(minutes) * 60_000_000
-        + (f64::from(seconds) * 1e6) as i64;
-    // A unit is 360 micro-arcseconds.
-    i32::try_from((micro_arcseconds + 180) / 360).ok()
+fn solution(gga: &Gga, velocity_mmps: Option<[i32; 2]>) -> Solution {
+    let &Gga { has_fix: is_valid, place, accuracy_mm, .. } = gga;
+    Solution { is_valid, place, accuracy_mm, velocity_mmps }
 }

@@ -20,7 +20,7 @@ mod counts {
     use guest::counter::Counter;
     use math::Vec2;
     use plan_format::{Answer, Layer, ParallelPlan, Plan};
-    use robot_io::{Fix, Operator, Percepts, RangeReading, Reason};
+    use robot_io::{Fix, Operator, Percepts, RangeReading, Reason, Receiver};
     use semihosting::println;
 
     /// Points in each direction at which the plan is asked.
@@ -188,6 +188,7 @@ mod counts {
                 accuracy_mm: 500,
                 velocity_mmps: Some([300, -200]),
             }),
+            receiver: Receiver::Sound,
             heading_rad: Some(math::scalar::wrap_angle(turn_rad)),
             speed_mps: Some(1.0),
             turn_rate_radps: Some(0.1),

@@ -1,12 +1,14 @@
-//! Links only if no panic can be reached from what reads a blob or ticks.
+//! Links only if no panic can be reached from what reads a blob, ticks, or reads and writes what
+//! crosses the robot's skin.
 //!
 //! Its panic handler calls a function that does not exist. The linker drops the handler if
 //! nothing can panic, and otherwise names that function as missing. Never run. Only of release
 //! images: debug ones check for overflow, and that check is a panic.
 //!
-//! Covered: validation, look-ups, the whole tick with its behaviours, trace hash, records and
-//! the link's frames. Deliberately absent: the parsers of UBX and NMEA, which are made by others
-//! and can panic as far as the compiler sees, and the executor.
+//! Covered: validation, look-ups, the whole tick with its behaviours, trace hash, records, the
+//! frames of the link both ways, and the receiver's drivers from bytes to fix and verdict.
+//! Deliberately absent: the polling of the tasks around them and the executor, whose code is
+//! made by others and can panic as far as the compiler sees, and the drivers of the board.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -15,9 +17,11 @@ mod gate {
 
     use controller::State;
     use core::hint::black_box;
+    use embassy_sync::blocking_mutex::raw::NoopRawMutex;
     use plan_format::{Answer, Plan};
-    use robot_io::frame::{Decoder, Uplink};
+    use robot_io::frame::{Decoder, Downlink, Uplink, encode};
     use robot_io::{CommandRecord, Percepts, SensorRecord, TraceHash};
+    use runtime::{FixSlot, gps};
 
     unsafe extern "C" {
         fn a_panic_can_be_reached() -> !;
@@ -37,22 +41,44 @@ mod gate {
             let mut state = State::new(&plan);
             let mut trace = TraceHash::default();
             let mut link = Decoder::default();
+            let mut receiver = gps::Decoder::default();
+            let fixes = FixSlot::<NoopRawMutex>::new();
             loop {
+                hear(&mut receiver, &fixes);
                 black_box(link.push::<Uplink>(black_box(0)));
-                let percepts: Percepts = black_box(Percepts::default());
+                let time_us = black_box(0);
+                let percepts = Percepts {
+                    time_us,
+                    fix: fixes.latest(),
+                    receiver: fixes.receiver(time_us),
+                    ..black_box(Percepts::default())
+                };
                 let commands = controller::tick(&plan, &mut state, &percepts);
                 trace.record(&percepts, &commands);
                 let record = CommandRecord {
-                    time_us: 0,
+                    time_us,
                     commands,
                     trace_hash: trace.get(),
                     instructions: 0,
+                    receiver: percepts.receiver,
                 };
+                black_box(encode(&Downlink::Telemetry(record)));
                 black_box(record.to_bytes());
                 black_box(SensorRecord::from_bytes(region));
             }
         }
         cortex_m::asm::udf()
+    }
+
+    /// What the GPS task does with the bytes of a piece.
+    fn hear(receiver: &mut gps::Decoder, fixes: &FixSlot<NoopRawMutex>) {
+        let now_us = black_box(0);
+        for &byte in black_box(&[0; 64]) {
+            if let Some(solution) = receiver.push(byte) {
+                fixes.store(solution.at(now_us));
+            }
+        }
+        fixes.hear(now_us, &receiver.take_heard());
     }
 
     fn look_up(plan: &Plan<'_>) {

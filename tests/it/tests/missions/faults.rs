@@ -13,15 +13,18 @@ const FAILURE_S: Range<f64> = 20.0..30.0;
 
 /// What the robot did in one tick.
 #[derive(Clone, Copy, Debug)]
-struct Moment {
-    time_s: f64,
-    reason: Reason,
-    speed_mps: f32,
-    at: Point,
+pub(super) struct Moment {
+    pub(super) time_s: f64,
+    pub(super) reason: Reason,
+    pub(super) speed_mps: f32,
+    pub(super) at: Point,
 }
 
 /// Drives to the end, or to `until_s`.
-fn watch<S: Sensors, P: Pilot>(mut run: Run<'_, S, P>, until_s: f64) -> (Vec<Moment>, Outcome) {
+pub(super) fn watch<S: Sensors, P: Pilot>(
+    mut run: Run<'_, S, P>,
+    until_s: f64,
+) -> (Vec<Moment>, Outcome) {
     let mut moments = Vec::new();
     while run.outcome().ending.is_none() && run.outcome().time_s < until_s {
         let time_s = run.outcome().time_s;
@@ -33,7 +36,10 @@ fn watch<S: Sensors, P: Pilot>(mut run: Run<'_, S, P>, until_s: f64) -> (Vec<Mom
 }
 
 /// The moments within a window of time.
-fn within(moments: &[Moment], window_s: Range<f64>) -> impl Iterator<Item = &Moment> + Clone {
+pub(super) fn within(
+    moments: &[Moment],
+    window_s: Range<f64>,
+) -> impl Iterator<Item = &Moment> + Clone {
     moments.iter().filter(move |moment| window_s.contains(&moment.time_s))
 }
 

@@ -24,8 +24,52 @@ pub struct Solution {
     pub velocity_mps: [f64; 2],
     /// What the receiver says of its horizontal accuracy, metres.
     pub accuracy_m: f64,
-    /// Whether it vouches for the position.
-    pub is_valid: bool,
+    /// What kind of solution it is.
+    pub mode: Mode,
+}
+
+/// What kind of solution a receiver has worked out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// A fix by satellites alone.
+    Autonomous,
+    /// A fix by the phase of the carrier and a reference station, to centimetres (RTK).
+    Fixed,
+    /// A place that the receiver does not vouch for: RMC says void, while GGA goes on as if
+    /// nothing was.
+    Void,
+    /// No place at all.
+    NoFix,
+}
+
+impl Mode {
+    /// What is left of the error of a fix by satellites alone.
+    pub(super) fn share_of_error(self) -> f64 {
+        if self == Self::Fixed { 0.02 } else { 1.0 }
+    }
+
+    fn is_valid(self) -> bool {
+        matches!(self, Self::Autonomous | Self::Fixed)
+    }
+
+    /// Status of RMC, and its mode with the nav status where version 4.1 has one.
+    fn of_rmc(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Autonomous => ("A", "A"),
+            Self::Fixed => ("A", "R,V"),
+            Self::Void | Self::NoFix => ("V", "N"),
+        }
+    }
+
+    /// Quality of GGA, and the error that it means for an HDOP of 1, metres: for a fix by
+    /// satellites alone the standard positioning service's. Both as the robot's driver assumes.
+    fn of_gga(self) -> (u8, f64) {
+        match self {
+            Self::Autonomous | Self::Void => (1, 4.0),
+            Self::Fixed => (4, 0.05),
+            Self::NoFix => (0, 4.0),
+        }
+    }
 }
 
 impl Dialect {
@@ -38,9 +82,8 @@ impl Dialect {
     }
 }
 
-/// Horizontal error for an HDOP of 1 and no corrections, metres: the standard positioning
-/// service's, and what the robot's driver assumes.
-const METRES_PER_HDOP: f64 = 4.0;
+/// Slower than this the receiver leaves the course out, knots.
+const LEAST_SPEED_KN: f64 = 0.2;
 /// Knots in a metre a second.
 const KNOTS_PER_MPS: f64 = 3600.0 / 1852.0;
 /// Bytes of the payload of NAV-PVT.
@@ -56,7 +99,9 @@ fn ubx_nav_pvt(solution: &Solution) -> [u8; PAYLOAD + 8] {
     put(4, &2026_u16.to_le_bytes());
     put(6, &[6, 1, hour, minute, second, 0b111]);
     put(16, &((solution.time_us % 1_000_000 * 1_000) as i32).to_le_bytes());
-    put(20, &[if solution.is_valid { 3 } else { 0 }, u8::from(solution.is_valid), 0, 12]);
+    let is_valid = solution.mode.is_valid();
+    let fix_type = if solution.mode == Mode::NoFix { 0 } else { 3 };
+    put(20, &[fix_type, u8::from(is_valid), 0, 12]);
     put(24, &solution.place.lon_e7.to_le_bytes());
     put(28, &solution.place.lat_e7.to_le_bytes());
     put(40, &millimetres(solution.accuracy_m).to_le_bytes());
@@ -69,7 +114,7 @@ fn ubx_nav_pvt(solution: &Solution) -> [u8; PAYLOAD + 8] {
     put(68, &100_u32.to_le_bytes());
     put(72, &500_000_u32.to_le_bytes());
     put(76, &120_u16.to_le_bytes());
-    put(78, &[u8::from(!solution.is_valid), 0]);
+    put(78, &[u8::from(!is_valid), 0]);
     frame(0x01, 0x07, &payload)
 }
 
@@ -88,19 +133,20 @@ fn frame(class: u8, identity: u8, payload: &[u8; PAYLOAD]) -> [u8; PAYLOAD + 8] 
 }
 
 fn rmc(solution: &Solution) -> String {
-    let (status, mode) = if solution.is_valid { ("A", "A") } else { ("V", "N") };
+    let (status, mode) = solution.mode.of_rmc();
     let speed = wide::hypot(solution.velocity_mps[0], solution.velocity_mps[1]) * KNOTS_PER_MPS;
+    let course =
+        if speed < LEAST_SPEED_KN { String::new() } else { format!("{:.2}", course_deg(solution)) };
     sentence(&format!(
-        "GNRMC,{},{status},{},{speed:.3},{:.2},010626,,,{mode}",
+        "GNRMC,{},{status},{},{speed:.3},{course},010626,,,{mode}",
         utc(solution),
         coordinates(solution.place),
-        course_deg(solution),
     ))
 }
 
 fn gga(solution: &Solution) -> String {
-    let quality = u8::from(solution.is_valid);
-    let hdop = (solution.accuracy_m / METRES_PER_HDOP).max(0.01);
+    let (quality, metres_per_hdop) = solution.mode.of_gga();
+    let hdop = (solution.accuracy_m / metres_per_hdop).max(0.01);
     sentence(&format!(
         "GNGGA,{},{},{quality},12,{hdop:.2},0.0,M,0.0,M,,",
         utc(solution),
@@ -160,7 +206,7 @@ mod tests {
             place: GeoPoint { lat_e7: 337_756_000, lon_e7: -843_990_001 },
             velocity_mps: [-1.0, 1.0],
             accuracy_m: 1.5,
-            is_valid: true,
+            mode: Mode::Autonomous,
         }
     }
 
@@ -172,6 +218,28 @@ mod tests {
             "$GNRMC,130101.25,A,3346.53600,N,08423.94001,W,2.749,315.00,010626,,,A*68\r\n\
              $GNGGA,130101.25,3346.53600,N,08423.94001,W,1,12,0.38,0.0,M,0.0,M,,*6E\r\n"
         );
+    }
+
+    #[test]
+    fn a_receiver_that_stands_still_leaves_the_course_out() {
+        let solution = Solution { velocity_mps: [0.05, 0.05], ..solution() };
+        let text = String::from_utf8(Dialect::Nmea.message(&solution)).expect("ASCII");
+        assert!(text.contains(",W,0.137,,010626,,,A*"), "{text}");
+    }
+
+    #[test]
+    fn each_mode_is_said_in_both_sentences_and_in_the_frame() {
+        for (mode, sentences, frame) in [
+            (Mode::Autonomous, [",A,3346.53600,", ",A*", ",W,1,12,0.38,"], [3, 1]),
+            (Mode::Fixed, [",A,3346.53600,", ",R,V*", ",W,4,12,30.00,"], [3, 1]),
+            (Mode::Void, [",V,3346.53600,", ",N*", ",W,1,12,0.38,"], [3, 0]),
+            (Mode::NoFix, [",V,3346.53600,", ",N*", ",W,0,12,0.38,"], [0, 0]),
+        ] {
+            let solution = Solution { mode, ..solution() };
+            let text = String::from_utf8(Dialect::Nmea.message(&solution)).expect("ASCII");
+            assert!(sentences.iter().all(|part| text.contains(part)), "{mode:?}: {text}");
+            assert_eq!(Dialect::Ubx.message(&solution)[6 + 20..6 + 22], frame, "{mode:?}");
+        }
     }
 
     #[test]

@@ -1,0 +1,219 @@
+//! A receiver that never gives a solution says why: from its bytes to what telemetry and the
+//! robot's reason say, through the tasks that a board runs and a frame of the link.
+
+use std::cell::RefCell;
+
+use math::{GeoPoint, Vec2};
+use plan_format::parameters::Gains;
+use plan_format::{Origin, Parameters, Plan};
+use robot_io::frame::{self, Downlink};
+use robot_io::{Operator, Reason, Receiver, SensorRecord};
+use runtime::lockstep::{Link, run};
+
+const HOME: GeoPoint = GeoPoint { lat_e7: 337_756_180, lon_e7: -843_963_300 };
+const TICKS_A_SECOND: usize = 20;
+
+/// Reactive driving to a point 100 m east of home; no map, and no compass.
+fn eastward() -> Plan<'static> {
+    let parameters = Parameters { gains: Gains::REACTIVE_ONLY, ..Parameters::default() };
+    let origin = Origin { place: HOME, at_m: [0.0, 0.0], heading_rad: 0.0 };
+    Plan::without_map(parameters, Some(origin), Some(Vec2::new(100.0, 0.0)))
+}
+
+/// A link on whose one end bytes come from a receiver, and on whose other frames of telemetry
+/// are read.
+struct Wire<'a> {
+    /// What comes in each second.
+    seconds: std::vec::IntoIter<Vec<u8>>,
+    /// What is left of this second, in pieces of a tick each.
+    pieces: std::vec::IntoIter<Vec<u8>>,
+    said: &'a RefCell<Vec<(Receiver, Reason)>>,
+}
+
+impl Link for Wire<'_> {
+    fn receive(&mut self) -> Option<SensorRecord> {
+        let piece = match self.pieces.next() {
+            Some(piece) => piece,
+            None => {
+                let bytes = self.seconds.next()?;
+                let size = bytes.len().div_ceil(TICKS_A_SECOND).max(1);
+                let mut pieces: Vec<Vec<u8>> = bytes.chunks(size).map(<[u8]>::to_vec).collect();
+                pieces.resize(TICKS_A_SECOND, Vec::new());
+                self.pieces = pieces.into_iter();
+                self.pieces.next()?
+            }
+        };
+        let operator = Operator { is_armed: true, ..Operator::default() };
+        Some(SensorRecord { gps: piece.into_iter().collect(), operator, ..SensorRecord::default() })
+    }
+
+    fn send(&mut self, record: &robot_io::CommandRecord) {
+        let bytes = frame::encode(&Downlink::Telemetry(*record)).expect("a record is not too long");
+        let mut decoder = frame::Decoder::default();
+        let said = bytes.iter().find_map(|&byte| decoder.push(byte));
+        let Some(Downlink::Telemetry(record)) = said else { panic!("a frame of telemetry") };
+        self.said.borrow_mut().push((record.receiver, record.commands.reason));
+    }
+}
+
+/// What telemetry says at the end of each second.
+fn listen(seconds: Vec<Vec<u8>>) -> Vec<(Receiver, Reason)> {
+    let said = RefCell::new(Vec::new());
+    let pieces = Vec::new().into_iter();
+    run(eastward(), Wire { seconds: seconds.into_iter(), pieces, said: &said });
+    said.into_inner().into_iter().skip(TICKS_A_SECOND - 1).step_by(TICKS_A_SECOND).collect()
+}
+
+/// Ten seconds of the same; `second` makes the bytes of one.
+fn check(name: &str, second: impl Fn(usize) -> Vec<u8>, receiver: Receiver, reason: Reason) {
+    let said = listen((0..10).map(second).collect());
+    assert_eq!(said.last(), Some(&(receiver, reason)), "{name}: {said:?}");
+    // Whatever it says at last it says all the time, but for the first seconds, in which it
+    // must not say anything that is worse.
+    let changes = said.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    assert!(changes <= 1, "{name}: {said:?}");
+}
+
+/// A sentence with its `$`, checksum and line end; `@` stands for the time.
+fn sentence(body: &str, second: usize) -> String {
+    let body = body.replace('@', &format!("1010{second:02}.00"));
+    let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+    format!("${body}*{checksum:02X}\r\n")
+}
+
+/// Sentences once a second.
+fn nmea<'a>(bodies: &'a [&'a str]) -> impl Fn(usize) -> Vec<u8> + Copy + 'a {
+    move |second| bodies.iter().map(|body| sentence(body, second)).collect::<String>().into_bytes()
+}
+
+/// A UBX message with its frame and checksum.
+fn ubx(class: u8, id: u8, payload: &[u8]) -> Vec<u8> {
+    let mut body = vec![class, id];
+    body.extend((payload.len() as u16).to_le_bytes());
+    body.extend(payload);
+    let (a, b) = body.iter().fold((0_u8, 0_u8), |(a, b), &byte| {
+        let a = a.wrapping_add(byte);
+        (a, b.wrapping_add(a))
+    });
+    [&[0xb5, 0x62], &body[..], &[a, b]].concat()
+}
+
+const RMC: &str = "GNRMC,@,A,3346.53708,N,08423.77980,W,0.000,,010125,,,A";
+/// Standing still, nearly.
+const SLOW_RMC: &str = "GNRMC,@,A,3346.53708,N,08423.77980,W,0.057,,010125,,,A,V";
+const VOID_RMC: &str = "GNRMC,@,V,,,,,,,010125,,,N";
+const GGA: &str = "GNGGA,@,3346.53708,N,08423.77980,W,1,12,0.9,45.0,M,46.9,M,,";
+const NO_GGA: &str = "GNGGA,@,,,,,0,00,99.99,,,,,,";
+const GSV: &str = "GPGSV,1,1,02,05,,,28,15,75,020,31";
+
+#[test]
+fn a_silent_receiver_is_silent() {
+    check("no bytes", |_| Vec::new(), Receiver::Silent, Reason::NoFix);
+}
+
+#[test]
+fn bytes_that_are_no_message_are_unreadable() {
+    use Reason::UnreadableReceiver;
+    let sentences = nmea(&[RMC, GGA, GSV]);
+    // At another baud rate each byte is another one, and most have their highest bit set.
+    let garbled =
+        |second| sentences(second).iter().map(|byte| byte.rotate_left(3) | 0x80).collect();
+    check("baud rate", garbled, Receiver::Unreadable, UnreadableReceiver);
+    let zeros = |_| vec![0; 30];
+    check("a line held low", zeros, Receiver::Unreadable, UnreadableReceiver);
+    let sirf = |_| {
+        let message = [0xa0, 0xa2, 0, 41, 2, 0xff, 0xd6, 0xf7, 0x8c, 0xff, 0xb0, 0xb3];
+        [&message.repeat(4)[..], &[0xb0, 0xb3]].concat()
+    };
+    check("SiRF", sirf, Receiver::Unreadable, UnreadableReceiver);
+}
+
+#[test]
+fn sentences_without_a_right_checksum_are_unchecked() {
+    use Reason::UncheckedReceiver;
+    let sentences = nmea(&[RMC, GGA]);
+    let text = move |second| String::from_utf8(sentences(second)).expect("ASCII");
+    let bare = move |second| {
+        let lines = text(second);
+        let lines = lines.lines().map(|line| line[..line.len() - 3].to_owned() + "\r\n");
+        lines.collect::<String>().into_bytes()
+    };
+    check("none", bare, Receiver::Unchecked, UncheckedReceiver);
+    let wrong = move |second| text(second).replace("3346", "3347").into_bytes();
+    check("a wrong one", wrong, Receiver::Unchecked, UncheckedReceiver);
+}
+
+#[test]
+fn messages_without_a_position_are_told_apart_from_noise() {
+    use Reason::NoPositionMessage;
+    let unpadded = GGA.replace("08423", "8423");
+    for (name, bodies) in [
+        ("RMC alone", &[RMC][..]),
+        ("neither", &[GSV, "GPVTG,,,,,0.0,N,0.0,K,A"]),
+        ("GGA that cannot be read", &[RMC, &unpadded]),
+    ] {
+        check(name, nmea(bodies), Receiver::NoPosition, NoPositionMessage);
+    }
+    let nav_sol = |_| ubx(1, 6, &[0; 52]);
+    check("u-blox 6", nav_sol, Receiver::NoPosition, NoPositionMessage);
+    let long = |_| ubx(2, 0x15, &[0xb5; 800]);
+    check("raw measurements", long, Receiver::NoPosition, NoPositionMessage);
+}
+
+#[test]
+fn solutions_none_of_which_is_valid_are_no_fix() {
+    use Reason::PoorFix;
+    for (name, bodies) in [
+        ("a cold start", &["GNRMC,,V,,,,,,,,,,N", "GNGGA,,,,,,0,00,99.99,,,,,,"][..]),
+        ("no fix", &[VOID_RMC, NO_GGA]),
+        ("void with a place", &[VOID_RMC, GGA]),
+        ("GGA first", &[GGA, VOID_RMC]),
+    ] {
+        check(name, nmea(bodies), Receiver::NoFix, PoorFix);
+    }
+    check("NAV-PVT", |_| ubx(1, 7, &[0; 92]), Receiver::NoFix, PoorFix);
+    check("NAV-PVT of u-blox 7", |_| ubx(1, 7, &[0; 84]), Receiver::NoFix, PoorFix);
+}
+
+#[test]
+fn gga_without_rmc_is_served_and_said_to_have_no_velocity() {
+    check("GGA alone", nmea(&[GGA]), Receiver::NoVelocity, Reason::NoHeading);
+    check("with others", nmea(&[GGA, GSV]), Receiver::NoVelocity, Reason::NoHeading);
+}
+
+#[test]
+fn a_sound_receiver_is_sound() {
+    check("NMEA", nmea(&[RMC, GGA]), Receiver::Sound, Reason::NoHeading);
+    check("slow", nmea(&[SLOW_RMC, GGA]), Receiver::Sound, Reason::NoHeading);
+    let mut pvt = [0; 92];
+    (pvt[20], pvt[21]) = (3, 1);
+    pvt[24..28].copy_from_slice(&HOME.lon_e7.to_le_bytes());
+    pvt[28..32].copy_from_slice(&HOME.lat_e7.to_le_bytes());
+    check("NAV-PVT", move |_| ubx(1, 7, &pvt), Receiver::Sound, Reason::NoHeading);
+}
+
+#[test]
+fn the_verdict_follows_what_the_receiver_does() {
+    let good = nmea(&[RMC, GGA]);
+    let (void, alone, foreign) = (nmea(&[VOID_RMC, GGA]), nmea(&[GGA]), nmea(&[GSV]));
+    let noise = |_| vec![0x80; 200];
+    let silence = |_| Vec::new();
+    let phases: [(&dyn Fn(usize) -> Vec<u8>, Receiver); 7] = [
+        (&good, Receiver::Sound),
+        (&void, Receiver::NoFix),
+        (&good, Receiver::Sound),
+        (&alone, Receiver::NoVelocity),
+        (&noise, Receiver::Unreadable),
+        (&silence, Receiver::Silent),
+        (&foreign, Receiver::NoPosition),
+    ];
+    let seconds = (0..)
+        .zip(phases)
+        .flat_map(|(phase, (second, _))| (0..8).map(move |index| second(phase * 8 + index)));
+    let said = listen(seconds.collect());
+    for ((_, expected), said) in phases.iter().zip(said.chunks(8)) {
+        assert_eq!(said.last().map(|said| said.0), Some(*expected), "{said:?}");
+    }
+    // A receiver that once served has grown silent: the last fix is stale, and nothing else.
+    assert_eq!(said[47], (Receiver::Silent, Reason::StaleFix));
+}
