@@ -266,8 +266,8 @@ pub(crate) struct Render {
     /// The file to write: .svg or .png
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Draw the exact shapes of this map over the cells
-    #[arg(long, value_name = "MAP")]
+    /// Draw the exact shapes of this map, which the plans were built from, over the cells
+    #[arg(long, value_name = "MAP|MISSION")]
     pub(crate) map: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) reading: Reading,
@@ -291,8 +291,8 @@ pub(crate) struct Verify {
     /// Print what was proved as JSON
     #[arg(long)]
     pub(crate) json: bool,
-    /// Also compare the blocked cells with those of this map, or of a mission that names it.
-    /// The options are those that the blob was built with
+    /// Also compare grid, place on the globe and blocked cells with those of this map, or of a
+    /// mission that names it. Options that are not given are those of the build
     #[arg(long = "map", value_name = "MAP|MISSION")]
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
@@ -422,10 +422,22 @@ fn gib(text: &str) -> Result<u64, String> {
 
 fn goal(text: &str) -> Result<Goal, String> {
     let example = "write NAME=X,Y, for example gate=12.5,-40";
-    let (name, at) = text.rsplit_once('=').ok_or(example)?;
+    let missing = || match pair(text) {
+        Ok(_) => format!("a goal needs a name: write NAME={}, for example gate={}", text, text),
+        Err(_) => example.to_owned(),
+    };
+    // A name may hold `=`, and so may what follows a place on the globe.
+    let is_place = |(at, _): &(usize, &str)| mission::is_geo_uri(&text[at + 1..]);
+    let place = text.match_indices('=').find(is_place).map(|(at, _)| text.split_at(at));
+    let (name, at) = match place {
+        Some((name, uri)) => (name, GoalAt::Globe(mission::geo_uri(&uri[1..])?)),
+        None => {
+            let (name, at) = text.rsplit_once('=').ok_or_else(missing)?;
+            (name, GoalAt::Position(pair(at).map_err(|reason| format!("{reason}; {example}"))?))
+        }
+    };
     let name = mission::tidy_name(name)?.to_owned();
-    let at = pair(at).map_err(|reason| format!("{reason}; {example}"))?;
-    Ok(Goal { name, at: GoalAt::Position(at), layers: None, place: None })
+    Ok(Goal { name, at, layers: None, place: None })
 }
 
 fn pair(text: &str) -> Result<[f64; 2], String> {

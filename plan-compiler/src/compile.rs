@@ -12,6 +12,7 @@
 //! Deliberately absent: files and the command line.
 
 mod area;
+mod globe;
 mod goals;
 mod layers;
 mod memory;
@@ -21,9 +22,11 @@ pub use memory::{Need, gib};
 
 use crate::behaviours::{self, PlanNames, Plans};
 use crate::bitmap::Bitmap;
+use crate::formats::ReadOptions;
 use crate::map::Map;
 use crate::mission::{Goal, Mission};
 use crate::problem::{Problem, Severity, Source};
+use crate::recipe;
 use crate::search::{Corners, MAX_COST, Solver, is_cut_short};
 use goals::Placed;
 use layers::Level;
@@ -31,7 +34,8 @@ use plan_format::grid::cost_metres;
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Vehicle;
 use plan_format::{
-    Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, limits, pack, write,
+    Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, limits, pack,
+    write_with_recipe,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -51,6 +55,8 @@ pub struct Options {
     pub corners: Option<Corners>,
     /// Whether closed walls are solid.
     pub fill_walls: bool,
+    /// How the map was read: kept in the blob, so that it can be compared with its map again.
+    pub reading: ReadOptions,
     /// Bytes of memory that searches may take; 4 GiB where nothing is said.
     pub max_memory_bytes: Option<u64>,
 }
@@ -95,6 +101,16 @@ pub fn grid(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Grid> {
     area::grid(input, problems)
 }
 
+/// How far obstacles are grown, metres; 0 where that is wrong, which [`prepare`] reports.
+pub(crate) fn robot_radius_m(input: &Input<'_>) -> f64 {
+    area::robot_radius(input, &mut Vec::new()).unwrap_or_default()
+}
+
+/// Where the map lies on the globe, as a blob carries it.
+pub fn origin(input: &Input<'_>) -> Option<Origin> {
+    area::origin(input, &mut Vec::new())
+}
+
 /// The blocked cells of every layer of a map under a mission, by name, for proofs.
 pub fn blocked(
     input: &Input<'_>,
@@ -115,6 +131,7 @@ pub struct Prepared {
     levels: Vec<Level>,
     goals: Vec<Placed>,
     mission: MissionDraft,
+    recipe: String,
     need: Need,
 }
 
@@ -151,7 +168,8 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     let jobs = goals.iter().map(|goal| goal.levels.len()).sum();
     let threads = thread::available_parallelism().map_or(1, |threads| threads.get());
     let need = Need::within(limit_bytes, &grid, levels.len(), jobs, threads)?;
-    Some(Prepared { grid, origin, parameters, corners, levels, goals, mission, need })
+    let recipe = recipe::write(input);
+    Some(Prepared { grid, origin, parameters, corners, levels, goals, mission, recipe, need })
 }
 
 /// What behaviours may refer to by name.
@@ -204,7 +222,7 @@ impl Prepared {
             plans,
             mission: self.mission.clone(),
         };
-        match write(&draft) {
+        match write_with_recipe(&draft, &self.recipe) {
             Ok(blob) => Some(blob),
             Err(WriteError::TooLarge { bytes }) => {
                 problems.push(too_large(Some(bytes)));
