@@ -2,6 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use math::GeoPoint;
 use plan_compiler::boards::{BOARDS, Board};
 use plan_compiler::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
 use plan_compiler::formats::{
@@ -142,9 +143,43 @@ pub(crate) enum Command {
 pub(crate) struct Explain {
     /// The trace, as `cargo mission --trace FILE` writes it
     pub(crate) trace: PathBuf,
-    /// Everything about one tick, counted from 0, instead of all turns
+    /// Everything about one tick, counted from 0, or `first` or `last`, instead of all turns
     #[arg(long, value_name = "N")]
-    pub(crate) tick: Option<usize>,
+    pub(crate) tick: Option<TickAt>,
+}
+
+/// A tick of a trace.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum TickAt {
+    /// Counted from 0.
+    Number(usize),
+    /// The last one.
+    Last,
+}
+
+impl TickAt {
+    /// Its number in a trace of so many ticks.
+    pub(crate) fn index(self, ticks: usize) -> usize {
+        match self {
+            Self::Number(number) => number,
+            Self::Last => ticks.saturating_sub(1),
+        }
+    }
+}
+
+impl std::str::FromStr for TickAt {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "first" => Ok(Self::Number(0)),
+            "last" => Ok(Self::Last),
+            _ => text
+                .parse()
+                .map(Self::Number)
+                .map_err(|_| "write a number from 0, `first` or `last`".into()),
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -172,7 +207,8 @@ pub(crate) struct Compiling {
     /// Refuse maps whose search takes more memory than this; 4 if not given
     #[arg(long, value_name = "GIB", value_parser = gib)]
     pub(crate) max_memory: Option<u64>,
-    /// A goal in the map's metres, x east, y north; repeatable. Replaces all other goals
+    /// A goal in the map's metres, x east, y north, or on the globe as NAME=geo:LAT,LON;
+    /// repeatable. Replaces all other goals
     #[arg(long = "goal", value_name = "NAME=X,Y", value_parser = goal, allow_hyphen_values = true)]
     pub(crate) goals: Vec<Goal>,
     #[command(flatten)]
@@ -186,10 +222,11 @@ pub(crate) struct MapOptions {
     #[arg(long, value_name = "FILE")]
     pub(crate) mission: Option<PathBuf>,
     /// Side of a cell; otherwise the mission's, the map's, or 1
-    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    #[arg(long, value_name = "METRES", value_parser = length, allow_hyphen_values = true)]
     pub(crate) resolution: Option<f64>,
-    /// Grow obstacles by this, so that the robot's centre keeps clear of them
-    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    /// Grow obstacles by this, so that the robot's centre keeps clear of them; otherwise the
+    /// mission's radius, its vehicle's, or 0.3; in MovingAI maps and Iplan.dat 0
+    #[arg(long, value_name = "METRES", value_parser = length, allow_hyphen_values = true)]
     pub(crate) robot_radius: Option<f64>,
     /// Whether a diagonal step may pass a blocked cell beside it
     #[arg(long, value_name = "RULE")]
@@ -212,21 +249,29 @@ pub(crate) struct Inspect {
 }
 
 #[derive(Debug, Args)]
-#[command(group = clap::ArgGroup::new("points").required(true).args(["at", "geo", "stdin"]))]
+#[command(group = clap::ArgGroup::new("points").required(true).args(["at", "geo", "route", "stdin"]))]
 pub(crate) struct Query {
     /// The blob
     #[arg(value_name = "PLANS")]
     pub(crate) plans: PathBuf,
-    /// The layer, as `inspect` names it
+    /// The layer, as `inspect` names it; not needed where there is only one
     #[arg(long, value_name = "PLAN/LAYER")]
-    pub(crate) layer: LayerName,
+    pub(crate) layer: Option<LayerName>,
     /// A point in the map's metres, x east, y north
     #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) at: Option<[f64; 2]>,
     /// A place on the globe, WGS-84 degrees
     #[arg(long, value_name = "LAT,LON", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) geo: Option<[f64; 2]>,
-    /// Points from standard input, one `X Y` a line
+    /// The whole route from a point in the map's metres, or on the globe as geo:LAT,LON, to the
+    /// goal: what a robot drives that follows the advice only
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    pub(crate) route: Option<PointAt>,
+    /// How the route is written
+    #[arg(long, value_name = "FORMAT", default_value = "json", requires = "route")]
+    pub(crate) format: RouteFormat,
+    /// Points from standard input, one a line: `X Y`, `X,Y`, or a pose `X Y HEADING` or
+    /// `{x: X, y: Y, ...}`, of which only the position counts
     #[arg(value_name = "-", value_parser = ["-"])]
     pub(crate) stdin: Option<String>,
 }
@@ -236,9 +281,9 @@ pub(crate) struct Export {
     /// The blob
     #[arg(value_name = "PLANS")]
     pub(crate) plans: PathBuf,
-    /// The layer, as `inspect` names it
+    /// The layer, as `inspect` names it; not needed where there is only one
     #[arg(long, value_name = "PLAN/LAYER")]
-    pub(crate) layer: LayerName,
+    pub(crate) layer: Option<LayerName>,
     /// What of it
     #[arg(long)]
     pub(crate) what: WhatToExport,
@@ -252,8 +297,8 @@ pub(crate) struct Render {
     /// The blob
     #[arg(value_name = "PLANS")]
     pub(crate) plans: PathBuf,
-    /// The layer, as `inspect` names it
-    #[arg(long, value_name = "PLAN/LAYER", required_unless_present = "layers")]
+    /// The layer, as `inspect` names it; not needed where there is only one
+    #[arg(long, value_name = "PLAN/LAYER")]
     pub(crate) layer: Option<LayerName>,
     /// Draw all layers of a plan side by side: of the plan that --layer names, otherwise of the
     /// one that the robot follows
@@ -374,6 +419,26 @@ pub(crate) enum CornersRule {
     Allow,
 }
 
+/// How a route is written.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum RouteFormat {
+    /// One object: layer, length, and poses of x, y (metres) and yaw (radians), as ROS has them
+    Json,
+    /// A line for each pose, `x,y,yaw`; also `lat,lon` where the plans have a place on the globe
+    Csv,
+    /// A line of longitudes and latitudes, for a map viewer
+    Geojson,
+}
+
+/// A point as it is written on the command line.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum PointAt {
+    /// The map's metres.
+    Map([f64; 2]),
+    /// WGS-84.
+    Globe(GeoPoint),
+}
+
 /// What of a layer to export.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum WhatToExport {
@@ -440,8 +505,36 @@ fn goal(text: &str) -> Result<Goal, String> {
     Ok(Goal { name, at, layers: None, place: None })
 }
 
+fn point(text: &str) -> Result<PointAt, String> {
+    if mission::is_geo_uri(text) {
+        return mission::geo_uri(text).map(PointAt::Globe);
+    }
+    pair(text).map(PointAt::Map)
+}
+
+/// A number of metres. What is out of range is for the compiler to say.
+fn length(text: &str) -> Result<f64, String> {
+    const UNITS: [(&str, f64); 5] =
+        [("mm", 1e-3), ("cm", 1e-2), ("ft", 0.3048), ("feet", 0.3048), ("m", 1.0)];
+    let text = text.trim();
+    if let Ok(number) = text.parse() {
+        return Ok(number);
+    }
+    let with_unit = UNITS.iter().find_map(|(unit, metres)| {
+        let number = text.strip_suffix(unit)?.trim().parse::<f64>().ok()?;
+        Some((number * metres * 1e6).round() / 1e6)
+    });
+    Err(match with_unit {
+        Some(metres) => format!("write metres, the number alone: {metres}"),
+        None => "write a number of metres, for example 0.25".into(),
+    })
+}
+
 fn pair(text: &str) -> Result<[f64; 2], String> {
-    let (x, y) = text.split_once(',').ok_or("two numbers parted by a comma are needed")?;
+    let (x, y) = text.split_once(',').ok_or("two numbers separated by a comma are needed")?;
+    if y.trim().is_empty() {
+        return Err("nothing follows the comma: write X,Y without a blank, or in quotes".into());
+    }
     Ok([number(x)?, number(y)?])
 }
 
@@ -468,6 +561,11 @@ mod tests {
             "p query a.bin --layer a/b --at -3,4",
             "p query a.bin --layer a/b --geo -33.8,-151.2",
             "p query a.bin --layer a/b -",
+            "p query a.bin --at 1,2",
+            "p query a.bin --route -1,2 --format csv",
+            "p query a.bin --route geo:-33.8,151.2",
+            "p build m.ovl --goal a=geo:-33.8,151.2;u=5",
+            "p explain a.trace --tick last",
             "p query - --layer a/b --at=-3,-4",
             "p build m.ovl --goal a=-1,2 --goal b=-1e1,-.5",
             "p build m.ovl --resolution -1",
@@ -480,6 +578,9 @@ mod tests {
             "p query a.bin --layer ab --at 1,2",
             "p query a.bin --layer a/b --at 1",
             "p query a.bin --layer a/b --at nan,1",
+            "p query a.bin --at 1,2 --format csv",
+            "p explain a.trace --tick -1",
+            "p build m.ovl --resolution 0.25m",
             "p build m.ovl --goal a",
             "p build m.ovl --goal =1,2",
             "p build m.ovl --goal a/b=1,2",

@@ -2,6 +2,7 @@
 
 mod cli;
 mod commands;
+mod tips;
 
 use clap::Parser;
 use commands::Failure;
@@ -20,6 +21,12 @@ fn main() -> ExitCode {
         Err(error) => {
             // Where help cannot be written there is nobody to tell.
             let _ = error.print();
+            let arguments = std::env::args_os().skip(1);
+            let arguments: Vec<String> =
+                arguments.map(|argument| argument.to_string_lossy().into_owned()).collect();
+            if let Some(tip) = tips::of(&error, &arguments) {
+                eprint(&format!("\n  tip: {tip}\n"));
+            }
             return if error.use_stderr() { WRONG_USAGE.into() } else { ExitCode::SUCCESS };
         }
     };

@@ -52,10 +52,10 @@ fn chosen<'b>(
     args: &Render,
     plan: &Plan<'b>,
 ) -> Result<Vec<(ParallelPlan<'b>, Layer<'b>)>, Failure> {
-    let named = args.layer.as_ref().map(|name| find(plan, name)).transpose()?;
-    if let (Some(named), false) = (named, args.layers) {
-        return Ok(vec![named]);
+    if !args.layers {
+        return Ok(vec![find(plan, args.layer.as_ref())?]);
     }
+    let named = args.layer.as_ref().map(|name| find(plan, Some(name))).transpose()?;
     let followed = || plan.parallel_plan(usize::from(plan.parameters().plan));
     let parallel = named.map(|(parallel, _)| parallel).or_else(followed);
     let parallel = parallel.ok_or_else(|| Problem::error("the blob holds no plan at all"))?;
@@ -99,7 +99,7 @@ fn routes(
     Ok(followed.into_iter().map(|(_, route)| route.ok()).collect())
 }
 
-fn mend(reason: NoRoute) -> &'static str {
+pub(super) fn mend(reason: NoRoute) -> &'static str {
     match reason {
         NoRoute::OffMap => "`plan-compiler inspect` says where the map lies",
         NoRoute::Unreachable => {
