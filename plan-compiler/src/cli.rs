@@ -9,7 +9,8 @@ use plan_compiler::formats::{
     Format, OparOptions, ReadOptions, geojson, iplan, movingai, osm, pcf, ros,
 };
 use plan_compiler::map::Unknown;
-use plan_compiler::mission::{self, Goal, GoalAt};
+use plan_compiler::mission::words::{goal, number, pair};
+use plan_compiler::mission::{self, Goal};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -485,26 +486,6 @@ fn gib(text: &str) -> Result<u64, String> {
     if gib > 0.0 { Ok((gib * f64::from(1 << 30)) as u64) } else { Err("write GiB, above 0".into()) }
 }
 
-fn goal(text: &str) -> Result<Goal, String> {
-    let example = "write NAME=X,Y, for example gate=12.5,-40";
-    let missing = || match pair(text) {
-        Ok(_) => format!("a goal needs a name: write NAME={}, for example gate={}", text, text),
-        Err(_) => example.to_owned(),
-    };
-    // A name may hold `=`, and so may what follows a place on the globe.
-    let is_place = |(at, _): &(usize, &str)| mission::is_geo_uri(&text[at + 1..]);
-    let place = text.match_indices('=').find(is_place).map(|(at, _)| text.split_at(at));
-    let (name, at) = match place {
-        Some((name, uri)) => (name, GoalAt::Globe(mission::geo_uri(&uri[1..])?)),
-        None => {
-            let (name, at) = text.rsplit_once('=').ok_or_else(missing)?;
-            (name, GoalAt::Position(pair(at).map_err(|reason| format!("{reason}; {example}"))?))
-        }
-    };
-    let name = mission::tidy_name(name)?.to_owned();
-    Ok(Goal { name, at, layers: None, place: None })
-}
-
 fn point(text: &str) -> Result<PointAt, String> {
     if mission::is_geo_uri(text) {
         return mission::geo_uri(text).map(PointAt::Globe);
@@ -528,20 +509,6 @@ fn length(text: &str) -> Result<f64, String> {
         Some(metres) => format!("write metres, the number alone: {metres}"),
         None => "write a number of metres, for example 0.25".into(),
     })
-}
-
-fn pair(text: &str) -> Result<[f64; 2], String> {
-    let (x, y) = text.split_once(',').ok_or("two numbers separated by a comma are needed")?;
-    if y.trim().is_empty() {
-        return Err("nothing follows the comma: write X,Y without a blank, or in quotes".into());
-    }
-    Ok([number(x)?, number(y)?])
-}
-
-/// A finite number; also what a line of standard input is made of.
-pub(crate) fn number(text: &str) -> Result<f64, String> {
-    let number: f64 = text.trim().parse().map_err(|_| format!("`{text}` is not a number"))?;
-    if number.is_finite() { Ok(number) } else { Err(format!("`{text}` is not a finite number")) }
 }
 
 #[cfg(test)]

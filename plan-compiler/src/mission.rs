@@ -10,6 +10,7 @@
 pub mod keys;
 mod place;
 mod speeds;
+pub mod words;
 
 use crate::behaviours;
 use crate::map::Point;

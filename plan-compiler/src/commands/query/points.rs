@@ -5,7 +5,7 @@
 //! `{x: X, y: Y, z: 0}`, of which the first `x` and the first `y` count. A line that begins with
 //! `#`, an empty one and a table's head `x,y` hold no point.
 
-use crate::cli::number;
+use plan_compiler::mission::words::number;
 
 /// The point in a line; `None` where the line holds none.
 pub(super) fn point(line: &str) -> Result<Option<[f64; 2]>, String> {
