@@ -14,29 +14,33 @@ use plan_compiler::mission::{self, Goal};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
-Examples:
-  plan-compiler build campus.opar -o plans.bin
+Examples, on maps that the project ships:
+  plan-compiler build tests/maps/campus.opar -o campus.bin
       Compiles a map. Its named points become goals; campus.mission.toml beside it is
       found by itself.
-  plan-compiler build yard.ovl --goal gate=12.5,40 --goal shed=-3,8 --resolution 0.5
+  plan-compiler build tests/maps/yard.osm --goal gate=12.5,40 --goal shed=44,36 --resolution 0.5
       Compiles for two goals of your own, in cells of half a metre.
-  plan-compiler build campus.opar --board nrf52840-dk -o plans.hex
+  plan-compiler build tests/maps/yard.osm --goal gate=geo:51.00036,7.00018 -o gate.bin
+      The same for a goal by latitude and longitude.
+  plan-compiler build tests/maps/campus.opar --board nrf52840-dk -o plans.hex
       Refuses plans that do not fit the board, and writes them with their address for
       flashing: .hex, or .uf2 for pico2.
   plan-compiler inspect plans.bin
       Says what a blob holds.
   plan-compiler query plans.bin --layer gate/physical --at 3,4
       Asks for the advice at one point, as the robot would.
+  plan-compiler query plans.bin --layer gate/physical --route 3,4 --format csv
+      The whole route from a point; --format geojson for a map viewer.
   plan-compiler export plans.bin --layer gate/physical --what cost -o cost.npy
       Writes the cost to the goal of every cell as a NumPy array.
   plan-compiler render plans.bin --layer gate/physical -o field.png
       Draws obstacles, bands of cost and the advice.
   plan-compiler render plans.bin --layer gate/physical --layers --route 3,4 -o ways.png
       Draws all layers of plan gate side by side, in each the way from a point.
-  plan-compiler graph plough.mission.toml -o plough.svg
+  plan-compiler graph tests/maps/plough.mission.toml -o plough.svg
       Draws behaviours and their plans as graphs.
-  plan-compiler verify plans.bin --map yard.ovl
-      Proves every cell of every layer anew.
+  plan-compiler verify plans.bin --map tests/maps/yard.osm
+      Proves every cell of every layer anew, and compares it with the map.
   plan-compiler convert plans.bin -o Iplan.dat
       Writes the plans as MissionLab reads them.
 
@@ -45,8 +49,9 @@ Exit status: 0 done, 1 the input is wrong, 2 the command line is wrong.";
 const ASSUMPTIONS: &str = "\
 What is assumed of maps:
   All      Metres, x east, y north. A cell is blocked if the exact shape, grown by the
-           robot's radius, touches it. A diagonal step needs both cells beside it free
-           unless --corners allow.
+           robot's radius, touches it: --robot-radius, else the mission's, else its
+           vehicle's, 0.3 m; none in MovingAI maps and Iplan.dat, worlds of a point. A
+           diagonal step needs both cells beside it free unless --corners allow.
   Overlay  (MissionLab .ovl) ORIGIN is added to coordinates and subtracted from UTM ones.
            UTM LAT/LON is converted by WGS-84, not by the historic Clarke 1866. HEADING is
            where the map's y axis points, degrees clockwise from true north; only positions
@@ -75,9 +80,9 @@ that the robot follows. Each other layer is an element MOVETO of its own. Costs 
 south-west cell. With --corners allow the costs are those of the historic program.
 
 Examples:
+  plan-compiler convert tests/maps/yard.osm --goal gate=12.5,40 -o Iplan.dat
   plan-compiler convert Iplan.dat --corners allow -o plans.bin
-  plan-compiler convert plans.bin -o Iplan.dat
-  plan-compiler convert yard.ovl --goal gate=12.5,40 -o Iplan.dat";
+  plan-compiler convert plans.bin -o Iplan.dat";
 
 /// What is assumed of every format: the first two are as old as the program, the others are
 /// said where they are read.
@@ -474,7 +479,8 @@ impl std::str::FromStr for LayerName {
 fn board() -> impl TypedValueParser<Value = &'static Board> {
     let names = BOARDS.iter().map(|board| {
         let (size, address) = (board.plan_bytes >> 10, board.plan_address);
-        PossibleValue::new(board.name).help(format!("{size} KiB at {address:#010x}"))
+        let firmware = if board.has_firmware { "" } else { "; plans only, no firmware yet" };
+        PossibleValue::new(board.name).help(format!("{size} KiB at {address:#010x}{firmware}"))
     });
     PossibleValuesParser::new(names)
         .try_map(|name| Board::find(&name).ok_or("there is no such board"))
