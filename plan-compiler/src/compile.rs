@@ -74,7 +74,11 @@ pub struct Input<'a> {
     pub options: &'a Options,
 }
 
-/// Called with the layers done and the layers to do, from any thread.
+/// Steps of the work on one layer that progress counts: searching it and packing it.
+pub const STEPS_A_LAYER: usize = 2;
+
+/// Called with the steps done and the steps to do, [`STEPS_A_LAYER`] for each layer, from any
+/// thread.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// Packed layers beyond this cannot fit a blob even if equal ones are stored once.
@@ -147,6 +151,7 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     let grid = area::grid(input, problems);
     goals::check_names(input, problems);
     let (grid, radius) = (grid?, radius?);
+    problems.extend(too_narrow(input, radius));
     let origin = area::origin(input, problems);
     let limit_bytes = input.options.max_memory_bytes.unwrap_or(memory::DEFAULT_LIMIT_BYTES);
     if let Some(problem) = memory::check(limit_bytes, &grid, limits::MAX_LAYERS) {
@@ -189,6 +194,22 @@ fn vehicle(input: &Input<'_>, radius: f64) -> Vehicle {
     let vehicle = input.mission.parameters.vehicle;
     let grown = radius > 0.0 && !input.mission.body_radius_given;
     Vehicle { radius_m: if grown { radius as f32 } else { vehicle.radius_m }, ..vehicle }
+}
+
+/// A body that is wider than what obstacles are grown by scrapes along them.
+fn too_narrow(input: &Input<'_>, radius: f64) -> Option<Problem> {
+    let body = input.mission.parameters.vehicle.radius_m;
+    // Half a millimetre is lost in single precision at most.
+    if !input.mission.body_radius_given || f64::from(body) <= radius + 5e-4 {
+        return None;
+    }
+    let radius = metres(radius);
+    let message = format!(
+        "obstacles are grown by {radius} m, less than the vehicle's radius of {body} m: the robot \
+         is advised to go where it does not fit"
+    );
+    let mend = "leave robot_radius out, or make it at least vehicle.radius";
+    Some(Problem::warning(message).mend(mend))
 }
 
 fn no_free_cell(grid: &Grid, radius: f64) -> Problem {
@@ -246,17 +267,20 @@ impl Prepared {
             .iter()
             .flat_map(|goal| goal.levels.iter().map(move |&level| (goal, &self.levels[level])))
             .collect();
-        progress(0, jobs.len());
+        let steps = jobs.len() * STEPS_A_LAYER;
+        progress(0, steps);
         let (done, bytes) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let solve = |solver: &mut Solver, &(goal, level): &(&Placed, &Level)| {
             if bytes.load(Ordering::Relaxed) > PACKED_BUDGET_BYTES {
                 return None;
             }
+            let step = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, steps);
             let field = solver.solve(&level.blocked, goal.cell, self.corners);
+            step();
             let is_cut_short = is_cut_short(&level.blocked, self.corners, &field);
             let packed = pack(&field);
             bytes.fetch_add(packed.bytes(), Ordering::Relaxed);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
+            step();
             Some((LayerDraft { name: level.name.clone(), packed }, is_cut_short))
         };
         let solve_all = || jobs.par_iter().map_init(Solver::new, solve).collect::<Option<Vec<_>>>();

@@ -199,8 +199,7 @@ fn find<'b>(
             (None, _) => Err(Problem::error("the blob holds no plan at all").into()),
         };
     };
-    let found =
-        all.find(|(plan, layer)| plan.name() == name.plan && layer.name() == name.layer);
+    let found = all.find(|(plan, layer)| plan.name() == name.plan && layer.name() == name.layer);
     found.ok_or_else(|| {
         let wanted = format!("{}/{}", name.plan, name.layer);
         let known = known_layers(plan);

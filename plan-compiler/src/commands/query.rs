@@ -97,7 +97,9 @@ fn answer_input(plan: &Plan<'_>, layer: &Layer<'_>, out: &mut dyn Write) -> Resu
                 wrong += 1;
                 if wrong <= SAID {
                     let message = format!("standard input, line {line}: {reason}");
-                    problems.push(Problem::error(message).mend("write `X Y` or `X,Y`, metres, one a line"));
+                    problems.push(
+                        Problem::error(message).mend("write `X Y` or `X,Y`, metres, one a line"),
+                    );
                 }
             }
         }

@@ -5,10 +5,10 @@ use super::{Failure, find, layers, open, project, read_blob, refuse_output, tell
 use crate::cli::Render;
 use plan_compiler::compile::{Options, has_errors, metres, pair};
 use plan_compiler::map::{Feature, Point};
+use plan_compiler::output;
 use plan_compiler::problem::Problem;
 use plan_compiler::render::{Overlay, Panel, png, side_by_side};
 use plan_compiler::route::{self, NoRoute, Route};
-use plan_compiler::output;
 use plan_format::{Layer, ParallelPlan, Plan};
 use std::iter;
 use std::path::PathBuf;

@@ -15,7 +15,7 @@ pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;
     let mut problems = Vec::new();
-    let proof = with_progress(quiet, |progress| verify::verify(&plan, progress));
+    let proof = with_progress(quiet, 1, |progress| verify::verify(&plan, progress));
     let damaged = "the blob is not what the compiler wrote; build it anew";
     add(&proof, damaged, &mut problems);
     let comparing = || compare(args, &bytes, &plan, &mut problems);

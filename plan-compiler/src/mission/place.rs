@@ -17,6 +17,8 @@ pub fn is_geo_uri(text: &str) -> bool {
 /// parameters `crs=wgs84` and `u=METRES` may follow and say nothing that a goal needs.
 pub fn geo_uri(text: &str) -> Result<GeoPoint, String> {
     let rest = text.trim().get(4..).filter(|_| is_geo_uri(text)).ok_or(EXAMPLE)?;
+    // What map applications append, such as `?z=17` or `?q=...`.
+    let rest = rest.split('?').next().unwrap_or(rest);
     let mut parts = rest.split(';');
     let mut numbers = parts.next().unwrap_or_default().split(',');
     for parameter in parts {
@@ -110,6 +112,7 @@ mod tests {
             "GEO:51.5,-0.1,12",
             " geo:51.5, -0.1;u=35",
             "geo:51.5,-0.1;crs=WGS84;u=35",
+            "geo:51.5,-0.1?z=17",
         ] {
             assert_eq!(geo_uri(text), Ok(place), "{text}");
         }
@@ -117,6 +120,7 @@ mod tests {
             ("geo:51.5", "write geo:LAT,LON"),
             ("geo:north,east", "`north` is not a number"),
             ("geo:1,2,3,4", "write geo:LAT,LON"),
+            ("geo:51.5;-0.1", "write geo:LAT,LON"),
             ("geo:51.5,-0.1;crs=nad27", "WGS-84 only"),
             ("geo:-0.1,181", "-180 to 180"),
             ("geo:151.2,-33.8", "swapped?"),

@@ -144,11 +144,15 @@ mod tests {
             ),
             (
                 "base_speed = 2",
-                &["error: `vehicle.base_speed` (2 m/s) is above `vehicle.max_speed` (1.6 m/s, the default)"],
+                &[
+                    "error: `vehicle.base_speed` (2 m/s) is above `vehicle.max_speed` (1.6 m/s, the default)",
+                ],
             ),
             (
                 "cautious_speed = 1\nbase_speed = 0.5",
-                &["error: `vehicle.cautious_speed` (1 m/s) is above `vehicle.base_speed` (0.5 m/s)"],
+                &[
+                    "error: `vehicle.cautious_speed` (1 m/s) is above `vehicle.base_speed` (0.5 m/s)",
+                ],
             ),
             (
                 "cautious_speed = 3\nbase_speed = 2\nmax_speed = 1",
@@ -164,7 +168,9 @@ mod tests {
             ("max_turn_rate = -0.5", &["error: `vehicle.max_turn_rate` is out of range"]),
             (
                 "min_turn_radius = 2",
-                &["warning: `vehicle.min_turn_radius` has no effect: the steering is not \"ackermann\""],
+                &[
+                    "warning: `vehicle.min_turn_radius` has no effect: the steering is not \"ackermann\"",
+                ],
             ),
             (
                 "steering = \"ackermann\"",

@@ -4,8 +4,10 @@
 //! What it says of mistakes is in `tests/golden/errors`, one file a class, to be read as a
 //! newcomer would. `INSTA_UPDATE=always cargo test -p it cli` writes them anew.
 
+mod examples;
 mod maps;
 mod people;
+mod typed;
 
 use serde_json::Value;
 use std::fs;

@@ -11,4 +11,5 @@ mod missions;
 mod opar;
 mod overlays;
 mod qemu;
+mod runs;
 mod work;
