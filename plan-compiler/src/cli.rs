@@ -14,11 +14,11 @@ use plan_compiler::mission::{self, Goal};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
-Examples, on maps that the project ships:
+Examples:
   plan-compiler build tests/maps/campus.opar -o campus.bin
       Compiles a map. Its named points become goals; campus.mission.toml beside it is
-      found by itself.
-  plan-compiler build tests/maps/yard.osm --goal gate=12.5,40 --goal shed=44,36 --resolution 0.5
+      found by itself. The maps here are those of the project's folder.
+  plan-compiler build tests/maps/yard.osm --goal gate=-17.5,17.5 --goal shed=14.5,14 --resolution 0.5
       Compiles for two goals of your own, in cells of half a metre.
   plan-compiler build tests/maps/yard.osm --goal gate=geo:51.00036,7.00018 -o gate.bin
       The same for a goal by latitude and longitude.
@@ -27,15 +27,15 @@ Examples, on maps that the project ships:
       flashing: .hex, or .uf2 for pico2.
   plan-compiler inspect plans.bin
       Says what a blob holds.
-  plan-compiler query plans.bin --layer gate/physical --at 3,4
+  plan-compiler query plans.bin --layer gate/physical --at -26,-18
       Asks for the advice at one point, as the robot would.
-  plan-compiler query plans.bin --layer gate/physical --route 3,4 --format csv
+  plan-compiler query plans.bin --layer gate/physical --route -26,-18 --format csv
       The whole route from a point; --format geojson for a map viewer.
   plan-compiler export plans.bin --layer gate/physical --what cost -o cost.npy
       Writes the cost to the goal of every cell as a NumPy array.
   plan-compiler render plans.bin --layer gate/physical -o field.png
       Draws obstacles, bands of cost and the advice.
-  plan-compiler render plans.bin --layer gate/physical --layers --route 3,4 -o ways.png
+  plan-compiler render plans.bin --layer gate/physical --layers --route -26,-18 -o ways.png
       Draws all layers of plan gate side by side, in each the way from a point.
   plan-compiler graph tests/maps/plough.mission.toml -o plough.svg
       Draws behaviours and their plans as graphs.
@@ -80,7 +80,7 @@ that the robot follows. Each other layer is an element MOVETO of its own. Costs 
 south-west cell. With --corners allow the costs are those of the historic program.
 
 Examples:
-  plan-compiler convert tests/maps/yard.osm --goal gate=12.5,40 -o Iplan.dat
+  plan-compiler convert tests/maps/shop.ovl -o Iplan.dat
   plan-compiler convert Iplan.dat --corners allow -o plans.bin
   plan-compiler convert plans.bin -o Iplan.dat";
 

@@ -142,6 +142,9 @@ pub fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Opt
         .map(|(_, candidate)| candidate)
 }
 
+/// Keys of a goal that is a table.
+const GOAL_KEYS: [&str; 4] = ["at", "lat", "lon", "layers"];
+
 /// Walks the document and gathers.
 struct Reader<'s> {
     source: &'s Arc<Source>,
@@ -414,7 +417,7 @@ impl Reader<'_> {
     }
 
     fn unknown_goal_key(&mut self, goal: &str, name: &str, span: Range<usize>) {
-        let mend = match nearest(name, ["at", "lat", "lon", "layers"].into_iter()) {
+        let mend = match nearest(name, GOAL_KEYS.into_iter()) {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => "a goal has `at`, or `lat` and `lon`, and `layers`".into(),
         };

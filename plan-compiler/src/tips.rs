@@ -21,19 +21,30 @@ const SYNONYMS: [(&str, &str); 14] = [
     ("trace", "explain"),
 ];
 
-/// What was probably meant, as a line; `None` where clap says it all.
-pub(crate) fn of(error: &Error, arguments: &[String]) -> Option<String> {
+/// What to say of a command line.
+pub(crate) enum Tip {
+    /// After what clap says.
+    Besides(String),
+    /// Instead of it, since clap guesses by letters alone.
+    Instead(String),
+}
+
+/// What was probably meant; `None` where clap says it all.
+pub(crate) fn of(error: &Error, arguments: &[String]) -> Option<Tip> {
     match error.kind() {
         ErrorKind::InvalidSubcommand => {
             let word = context(error, ContextKind::InvalidSubcommand)?;
             let (_, command) = SYNONYMS.iter().find(|(other, _)| *other == word)?;
-            Some(format!("`{word}` is called `{command}` here: plan-compiler {command} ..."))
+            Some(Tip::Instead(format!(
+                "error: unrecognized subcommand '{word}'\n\n  tip: `{word}` is called `{command}` \
+                 here: plan-compiler {command} ...\n\nFor more information, try '--help'.\n"
+            )))
         }
         ErrorKind::UnknownArgument => {
             let stray = context(error, ContextKind::InvalidArg)?;
-            stray_word(&stray, arguments)
+            let tip = stray_word(&stray, arguments)?;
+            Some(Tip::Besides(format!("\n  tip: {tip}\n")))
         }
-        // The end of a goal may have been taken for something else; its beginning tells.
         _ => None,
     }
 }
@@ -54,7 +65,9 @@ fn stray_word(stray: &str, arguments: &[String]) -> Option<String> {
     let whole = (0..at).map(|first| arguments[first..=at].join(" "));
     let file = whole.into_iter().find(|name| Path::new(name).exists());
     let name = file.unwrap_or(joined);
-    (!before.starts_with('-')).then(|| format!("put a name with blanks in quotes: \"{name}\""))
+    let is_shell = |word: &str| [">", "<", "|"].contains(&word);
+    let is_name = !before.starts_with('-') && !is_shell(before) && !is_shell(stray);
+    is_name.then(|| format!("put a name with blanks in quotes: \"{name}\""))
 }
 
 fn context(error: &Error, kind: ContextKind) -> Option<String> {

@@ -87,6 +87,8 @@ impl Reader<'_> {
                 self.error(format!("goal `{name}` has no `at`"), span, "this goal", &mend);
                 None
             }
+            // A key that was misspelt has been reported.
+            _ if table.iter().any(|(key, _)| !super::GOAL_KEYS.contains(&key)) => None,
             _ => {
                 let mend = format!(
                     "write either {name} = {{ at = [12.5, 40.0] }} or {name} = {{ lat = 51.5, lon \

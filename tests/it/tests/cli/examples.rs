@@ -38,9 +38,9 @@ fn the_readme_shows_commands_that_work() {
     let readme: String =
         readme.lines().filter(|line| !line.contains(".trace")).map(|l| format!("{l}\n")).collect();
     assert!(run_all(&run, &readme, "$ ") >= 6);
-    let shown = readme.lines().find(|line| line.starts_with("{\"x\":3.0")).unwrap();
-    run.done("build tests/maps/yard.osm --goal gate=12.5,40 -o plans.bin");
-    assert_eq!(run.done("query plans.bin --layer gate/physical --at 3,4").trim(), shown);
+    let shown = readme.lines().find(|line| line.starts_with("{\"x\":-26.0")).unwrap();
+    run.done("build tests/maps/yard.osm --goal gate=-17.5,17.5 -o plans.bin");
+    assert_eq!(run.done("query plans.bin --layer gate/physical --at -26,-18").trim(), shown);
 }
 
 #[test]
