@@ -21,6 +21,8 @@ pub struct Board {
     pub plan_bytes: usize,
     /// How much one of its two slots holds, bytes: whole erasable pages or sectors.
     pub slot_bytes: usize,
+    /// Whether `boards/` has its firmware; for the others plans can be made already.
+    pub has_firmware: bool,
     /// The UF2 family that the chip's boot loader accepts, where it has one.
     pub uf2_family: Option<u32>,
 }
@@ -33,6 +35,7 @@ pub const BOARDS: [Board; 4] = [
         plan_address: 0x000C_0000,
         plan_bytes: 192 << 10,
         slot_bytes: 96 << 10,
+        has_firmware: true,
         uf2_family: None,
     },
     Board {
@@ -41,6 +44,7 @@ pub const BOARDS: [Board; 4] = [
         plan_address: 0x080C_0000,
         plan_bytes: 256 << 10,
         slot_bytes: 128 << 10,
+        has_firmware: false,
         uf2_family: None,
     },
     Board {
@@ -49,6 +53,7 @@ pub const BOARDS: [Board; 4] = [
         plan_address: 0x1020_0000,
         plan_bytes: 1 << 20,
         slot_bytes: 512 << 10,
+        has_firmware: false,
         // rp2350-arm-s in Raspberry Pi's list of families.
         uf2_family: Some(0xE48B_FF59),
     },
@@ -58,6 +63,7 @@ pub const BOARDS: [Board; 4] = [
         plan_address: 0x0818_0000,
         plan_bytes: 512 << 10,
         slot_bytes: 256 << 10,
+        has_firmware: false,
         uf2_family: None,
     },
 ];

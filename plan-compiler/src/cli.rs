@@ -2,39 +2,45 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use math::GeoPoint;
 use plan_compiler::boards::{BOARDS, Board};
 use plan_compiler::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
 use plan_compiler::formats::{
     Format, OparOptions, ReadOptions, geojson, iplan, movingai, osm, pcf, ros,
 };
 use plan_compiler::map::Unknown;
-use plan_compiler::mission::{self, Goal, GoalAt};
+use plan_compiler::mission::words::{goal, number, pair};
+use plan_compiler::mission::{self, Goal};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  plan-compiler build campus.opar -o plans.bin
+  plan-compiler build tests/maps/campus.opar -o campus.bin
       Compiles a map. Its named points become goals; campus.mission.toml beside it is
-      found by itself.
-  plan-compiler build yard.ovl --goal gate=12.5,40 --goal shed=-3,8 --resolution 0.5
+      found by itself. The maps here are those of the project's folder.
+  plan-compiler build tests/maps/yard.osm --goal gate=-17.5,17.5 --goal shed=14.5,14 --resolution 0.5
       Compiles for two goals of your own, in cells of half a metre.
-  plan-compiler build campus.opar --board nrf52840-dk -o plans.hex
+  plan-compiler build tests/maps/yard.osm --goal gate=geo:51.00036,7.00018 -o gate.bin
+      The same for a goal by latitude and longitude.
+  plan-compiler build tests/maps/campus.opar --board nrf52840-dk -o plans.hex
       Refuses plans that do not fit the board, and writes them with their address for
       flashing: .hex, or .uf2 for pico2.
   plan-compiler inspect plans.bin
       Says what a blob holds.
-  plan-compiler query plans.bin --layer gate/physical --at 3,4
+  plan-compiler query plans.bin --layer gate/physical --at -26,-18
       Asks for the advice at one point, as the robot would.
+  plan-compiler query plans.bin --layer gate/physical --route -26,-18 --format csv
+      The whole route from a point; --format geojson for a map viewer.
   plan-compiler export plans.bin --layer gate/physical --what cost -o cost.npy
       Writes the cost to the goal of every cell as a NumPy array.
   plan-compiler render plans.bin --layer gate/physical -o field.png
       Draws obstacles, bands of cost and the advice.
-  plan-compiler render plans.bin --layer gate/physical --layers --route 3,4 -o ways.png
+  plan-compiler render plans.bin --layer gate/physical --layers --route -26,-18 -o ways.png
       Draws all layers of plan gate side by side, in each the way from a point.
-  plan-compiler graph plough.mission.toml -o plough.svg
+  plan-compiler graph tests/maps/plough.mission.toml -o plough.svg
       Draws behaviours and their plans as graphs.
-  plan-compiler verify plans.bin --map yard.ovl
-      Proves every cell of every layer anew.
+  plan-compiler verify plans.bin --map tests/maps/yard.osm
+      Proves every cell of every layer anew, and compares it with the map.
   plan-compiler convert plans.bin -o Iplan.dat
       Writes the plans as MissionLab reads them.
 
@@ -43,8 +49,9 @@ Exit status: 0 done, 1 the input is wrong, 2 the command line is wrong.";
 const ASSUMPTIONS: &str = "\
 What is assumed of maps:
   All      Metres, x east, y north. A cell is blocked if the exact shape, grown by the
-           robot's radius, touches it. A diagonal step needs both cells beside it free
-           unless --corners allow.
+           robot's radius, touches it: --robot-radius, else the mission's, else its
+           vehicle's, 0.3 m; none in MovingAI maps and Iplan.dat, worlds of a point. A
+           diagonal step needs both cells beside it free unless --corners allow.
   Overlay  (MissionLab .ovl) ORIGIN is added to coordinates and subtracted from UTM ones.
            UTM LAT/LON is converted by WGS-84, not by the historic Clarke 1866. HEADING is
            where the map's y axis points, degrees clockwise from true north; only positions
@@ -73,9 +80,9 @@ that the robot follows. Each other layer is an element MOVETO of its own. Costs 
 south-west cell. With --corners allow the costs are those of the historic program.
 
 Examples:
+  plan-compiler convert tests/maps/shop.ovl -o Iplan.dat
   plan-compiler convert Iplan.dat --corners allow -o plans.bin
-  plan-compiler convert plans.bin -o Iplan.dat
-  plan-compiler convert yard.ovl --goal gate=12.5,40 -o Iplan.dat";
+  plan-compiler convert plans.bin -o Iplan.dat";
 
 /// What is assumed of every format: the first two are as old as the program, the others are
 /// said where they are read.
@@ -142,9 +149,43 @@ pub(crate) enum Command {
 pub(crate) struct Explain {
     /// The trace, as `cargo mission --trace FILE` writes it
     pub(crate) trace: PathBuf,
-    /// Everything about one tick, counted from 0, instead of all turns
+    /// Everything about one tick, counted from 0, or `first` or `last`, instead of all turns
     #[arg(long, value_name = "N")]
-    pub(crate) tick: Option<usize>,
+    pub(crate) tick: Option<TickAt>,
+}
+
+/// A tick of a trace.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum TickAt {
+    /// Counted from 0.
+    Number(usize),
+    /// The last one.
+    Last,
+}
+
+impl TickAt {
+    /// Its number in a trace of so many ticks.
+    pub(crate) fn index(self, ticks: usize) -> usize {
+        match self {
+            Self::Number(number) => number,
+            Self::Last => ticks.saturating_sub(1),
+        }
+    }
+}
+
+impl std::str::FromStr for TickAt {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "first" => Ok(Self::Number(0)),
+            "last" => Ok(Self::Last),
+            _ => text
+                .parse()
+                .map(Self::Number)
+                .map_err(|_| "write a number from 0, `first` or `last`".into()),
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -172,7 +213,8 @@ pub(crate) struct Compiling {
     /// Refuse maps whose search takes more memory than this; 4 if not given
     #[arg(long, value_name = "GIB", value_parser = gib)]
     pub(crate) max_memory: Option<u64>,
-    /// A goal in the map's metres, x east, y north; repeatable. Replaces all other goals
+    /// A goal in the map's metres, x east, y north, or on the globe as NAME=geo:LAT,LON;
+    /// repeatable. Replaces all other goals
     #[arg(long = "goal", value_name = "NAME=X,Y", value_parser = goal, allow_hyphen_values = true)]
     pub(crate) goals: Vec<Goal>,
     #[command(flatten)]
@@ -186,10 +228,11 @@ pub(crate) struct MapOptions {
     #[arg(long, value_name = "FILE")]
     pub(crate) mission: Option<PathBuf>,
     /// Side of a cell; otherwise the mission's, the map's, or 1
-    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    #[arg(long, value_name = "METRES", value_parser = length, allow_hyphen_values = true)]
     pub(crate) resolution: Option<f64>,
-    /// Grow obstacles by this, so that the robot's centre keeps clear of them
-    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    /// Grow obstacles by this, so that the robot's centre keeps clear of them; otherwise the
+    /// mission's radius, its vehicle's, or 0.3; in MovingAI maps and Iplan.dat 0
+    #[arg(long, value_name = "METRES", value_parser = length, allow_hyphen_values = true)]
     pub(crate) robot_radius: Option<f64>,
     /// Whether a diagonal step may pass a blocked cell beside it
     #[arg(long, value_name = "RULE")]
@@ -212,21 +255,29 @@ pub(crate) struct Inspect {
 }
 
 #[derive(Debug, Args)]
-#[command(group = clap::ArgGroup::new("points").required(true).args(["at", "geo", "stdin"]))]
+#[command(group = clap::ArgGroup::new("points").required(true).args(["at", "geo", "route", "stdin"]))]
 pub(crate) struct Query {
     /// The blob
     #[arg(value_name = "PLANS")]
     pub(crate) plans: PathBuf,
-    /// The layer, as `inspect` names it
+    /// The layer, as `inspect` names it; not needed where there is only one
     #[arg(long, value_name = "PLAN/LAYER")]
-    pub(crate) layer: LayerName,
+    pub(crate) layer: Option<LayerName>,
     /// A point in the map's metres, x east, y north
     #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) at: Option<[f64; 2]>,
     /// A place on the globe, WGS-84 degrees
     #[arg(long, value_name = "LAT,LON", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) geo: Option<[f64; 2]>,
-    /// Points from standard input, one `X Y` a line
+    /// The whole route from a point in the map's metres, or on the globe as geo:LAT,LON, to the
+    /// goal: what a robot drives that follows the advice only
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    pub(crate) route: Option<PointAt>,
+    /// How the route is written
+    #[arg(long, value_name = "FORMAT", default_value = "json", requires = "route")]
+    pub(crate) format: RouteFormat,
+    /// Points from standard input, one a line: `X Y`, `X,Y`, or a pose `X Y HEADING` or
+    /// `{x: X, y: Y, ...}`, of which only the position counts
     #[arg(value_name = "-", value_parser = ["-"])]
     pub(crate) stdin: Option<String>,
 }
@@ -236,9 +287,9 @@ pub(crate) struct Export {
     /// The blob
     #[arg(value_name = "PLANS")]
     pub(crate) plans: PathBuf,
-    /// The layer, as `inspect` names it
+    /// The layer, as `inspect` names it; not needed where there is only one
     #[arg(long, value_name = "PLAN/LAYER")]
-    pub(crate) layer: LayerName,
+    pub(crate) layer: Option<LayerName>,
     /// What of it
     #[arg(long)]
     pub(crate) what: WhatToExport,
@@ -252,8 +303,8 @@ pub(crate) struct Render {
     /// The blob
     #[arg(value_name = "PLANS")]
     pub(crate) plans: PathBuf,
-    /// The layer, as `inspect` names it
-    #[arg(long, value_name = "PLAN/LAYER", required_unless_present = "layers")]
+    /// The layer, as `inspect` names it; not needed where there is only one
+    #[arg(long, value_name = "PLAN/LAYER")]
     pub(crate) layer: Option<LayerName>,
     /// Draw all layers of a plan side by side: of the plan that --layer names, otherwise of the
     /// one that the robot follows
@@ -266,8 +317,8 @@ pub(crate) struct Render {
     /// The file to write: .svg or .png
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Draw the exact shapes of this map over the cells
-    #[arg(long, value_name = "MAP")]
+    /// Draw the exact shapes of this map, which the plans were built from, over the cells
+    #[arg(long, value_name = "MAP|MISSION")]
     pub(crate) map: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) reading: Reading,
@@ -291,8 +342,8 @@ pub(crate) struct Verify {
     /// Print what was proved as JSON
     #[arg(long)]
     pub(crate) json: bool,
-    /// Also compare the blocked cells with those of this map, or of a mission that names it.
-    /// The options are those that the blob was built with
+    /// Also compare grid, place on the globe and blocked cells with those of this map, or of a
+    /// mission that names it. Options that are not given are those of the build
     #[arg(long = "map", value_name = "MAP|MISSION")]
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
@@ -374,6 +425,26 @@ pub(crate) enum CornersRule {
     Allow,
 }
 
+/// How a route is written.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum RouteFormat {
+    /// One object: layer, length, and poses of x, y (metres) and yaw (radians), as ROS has them
+    Json,
+    /// A line for each pose, `x,y,yaw`; also `lat,lon` where the plans have a place on the globe
+    Csv,
+    /// A line of longitudes and latitudes, for a map viewer
+    Geojson,
+}
+
+/// A point as it is written on the command line.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum PointAt {
+    /// The map's metres.
+    Map([f64; 2]),
+    /// WGS-84.
+    Globe(GeoPoint),
+}
+
 /// What of a layer to export.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum WhatToExport {
@@ -408,7 +479,8 @@ impl std::str::FromStr for LayerName {
 fn board() -> impl TypedValueParser<Value = &'static Board> {
     let names = BOARDS.iter().map(|board| {
         let (size, address) = (board.plan_bytes >> 10, board.plan_address);
-        PossibleValue::new(board.name).help(format!("{size} KiB at {address:#010x}"))
+        let firmware = if board.has_firmware { "" } else { "; plans only, no firmware yet" };
+        PossibleValue::new(board.name).help(format!("{size} KiB at {address:#010x}{firmware}"))
     });
     PossibleValuesParser::new(names)
         .try_map(|name| Board::find(&name).ok_or("there is no such board"))
@@ -420,23 +492,29 @@ fn gib(text: &str) -> Result<u64, String> {
     if gib > 0.0 { Ok((gib * f64::from(1 << 30)) as u64) } else { Err("write GiB, above 0".into()) }
 }
 
-fn goal(text: &str) -> Result<Goal, String> {
-    let example = "write NAME=X,Y, for example gate=12.5,-40";
-    let (name, at) = text.rsplit_once('=').ok_or(example)?;
-    let name = mission::tidy_name(name)?.to_owned();
-    let at = pair(at).map_err(|reason| format!("{reason}; {example}"))?;
-    Ok(Goal { name, at: GoalAt::Position(at), layers: None, place: None })
+fn point(text: &str) -> Result<PointAt, String> {
+    if mission::is_geo_uri(text) {
+        return mission::geo_uri(text).map(PointAt::Globe);
+    }
+    pair(text).map(PointAt::Map)
 }
 
-fn pair(text: &str) -> Result<[f64; 2], String> {
-    let (x, y) = text.split_once(',').ok_or("two numbers parted by a comma are needed")?;
-    Ok([number(x)?, number(y)?])
-}
-
-/// A finite number; also what a line of standard input is made of.
-pub(crate) fn number(text: &str) -> Result<f64, String> {
-    let number: f64 = text.trim().parse().map_err(|_| format!("`{text}` is not a number"))?;
-    if number.is_finite() { Ok(number) } else { Err(format!("`{text}` is not a finite number")) }
+/// A number of metres. What is out of range is for the compiler to say.
+fn length(text: &str) -> Result<f64, String> {
+    const UNITS: [(&str, f64); 5] =
+        [("mm", 1e-3), ("cm", 1e-2), ("ft", 0.3048), ("feet", 0.3048), ("m", 1.0)];
+    let text = text.trim();
+    if let Ok(number) = text.parse() {
+        return Ok(number);
+    }
+    let with_unit = UNITS.iter().find_map(|(unit, metres)| {
+        let number = text.strip_suffix(unit)?.trim().parse::<f64>().ok()?;
+        Some((number * metres * 1e6).round() / 1e6)
+    });
+    Err(match with_unit {
+        Some(metres) => format!("write metres, the number alone: {metres}"),
+        None => "write a number of metres, for example 0.25".into(),
+    })
 }
 
 #[cfg(test)]
@@ -456,6 +534,11 @@ mod tests {
             "p query a.bin --layer a/b --at -3,4",
             "p query a.bin --layer a/b --geo -33.8,-151.2",
             "p query a.bin --layer a/b -",
+            "p query a.bin --at 1,2",
+            "p query a.bin --route -1,2 --format csv",
+            "p query a.bin --route geo:-33.8,151.2",
+            "p build m.ovl --goal a=geo:-33.8,151.2;u=5",
+            "p explain a.trace --tick last",
             "p query - --layer a/b --at=-3,-4",
             "p build m.ovl --goal a=-1,2 --goal b=-1e1,-.5",
             "p build m.ovl --resolution -1",
@@ -468,6 +551,9 @@ mod tests {
             "p query a.bin --layer ab --at 1,2",
             "p query a.bin --layer a/b --at 1",
             "p query a.bin --layer a/b --at nan,1",
+            "p query a.bin --at 1,2 --format csv",
+            "p explain a.trace --tick -1",
+            "p build m.ovl --resolution 0.25m",
             "p build m.ovl --goal a",
             "p build m.ovl --goal =1,2",
             "p build m.ovl --goal a/b=1,2",

@@ -12,6 +12,7 @@
 //! Deliberately absent: files and the command line.
 
 mod area;
+mod globe;
 mod goals;
 mod layers;
 mod memory;
@@ -21,9 +22,11 @@ pub use memory::{Need, gib};
 
 use crate::behaviours::{self, PlanNames, Plans};
 use crate::bitmap::Bitmap;
+use crate::formats::ReadOptions;
 use crate::map::Map;
 use crate::mission::{Goal, Mission};
 use crate::problem::{Problem, Severity, Source};
+use crate::recipe;
 use crate::search::{Corners, MAX_COST, Solver, is_cut_short};
 use goals::Placed;
 use layers::Level;
@@ -31,7 +34,8 @@ use plan_format::grid::cost_metres;
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Vehicle;
 use plan_format::{
-    Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, limits, pack, write,
+    Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, limits, pack,
+    write_with_recipe,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -51,6 +55,8 @@ pub struct Options {
     pub corners: Option<Corners>,
     /// Whether closed walls are solid.
     pub fill_walls: bool,
+    /// How the map was read: kept in the blob, so that it can be compared with its map again.
+    pub reading: ReadOptions,
     /// Bytes of memory that searches may take; 4 GiB where nothing is said.
     pub max_memory_bytes: Option<u64>,
 }
@@ -68,7 +74,11 @@ pub struct Input<'a> {
     pub options: &'a Options,
 }
 
-/// Called with the layers done and the layers to do, from any thread.
+/// Steps of the work on one layer that progress counts: searching it and packing it.
+pub const STEPS_A_LAYER: usize = 2;
+
+/// Called with the steps done and the steps to do, [`STEPS_A_LAYER`] for each layer, from any
+/// thread.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// Packed layers beyond this cannot fit a blob even if equal ones are stored once.
@@ -95,6 +105,16 @@ pub fn grid(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Grid> {
     area::grid(input, problems)
 }
 
+/// How far obstacles are grown, metres; 0 where that is wrong, which [`prepare`] reports.
+pub(crate) fn robot_radius_m(input: &Input<'_>) -> f64 {
+    area::robot_radius(input, &mut Vec::new()).unwrap_or_default()
+}
+
+/// Where the map lies on the globe, as a blob carries it.
+pub fn origin(input: &Input<'_>) -> Option<Origin> {
+    area::origin(input, &mut Vec::new())
+}
+
 /// The blocked cells of every layer of a map under a mission, by name, for proofs.
 pub fn blocked(
     input: &Input<'_>,
@@ -115,6 +135,7 @@ pub struct Prepared {
     levels: Vec<Level>,
     goals: Vec<Placed>,
     mission: MissionDraft,
+    recipe: String,
     need: Need,
 }
 
@@ -130,6 +151,7 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     let grid = area::grid(input, problems);
     goals::check_names(input, problems);
     let (grid, radius) = (grid?, radius?);
+    problems.extend(too_narrow(input, radius));
     let origin = area::origin(input, problems);
     let limit_bytes = input.options.max_memory_bytes.unwrap_or(memory::DEFAULT_LIMIT_BYTES);
     if let Some(problem) = memory::check(limit_bytes, &grid, limits::MAX_LAYERS) {
@@ -151,7 +173,8 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     let jobs = goals.iter().map(|goal| goal.levels.len()).sum();
     let threads = thread::available_parallelism().map_or(1, |threads| threads.get());
     let need = Need::within(limit_bytes, &grid, levels.len(), jobs, threads)?;
-    Some(Prepared { grid, origin, parameters, corners, levels, goals, mission, need })
+    let recipe = recipe::write(input);
+    Some(Prepared { grid, origin, parameters, corners, levels, goals, mission, recipe, need })
 }
 
 /// What behaviours may refer to by name.
@@ -171,6 +194,22 @@ fn vehicle(input: &Input<'_>, radius: f64) -> Vehicle {
     let vehicle = input.mission.parameters.vehicle;
     let grown = radius > 0.0 && !input.mission.body_radius_given;
     Vehicle { radius_m: if grown { radius as f32 } else { vehicle.radius_m }, ..vehicle }
+}
+
+/// A body that is wider than what obstacles are grown by scrapes along them.
+fn too_narrow(input: &Input<'_>, radius: f64) -> Option<Problem> {
+    let body = input.mission.parameters.vehicle.radius_m;
+    // Half a millimetre is lost in single precision at most.
+    if !input.mission.body_radius_given || f64::from(body) <= radius + 5e-4 {
+        return None;
+    }
+    let radius = metres(radius);
+    let message = format!(
+        "obstacles are grown by {radius} m, less than the vehicle's radius of {body} m: the robot \
+         is advised to go where it does not fit"
+    );
+    let mend = "leave robot_radius out, or make it at least vehicle.radius";
+    Some(Problem::warning(message).mend(mend))
 }
 
 fn no_free_cell(grid: &Grid, radius: f64) -> Problem {
@@ -204,7 +243,7 @@ impl Prepared {
             plans,
             mission: self.mission.clone(),
         };
-        match write(&draft) {
+        match write_with_recipe(&draft, &self.recipe) {
             Ok(blob) => Some(blob),
             Err(WriteError::TooLarge { bytes }) => {
                 problems.push(too_large(Some(bytes)));
@@ -228,17 +267,20 @@ impl Prepared {
             .iter()
             .flat_map(|goal| goal.levels.iter().map(move |&level| (goal, &self.levels[level])))
             .collect();
-        progress(0, jobs.len());
+        let steps = jobs.len() * STEPS_A_LAYER;
+        progress(0, steps);
         let (done, bytes) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let solve = |solver: &mut Solver, &(goal, level): &(&Placed, &Level)| {
             if bytes.load(Ordering::Relaxed) > PACKED_BUDGET_BYTES {
                 return None;
             }
+            let step = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, steps);
             let field = solver.solve(&level.blocked, goal.cell, self.corners);
+            step();
             let is_cut_short = is_cut_short(&level.blocked, self.corners, &field);
             let packed = pack(&field);
             bytes.fetch_add(packed.bytes(), Ordering::Relaxed);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
+            step();
             Some((LayerDraft { name: level.name.clone(), packed }, is_cut_short))
         };
         let solve_all = || jobs.par_iter().map_init(Solver::new, solve).collect::<Option<Vec<_>>>();

@@ -16,6 +16,7 @@ pub mod mission;
 pub mod output;
 pub mod problem;
 pub mod raster;
+pub mod recipe;
 pub mod render;
 pub mod route;
 pub mod search;

@@ -2,12 +2,14 @@
 
 mod cli;
 mod commands;
+mod tips;
 
 use clap::Parser;
 use commands::Failure;
 use plan_compiler::problem::draw;
 use std::io::{self, IsTerminal};
 use std::process::ExitCode;
+use tips::Tip;
 
 /// The input is wrong.
 const WRONG_INPUT: u8 = 1;
@@ -18,8 +20,19 @@ fn main() -> ExitCode {
     let cli = match cli::Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
-            // Where help cannot be written there is nobody to tell.
-            let _ = error.print();
+            let arguments = std::env::args_os().skip(1);
+            let arguments: Vec<String> =
+                arguments.map(|argument| argument.to_string_lossy().into_owned()).collect();
+            match tips::of(&error, &arguments) {
+                Some(Tip::Instead(message)) => eprint(&message),
+                tip => {
+                    // Where help cannot be written there is nobody to tell.
+                    let _ = error.print();
+                    if let Some(Tip::Besides(message)) = tip {
+                        eprint(&message);
+                    }
+                }
+            }
             return if error.use_stderr() { WRONG_USAGE.into() } else { ExitCode::SUCCESS };
         }
     };

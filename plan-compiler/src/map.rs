@@ -33,6 +33,8 @@ pub struct Map {
     pub title: Option<String>,
     /// Facts that the file states and the compiler keeps but does not use, as `name value`.
     pub remarks: Vec<String>,
+    /// Whether the format's robots are points, so that obstacles are not grown by default.
+    pub is_for_points: bool,
 }
 
 /// A rectangle of the plane.
@@ -202,6 +204,7 @@ impl Map {
             start: None,
             title: None,
             remarks: Vec::new(),
+            is_for_points: false,
         }
     }
 

@@ -8,12 +8,17 @@
 //! What it says about behaviours is read by [`crate::behaviours`].
 
 pub mod keys;
+mod place;
+mod speeds;
+pub mod words;
 
 use crate::behaviours;
 use crate::map::Point;
 use crate::problem::{Place, Problem, Source};
 use crate::search::Corners;
 use keys::{KEYS, Key, Kind, SECTIONS};
+use math::GeoPoint;
+pub use place::{geo_uri, is_geo_uri, place_of};
 use plan_format::{Parameters, limits};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -80,6 +85,8 @@ pub enum GoalAt {
     Position(Point),
     /// By the name of a point of the map.
     PointOfMap(String),
+    /// By a place on the globe, WGS-84.
+    Globe(GeoPoint),
 }
 
 /// Areas of the map that are obstacles in one layer and in all that follow it.
@@ -97,6 +104,8 @@ pub fn parse(source: &Arc<Source>) -> (Mission, Vec<Problem>) {
     match Document::parse(source.text.as_str()) {
         Ok(document) => {
             reader.section("", document.as_table());
+            let parameters = &mut reader.mission.parameters;
+            speeds::settle(source, document.as_table(), parameters, &mut reader.problems);
             reader.mission.behaviours =
                 behaviours::read(source, document.as_table(), &mut reader.problems);
         }
@@ -132,6 +141,9 @@ pub fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Opt
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)
 }
+
+/// Keys of a goal that is a table.
+const GOAL_KEYS: [&str; 4] = ["at", "lat", "lon", "layers"];
 
 /// Walks the document and gathers.
 struct Reader<'s> {
@@ -265,26 +277,12 @@ impl Reader<'_> {
                 for (key, inner) in table.iter() {
                     let key_span = table.key(key).and_then(toml_edit::Key::span).unwrap_or(0..0);
                     match key {
-                        "at" => {}
+                        "at" | "lat" | "lon" => {}
                         "layers" => layers = self.names(&format!("goals.{raw}.layers"), inner),
                         other => self.unknown_goal_key(raw, other, key_span),
                     }
                 }
-                let at = table.get("at");
-                if at.is_none() {
-                    let mend = format!("write {raw} = {{ at = [12.5, 40.0] }}");
-                    self.error(
-                        format!("goal `{raw}` has no `at`"),
-                        span.clone(),
-                        "this goal",
-                        &mend,
-                    );
-                }
-                let at = at.and_then(|at| {
-                    let here = at.span().unwrap_or_else(|| span.clone());
-                    self.goal_position(raw, at, here)
-                });
-                (at, layers)
+                (self.goal_table(raw, table, span.clone()), layers)
             }
         };
         Some(Goal { name: name?, at: at?, layers, place: Some(self.place(span)) })
@@ -292,6 +290,14 @@ impl Reader<'_> {
 
     fn goal_position(&mut self, name: &str, item: &Item, span: Range<usize>) -> Option<GoalAt> {
         match item.as_value() {
+            Some(Value::String(uri)) if is_geo_uri(uri.value()) => match geo_uri(uri.value()) {
+                Ok(place) => Some(GoalAt::Globe(place)),
+                Err(reason) => {
+                    let message = format!("goal `{name}` is not a place on the globe");
+                    self.error(message, span, &reason, "write \"geo:LAT,LON\", degrees");
+                    None
+                }
+            },
             Some(Value::String(point)) => Some(GoalAt::PointOfMap(point.value().trim().into())),
             Some(Value::Array(pair)) => {
                 let numbers: Vec<f64> = pair.iter().filter_map(number).collect();
@@ -411,9 +417,9 @@ impl Reader<'_> {
     }
 
     fn unknown_goal_key(&mut self, goal: &str, name: &str, span: Range<usize>) {
-        let mend = match nearest(name, ["at", "layers"].into_iter()) {
+        let mend = match nearest(name, GOAL_KEYS.into_iter()) {
             Some(meant) => format!("did you mean `{meant}`?"),
-            None => "a goal has `at` and `layers`".into(),
+            None => "a goal has `at`, or `lat` and `lon`, and `layers`".into(),
         };
         self.error(format!("`{name}` is not a key of goal `{goal}`"), span, "unknown key", &mend);
     }

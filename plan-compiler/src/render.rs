@@ -391,6 +391,7 @@ mod tests {
             start: None,
             title: None,
             remarks: Vec::new(),
+            is_for_points: false,
         };
         let (mission, options) = (Mission::default(), Options::default());
         let input = Input { map: &map, source: None, mission: &mission, options: &options };

@@ -11,7 +11,8 @@ use plan_format::Plan;
 use robot_io::{Percepts, TraceHash};
 use thiserror::Error;
 
-const MAGIC: &[u8; 8] = b"WAYTRACE";
+/// The first bytes of every trace.
+pub const MAGIC: &[u8; 8] = b"WAYTRACE";
 const VERSION: u16 = 2;
 
 /// A mission as a robot saw it.

@@ -5,7 +5,7 @@ use super::progress::{with_patience, with_progress};
 use super::{Failure, check_output, layers, parallel_plans, project, tell};
 use crate::cli::{Build, Compiling};
 use plan_compiler::boards::Board;
-use plan_compiler::compile::{Need, gib, has_errors, pair, prepare};
+use plan_compiler::compile::{Need, STEPS_A_LAYER, gib, has_errors, pair, prepare};
 use plan_compiler::image::Image;
 use plan_compiler::output;
 use plan_compiler::problem::Problem;
@@ -71,7 +71,7 @@ pub(super) fn compile(
         return Ok(None);
     };
     announce(prepared.need(), quiet);
-    Ok(with_progress(quiet, |progress| prepared.finish(progress, problems)))
+    Ok(with_progress(quiet, STEPS_A_LAYER, |progress| prepared.finish(progress, problems)))
 }
 
 /// Says in advance what a large build takes.

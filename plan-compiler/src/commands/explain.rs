@@ -8,29 +8,40 @@ use controller::{Blend, Explanation, State};
 use math::Vec2;
 use plan_compiler::problem::Problem;
 use plan_compiler::source;
-use plan_compiler::trace::Trace;
 use plan_compiler::trace::story::{self, decided, facts};
+use plan_compiler::trace::{Trace, TraceError};
 use plan_format::grid::cost_metres;
 use plan_format::mission::{Label, Mission, RuleBase};
-use plan_format::{Answer, Plan};
+use plan_format::{Answer, MAGIC, Plan};
 use robot_io::Percepts;
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 
 pub(super) fn run(args: &Explain) -> Result<(), Failure> {
     let bytes = source::read_bytes(&args.trace)?;
-    let trace = Trace::from_bytes(&bytes)
-        .map_err(|error| Problem::error(format!("{}: {error}", args.trace.display())))?;
+    let trace = Trace::from_bytes(&bytes).map_err(|error| refused(args, &bytes, error))?;
     let plan = Plan::parse_exact(&trace.blob)
         .map_err(|error| Problem::error(format!("the plans in the trace are refused: {error}")))?;
     let text = match args.tick {
-        Some(tick) => one_tick(&plan, &trace, tick)?,
+        Some(tick) => one_tick(&plan, &trace, tick.index(trace.percepts.len()))?,
         None => turns(&plan, &trace),
     };
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes())?;
     out.flush()?;
     Ok(())
+}
+
+/// Why a file is no trace, and how to get one.
+fn refused(args: &Explain, bytes: &[u8], error: TraceError) -> Failure {
+    let name = args.trace.display();
+    let record = "record one: `cargo mission MAP --trace FILE`";
+    if bytes.starts_with(&MAGIC) {
+        return Problem::error(format!("{name} is a blob of plans, not a trace"))
+            .mend(format!("look into it with `plan-compiler inspect {name}`; or {record}"))
+            .into();
+    }
+    Problem::error(format!("{name}: {error}")).mend(record).into()
 }
 
 /// A line for each turn of the mission.

@@ -19,7 +19,7 @@ pub(super) fn run(args: &Export) -> Result<(), Failure> {
     refuse_output(&args.output, &[&args.plans])?;
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;
-    let (_, layer) = find(&plan, &args.layer)?;
+    let (_, layer) = find(&plan, args.layer.as_ref())?;
     let write =
         |out: &mut dyn std::io::Write| output::write_array(out, format, what, plan.grid(), &layer);
     Ok(output::write_file(&args.output, write)?)

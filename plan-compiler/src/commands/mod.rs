@@ -16,11 +16,12 @@ mod render;
 mod verify;
 
 use crate::cli::{Cli, Command, LayerName};
+use plan_compiler::formats::Format;
 use plan_compiler::image;
 use plan_compiler::mission::nearest;
 use plan_compiler::problem::{Problem, draw};
-use plan_compiler::{output, source};
-use plan_format::{Layer, ParallelPlan, Plan};
+use plan_compiler::{output, source, trace};
+use plan_format::{Layer, MAGIC, ParallelPlan, Plan};
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
@@ -111,10 +112,60 @@ fn open<'b>(path: &Path, bytes: &'b [u8]) -> Result<Plan<'b>, Failure> {
                 .mend("name the blob itself: `plan-compiler build MAP -o plans.bin` writes it")
                 .into();
         }
+        if let Some(kind) = other_kind(path, bytes) {
+            return Problem::error(format!("{name} is {kind}, not a plan blob"))
+                .mend(mend_of_kind(path, kind))
+                .into();
+        }
         Problem::error(format!("{name} is refused: {error}"))
             .mend("name a blob that `plan-compiler build MAP -o plans.bin` wrote, or build it anew")
             .into()
     })
+}
+
+/// A trace.
+const TRACE: &str = "a trace";
+/// A mission file.
+const MISSION: &str = "a mission file";
+
+/// What a file is that is no blob, if that can be told.
+fn other_kind(path: &Path, bytes: &[u8]) -> Option<&'static str> {
+    if bytes.starts_with(&MAGIC) {
+        return None;
+    }
+    if bytes.starts_with(trace::MAGIC) {
+        return Some(TRACE);
+    }
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    if extension == "toml" {
+        return Some(MISSION);
+    }
+    let is_of = |format: &Format| format.extensions().contains(&extension.as_str());
+    Format::ALL.into_iter().find(is_of).map(|format| match format {
+        Format::Overlay => "a map (MissionLab overlay)",
+        Format::Opar => "a map (OPAR)",
+        Format::Ros => "a map (ROS)",
+        Format::Movingai => "a map (MovingAI)",
+        Format::Iplan => "an Iplan.dat",
+        Format::Pcf => "a plan of MissionLab",
+        Format::Geojson => "a map (GeoJSON)",
+        Format::Osm => "a map (OpenStreetMap)",
+    })
+}
+
+/// What to do with a file of another kind.
+fn mend_of_kind(path: &Path, kind: &str) -> String {
+    let name = quoted(path);
+    match kind {
+        TRACE => format!("look into it with `plan-compiler explain {name}`"),
+        _ => format!("make plans of it first: `plan-compiler build {name} -o plans.bin`"),
+    }
+}
+
+/// A path as it is typed in a shell.
+fn quoted(path: &Path) -> String {
+    let name = path.display().to_string();
+    if name.contains(char::is_whitespace) { format!("\"{name}\"") } else { name }
 }
 
 /// Every parallel plan of a blob.
@@ -128,21 +179,49 @@ fn layers<'b>(plan: ParallelPlan<'b>) -> impl Iterator<Item = Layer<'b>> {
     (0..plan.layer_count()).filter_map(move |index| plan.layer(index))
 }
 
-/// The layer of a name.
-fn find<'b>(plan: &Plan<'b>, name: &LayerName) -> Result<(ParallelPlan<'b>, Layer<'b>), Failure> {
-    let parallel = plan.find(&name.plan);
-    let layer = parallel
-        .and_then(|plan| layers(plan).find(|layer| layer.name() == name.layer).map(|l| (plan, l)));
-    layer.ok_or_else(|| {
+/// The layer of a name; without one, the only layer that there is.
+fn find<'b>(
+    plan: &Plan<'b>,
+    name: Option<&LayerName>,
+) -> Result<(ParallelPlan<'b>, Layer<'b>), Failure> {
+    let mut all =
+        parallel_plans(plan).flat_map(|plan| layers(plan).map(move |layer| (plan, layer)));
+    let Some(name) = name else {
+        return match (all.next(), all.next()) {
+            (Some(only), None) => Ok(only),
+            (Some(_), Some(_)) => {
+                let known = known_layers(plan);
+                Err(Failure::Usage(format!(
+                    "the blob holds several layers; choose one: --layer {}",
+                    known.join(" or --layer ")
+                )))
+            }
+            (None, _) => Err(Problem::error("the blob holds no plan at all").into()),
+        };
+    };
+    let found = all.find(|(plan, layer)| plan.name() == name.plan && layer.name() == name.layer);
+    found.ok_or_else(|| {
         let wanted = format!("{}/{}", name.plan, name.layer);
-        let known: Vec<String> = parallel_plans(plan)
-            .flat_map(|plan| layers(plan).map(move |l| format!("{}/{}", plan.name(), l.name())))
-            .collect();
-        let mend = match nearest(&wanted, known.iter().map(String::as_str)) {
-            Some(meant) => format!("did you mean {meant}?"),
-            None if known.is_empty() => "the blob holds no plan at all".into(),
-            None => format!("the blob holds: {}", known.join(", ")),
+        let known = known_layers(plan);
+        let meant = nearest(&wanted, known.iter().map(String::as_str));
+        let meant = meant.map_or(String::new(), |meant| format!("did you mean {meant}? "));
+        let mend = match known.is_empty() {
+            true => "the blob holds no plan at all".into(),
+            false => format!("{meant}the blob holds: {}", known.join(", ")),
         };
         Problem::error(format!("there is no layer {wanted}")).mend(mend).into()
     })
+}
+
+/// The names of the layers of a blob, of which more than a dozen help nobody.
+fn known_layers(plan: &Plan<'_>) -> Vec<String> {
+    const LISTED: usize = 12;
+    let mut names = parallel_plans(plan)
+        .flat_map(|plan| layers(plan).map(move |l| format!("{}/{}", plan.name(), l.name())));
+    let mut known: Vec<String> = names.by_ref().take(LISTED).collect();
+    let more = names.count();
+    if more > 0 {
+        known.push(format!("{more} more, which `plan-compiler inspect` lists"));
+    }
+    known
 }

@@ -9,19 +9,32 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// How often the clock is drawn anew.
 const REDRAWN: Duration = Duration::from_millis(100);
 
-/// Does `work`, which reports layers done and layers to do, and shows on a terminal how far
-/// it is once it takes longer than a second.
+/// Does `work`, which reports steps done and steps to do, so many for each layer, and shows on a
+/// terminal how far it is once it takes longer than a second. The spinner and the clock move while
+/// a step of a large layer takes long.
 pub(super) fn with_progress<T>(
     quiet: bool,
+    steps_a_layer: usize,
     work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T,
 ) -> T {
-    let template = "{spinner} layer {pos} of {len} {wide_bar} {elapsed}";
+    let template = "{spinner} {msg} {wide_bar} {elapsed}";
     shown(quiet, template, |bar| {
-        work(&|layers_done, layers| {
-            bar.set_length(layers as u64);
-            bar.set_position(layers_done as u64);
+        work(&|done, steps| {
+            bar.set_length(steps as u64);
+            bar.set_position(done as u64);
+            bar.set_message(said(done, steps, steps_a_layer));
         })
     })
+}
+
+/// How many layers are done, and what is done to the one under way where there is but one.
+fn said(done: usize, steps: usize, steps_a_layer: usize) -> String {
+    let layers = steps / steps_a_layer.max(1);
+    match done {
+        0 if layers == 1 && steps > 1 => "searching the layer".to_owned(),
+        1 if layers == 1 && steps > 1 => "packing the layer".to_owned(),
+        _ => format!("{} of {layers} layers done", done / steps_a_layer.max(1)),
+    }
 }
 
 /// Does `work` that cannot tell how far it is, as reading a large extract.
@@ -51,4 +64,17 @@ fn shown<T>(quiet: bool, template: &str, work: impl FnOnce(&ProgressBar) -> T) -
         bar.finish_and_clear();
         result
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_layer_alone_moves_too() {
+        let lines: Vec<String> = (0..=2).map(|done| said(done, 2, 2)).collect();
+        assert_eq!(lines, ["searching the layer", "packing the layer", "1 of 1 layers done"]);
+        assert_eq!(said(5, 8, 2), "2 of 4 layers done");
+        assert_eq!(said(0, 1, 1), "0 of 1 layers done");
+    }
 }

@@ -4,11 +4,13 @@ use crate::cli::{CornersRule, MapOptions};
 use crate::commands::Failure;
 use plan_compiler::compile::{Input, Options};
 use plan_compiler::formats;
-use plan_compiler::map::Map;
+use plan_compiler::map::{Feature, Map};
 use plan_compiler::mission::{self, Goal, Mission};
 use plan_compiler::problem::{Problem, Source};
+use plan_compiler::recipe::{self, Recipe};
 use plan_compiler::search::Corners;
 use plan_compiler::source;
+use plan_format::Plan;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -26,6 +28,11 @@ impl Project {
     /// Lets searches take so much memory.
     pub(crate) fn limit_memory(&mut self, bytes: Option<u64>) {
         self.options.max_memory_bytes = bytes;
+    }
+
+    /// The exact shapes of the map.
+    pub(crate) fn features(self) -> Vec<Feature> {
+        self.map.features
     }
 
     /// What the compiler takes.
@@ -46,21 +53,52 @@ pub(crate) fn read(
     args: &MapOptions,
     problems: &mut Vec<Problem>,
 ) -> Result<Option<Project>, Failure> {
+    read_as(path, options(goals, args), args.mission.as_deref(), None, problems)
+}
+
+/// Reads the map, or the mission that names it, which a blob is to be compared with: with the
+/// options that it was built with where the command line gives no others.
+pub(crate) fn read_for(
+    (blob, plan): (&[u8], &Plan<'_>),
+    path: &Path,
+    mut asked: Options,
+    mission: Option<&Path>,
+    problems: &mut Vec<Problem>,
+) -> Result<Option<Project>, Failure> {
+    let recipe = recipe::of_blob(blob);
+    if let Some(recipe) = &recipe {
+        asked.reading = recipe.reading(&asked.reading);
+        asked.resolution_m = asked.resolution_m.or(Some(plan.grid().resolution_m));
+    }
+    read_as(path, asked, mission, recipe, problems)
+}
+
+fn read_as(
+    path: &Path,
+    mut options: Options,
+    mission_given: Option<&Path>,
+    recipe: Option<Recipe>,
+    problems: &mut Vec<Problem>,
+) -> Result<Option<Project>, Failure> {
     let is_mission = path.extension().is_some_and(|extension| extension == "toml");
-    if is_mission && args.mission.is_some() {
+    if is_mission && mission_given.is_some() {
         return Err(Failure::Usage("a mission is built without --mission".into()));
     }
     let beside = || Some(path.with_extension("mission.toml")).filter(|path| path.is_file());
-    let mission_path = match &args.mission {
+    let mission_path = match mission_given {
         _ if is_mission => Some(path.to_owned()),
-        Some(given) => Some(given.clone()),
+        Some(given) => Some(given.to_owned()),
         None => beside(),
     };
     let mission = mission_path.as_deref().map(|path| read_mission(path, problems));
-    let mission = match mission {
+    let mut mission = match mission {
         Some(None) if is_mission => return Ok(None),
         mission => mission.flatten().unwrap_or_default(),
     };
+    if let Some(recipe) = recipe {
+        let is_asked = is_mission || mission_given.is_some();
+        recipe.complete(&mut options, &mut mission, is_asked);
+    }
     let map_path = match (&mission.map, is_mission) {
         (Some(map), true) => map.clone(),
         (None, true) => {
@@ -72,7 +110,7 @@ pub(crate) fn read(
         }
         (_, false) => path.to_owned(),
     };
-    let (map, found) = formats::read(&map_path, &args.reading.options());
+    let (map, found) = formats::read(&map_path, &options.reading);
     let incomplete = plan_compiler::compile::has_errors(&found);
     let named_at = mission.map_place.as_ref().filter(|_| is_mission);
     problems.extend(found.into_iter().map(|problem| match (&problem.place, named_at) {
@@ -88,7 +126,7 @@ pub(crate) fn read(
         inputs: std::iter::once(map_path).chain(named).chain(mission_path).collect(),
         map,
         mission,
-        options: options(goals, args),
+        options,
     }))
 }
 
@@ -106,7 +144,8 @@ fn read_mission(path: &Path, problems: &mut Vec<Problem>) -> Option<Mission> {
     }
 }
 
-fn options(goals: &[Goal], args: &MapOptions) -> Options {
+/// What the command line says.
+pub(crate) fn options(goals: &[Goal], args: &MapOptions) -> Options {
     Options {
         goals: goals.to_vec(),
         resolution_m: args.resolution,
@@ -116,6 +155,7 @@ fn options(goals: &[Goal], args: &MapOptions) -> Options {
             CornersRule::Allow => Corners::Allow,
         }),
         fill_walls: args.fill_walls,
+        reading: args.reading.options(),
         max_memory_bytes: None,
     }
 }

@@ -1,7 +1,10 @@
-//! `query`: the advice at points, a line of JSON for each.
+//! `query`: the advice at points, a line of JSON for each, or the route from one.
+
+mod points;
+mod route;
 
 use super::{Failure, find, open, read_blob};
-use crate::cli::{Query, number};
+use crate::cli::{PointAt, Query};
 use math::GeoPoint;
 use plan_compiler::problem::Problem;
 use plan_format::grid::cost_metres;
@@ -24,12 +27,20 @@ struct Line {
 pub(super) fn run(args: &Query) -> Result<(), Failure> {
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;
-    let (_, layer) = find(&plan, &args.layer)?;
+    let found @ (_, layer) = find(&plan, args.layer.as_ref())?;
     let mut out = BufWriter::new(io::stdout().lock());
     if let Some(at) = args.at {
         write_line(&mut out, &answer(&plan, &layer, Some(at)))?;
     } else if let Some([lat, lon]) = args.geo {
         write_line(&mut out, &answer(&plan, &layer, local(&plan, lat, lon)?))?;
+    } else if let Some(start) = args.route {
+        let start = match start {
+            PointAt::Map(at) => at,
+            PointAt::Globe(place) => {
+                local(&plan, place.lat_deg(), place.lon_deg())?.ok_or_else(|| too_far(&plan))?
+            }
+        };
+        route::write(&mut out, &plan, &found, start, args.format)?;
     } else {
         answer_input(&plan, &layer, &mut out)?;
     }
@@ -48,6 +59,13 @@ fn local(plan: &Plan<'_>, lat: f64, lon: f64) -> Result<Option<[f64; 2]>, Failur
             .mend("latitude first, -90 to 90; then longitude, -180 to 180 degrees")
     })?;
     Ok(frame.to_local(place).map(|at| [f64::from(at.x), f64::from(at.y)]))
+}
+
+fn too_far(plan: &Plan<'_>) -> Problem {
+    let at = plan.frame().map(|frame| frame.reference());
+    let at = at.map_or(String::new(), |at| format!(", {}, {}", at.lat_deg(), at.lon_deg()));
+    Problem::error("the place is too far away from the map")
+        .mend(format!("the map lies about its origin{at}; latitude comes first"))
 }
 
 /// Answers every line of standard input. A line that is no point is an error that names it,
@@ -72,14 +90,16 @@ fn answer_input(plan: &Plan<'_>, layer: &Layer<'_>, out: &mut dyn Write) -> Resu
             break;
         }
         let text = String::from_utf8_lossy(&bytes);
-        match point(&text) {
+        match points::point(&text) {
             Ok(None) => {}
             Ok(Some(at)) => write_line(out, &answer(plan, layer, Some(at)))?,
             Err(reason) => {
                 wrong += 1;
                 if wrong <= SAID {
                     let message = format!("standard input, line {line}: {reason}");
-                    problems.push(Problem::error(message).mend("write `X Y`, metres, one a line"));
+                    problems.push(
+                        Problem::error(message).mend("write `X Y` or `X,Y`, metres, one a line"),
+                    );
                 }
             }
         }
@@ -89,16 +109,6 @@ fn answer_input(plan: &Plan<'_>, layer: &Layer<'_>, out: &mut dyn Write) -> Resu
         problems.push(Problem::error(format!("{} more lines are no points", wrong - SAID)));
     }
     if problems.is_empty() { Ok(()) } else { Err(Failure::Wrong(problems)) }
-}
-
-/// The point in a line; `None` where the line is empty.
-fn point(line: &str) -> Result<Option<[f64; 2]>, String> {
-    let mut words = line.split_whitespace();
-    match (words.next(), words.next(), words.next()) {
-        (None, _, _) => Ok(None),
-        (Some(x), Some(y), None) => Ok(Some([number(x)?, number(y)?])),
-        _ => Err("not two numbers".into()),
-    }
 }
 
 fn write_line(out: &mut dyn Write, line: &Line) -> io::Result<()> {

@@ -1,13 +1,14 @@
 //! `render`: layers as a picture.
 
-use super::{Failure, find, layers, open, read_blob, refuse_output, tell};
+use super::verify::compare_cells;
+use super::{Failure, find, layers, open, project, read_blob, refuse_output, tell};
 use crate::cli::Render;
-use plan_compiler::compile::{has_errors, metres, pair};
+use plan_compiler::compile::{Options, has_errors, metres, pair};
 use plan_compiler::map::{Feature, Point};
+use plan_compiler::output;
 use plan_compiler::problem::Problem;
 use plan_compiler::render::{Overlay, Panel, png, side_by_side};
 use plan_compiler::route::{self, NoRoute, Route};
-use plan_compiler::{formats, output};
 use plan_format::{Layer, ParallelPlan, Plan};
 use std::iter;
 use std::path::PathBuf;
@@ -24,7 +25,7 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;
     let drawn = chosen(args, &plan)?;
-    let features = features(args, quiet)?;
+    let features = features(args, &bytes, &plan, quiet)?;
     let routes = match args.route {
         Some(start) => routes(&plan, &drawn, start, quiet)?,
         None => Vec::new(),
@@ -51,10 +52,10 @@ fn chosen<'b>(
     args: &Render,
     plan: &Plan<'b>,
 ) -> Result<Vec<(ParallelPlan<'b>, Layer<'b>)>, Failure> {
-    let named = args.layer.as_ref().map(|name| find(plan, name)).transpose()?;
-    if let (Some(named), false) = (named, args.layers) {
-        return Ok(vec![named]);
+    if !args.layers {
+        return Ok(vec![find(plan, args.layer.as_ref())?]);
     }
+    let named = args.layer.as_ref().map(|name| find(plan, Some(name))).transpose()?;
     let followed = || plan.parallel_plan(usize::from(plan.parameters().plan));
     let parallel = named.map(|(parallel, _)| parallel).or_else(followed);
     let parallel = parallel.ok_or_else(|| Problem::error("the blob holds no plan at all"))?;
@@ -98,7 +99,7 @@ fn routes(
     Ok(followed.into_iter().map(|(_, route)| route.ok()).collect())
 }
 
-fn mend(reason: NoRoute) -> &'static str {
+pub(super) fn mend(reason: NoRoute) -> &'static str {
     match reason {
         NoRoute::OffMap => "`plan-compiler inspect` says where the map lies",
         NoRoute::Unreachable => {
@@ -108,14 +109,24 @@ fn mend(reason: NoRoute) -> &'static str {
     }
 }
 
-/// The exact shapes of the map, if one is given.
-fn features(args: &Render, quiet: bool) -> Result<Vec<Feature>, Failure> {
+/// The exact shapes of the map, if one is given: of the one that the plans were built from.
+fn features(
+    args: &Render,
+    bytes: &[u8],
+    plan: &Plan<'_>,
+    quiet: bool,
+) -> Result<Vec<Feature>, Failure> {
     let Some(path) = &args.map else { return Ok(Vec::new()) };
-    let (map, problems) = formats::read(path, &args.reading.options());
-    match map {
-        Some(map) if !has_errors(&problems) => {
+    let mut problems = Vec::new();
+    let asked = Options { reading: args.reading.options(), ..Options::default() };
+    let project = project::read_for((bytes, plan), path, asked, None, &mut problems)?;
+    if let Some(project) = &project {
+        compare_cells(plan, project, &mut problems);
+    }
+    match project {
+        Some(project) if !has_errors(&problems) => {
             tell(&problems, quiet);
-            Ok(map.features)
+            Ok(project.features())
         }
         _ => Err(Failure::Wrong(problems)),
     }

@@ -1,12 +1,13 @@
 //! `verify`: every cell proved anew.
 
 use super::progress::{with_patience, with_progress};
-use super::{Failure, open, print, project, read_blob, tell};
+use super::project::{self, Project};
+use super::{Failure, open, print, read_blob, tell};
 use crate::cli::Verify;
 use plan_compiler::compile::{blocked, has_errors, metres, pair};
 use plan_compiler::problem::Problem;
 use plan_compiler::verify::{self, Report};
-use plan_format::Plan;
+use plan_format::{Origin, Plan};
 use serde::Serialize;
 use std::io;
 
@@ -14,10 +15,10 @@ pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;
     let mut problems = Vec::new();
-    let proof = with_progress(quiet, |progress| verify::verify(&plan, progress));
+    let proof = with_progress(quiet, 1, |progress| verify::verify(&plan, progress));
     let damaged = "the blob is not what the compiler wrote; build it anew";
     add(&proof, damaged, &mut problems);
-    let comparing = || compare(args, &plan, &mut problems);
+    let comparing = || compare(args, &bytes, &plan, &mut problems);
     let compared = with_patience(quiet, "comparing with the map", comparing)?;
     if has_errors(&problems) {
         return Err(Failure::Wrong(problems));
@@ -54,31 +55,57 @@ struct Proved {
 /// Compares with the map, if one is given.
 fn compare(
     args: &Verify,
+    bytes: &[u8],
     plan: &Plan<'_>,
     problems: &mut Vec<Problem>,
 ) -> Result<&'static str, Failure> {
     let Some(input) = &args.input else { return Ok("") };
-    let Some(project) = project::read(input, &[], &args.map, problems)? else { return Ok("") };
-    let Some(grid) = plan_compiler::compile::grid(&project.input(), problems) else {
+    let (asked, mission) = (project::options(&[], &args.map), args.map.mission.as_deref());
+    let Some(project) = project::read_for((bytes, plan), input, asked, mission, problems)? else {
         return Ok("");
     };
+    compare_cells(plan, &project, problems);
+    Ok("; obstacles as in the map")
+}
+
+/// Says in what plans and a map differ: the grid, the place on the globe, the blocked cells.
+pub(super) fn compare_cells(plan: &Plan<'_>, project: &Project, problems: &mut Vec<Problem>) {
+    let input = project.input();
+    let Some(grid) = plan_compiler::compile::grid(&input, problems) else { return };
     if grid != *plan.grid() {
-        let (ours, theirs) = (plan.grid(), grid);
         let text = |grid: &plan_format::Grid| {
             let (side, corner) = (metres(grid.resolution_m), pair(grid.corner_m));
             format!("{} x {} cells of {side} m from {corner}", grid.columns, grid.rows)
         };
-        let message = format!("the plans have {}, the map {}", text(ours), text(&theirs));
+        let message = format!("the plans have {}, the map {}", text(plan.grid()), text(&grid));
         problems.push(Problem::error(message).mend(OTHER_OPTIONS));
-    } else if let Some(expected) = blocked(&project.input(), &grid, problems) {
+        return;
+    }
+    let origin = plan_compiler::compile::origin(&input);
+    if origin != plan.origin() {
+        let text = |origin: Option<Origin>| match origin {
+            Some(Origin { place, at_m, heading_rad }) => format!(
+                "{}, {} at {}, heading {} rad",
+                place.lat_deg(),
+                place.lon_deg(),
+                pair(at_m),
+                metres(heading_rad)
+            ),
+            None => "no place on the globe".to_owned(),
+        };
+        let (ours, theirs) = (text(plan.origin()), text(origin));
+        let message = format!("the plans' origin is {ours}; the map's is {theirs}");
+        problems.push(Problem::error(message).mend(OTHER_OPTIONS));
+        return;
+    }
+    if let Some(expected) = blocked(&input, &grid, problems) {
         add(&verify::compare(plan, &expected), OTHER_OPTIONS, problems);
     }
-    Ok("; obstacles as in the map")
 }
 
 /// Where a blob and a map disagree, one of them may have changed since.
-const OTHER_OPTIONS: &str =
-    "give the options that the blob was built with; if the map has changed, build it anew";
+const OTHER_OPTIONS: &str = "is this the map that the plans were built from? If it has changed, \
+     build them anew; options given here outrank those of the build";
 
 /// Each violation as an error, the last with how to mend them all.
 fn add(report: &Report, mend: &str, problems: &mut Vec<Problem>) {

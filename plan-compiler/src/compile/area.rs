@@ -71,9 +71,16 @@ fn resolution(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<f64> {
     None
 }
 
-/// How far obstacles are grown, metres; `None` after an error.
+/// How far obstacles are grown, metres: option, else mission, else the vehicle's radius, which
+/// is none in a map whose robots are points; `None` after an error.
 pub(super) fn robot_radius(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<f64> {
-    let radius = input.options.robot_radius_m.or(input.mission.robot_radius_m).unwrap_or(0.0);
+    let of_vehicle = match input.map.is_for_points && !input.mission.body_radius_given {
+        true => 0.0,
+        // By its decimal digits: 0.3 in single precision is a little more than 0.3 m.
+        false => decimal(input.mission.parameters.vehicle.radius_m),
+    };
+    let asked = input.options.robot_radius_m.or(input.mission.robot_radius_m);
+    let radius = asked.unwrap_or(of_vehicle);
     if (0.0..=MAX_RADIUS_M).contains(&radius) {
         return Some(radius);
     }
@@ -100,6 +107,11 @@ pub(super) fn origin(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<O
             .mend("a robot with GPS needs a reference point in or near the area"),
     );
     None
+}
+
+/// The number that a person wrote.
+fn decimal(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
 }
 
 /// Extents round up.

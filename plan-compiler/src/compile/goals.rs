@@ -2,7 +2,7 @@
 
 use super::area::pair;
 use super::layers::Level;
-use super::{Input, has_errors};
+use super::{Input, globe, has_errors};
 use crate::bitmap::Bitmap;
 use crate::map::Point;
 use crate::mission::{Goal, GoalAt, Named, nearest, tidy_name};
@@ -55,7 +55,8 @@ pub(super) fn place(
     } else {
         asked.iter().filter_map(|goal| candidate(input, goal, problems)).collect()
     };
-    let placed = candidates.iter().filter_map(|goal| place_one(goal, grid, levels, problems));
+    let placed =
+        candidates.iter().filter_map(|goal| place_one(input, goal, grid, levels, problems));
     let mut placed: Vec<Placed> = placed.collect();
     if placed.len() > limits::MAX_PLANS {
         problems.push(beyond_capacity(placed.len(), !asked.is_empty()));
@@ -129,6 +130,13 @@ fn candidate<'a>(
 ) -> Option<Candidate<'a>> {
     let at = match &goal.at {
         GoalAt::Position(at) => *at,
+        GoalAt::Globe(place) => match globe::position(input, &goal.name, *place) {
+            Ok(at) => at,
+            Err(problem) => {
+                problems.push(with_place(problem, goal.place.as_ref(), "this goal"));
+                return None;
+            }
+        },
         GoalAt::PointOfMap(name) => {
             let points = || input.map.points.iter().chain(&input.map.start);
             match points().find(|point| point.name == *name) {
@@ -181,6 +189,7 @@ fn points_of_map<'a>(input: &Input<'a>, problems: &mut Vec<Problem>) -> Vec<Cand
 }
 
 fn place_one(
+    input: &Input<'_>,
     goal: &Candidate<'_>,
     grid: &Grid,
     levels: &[Level],
@@ -189,7 +198,13 @@ fn place_one(
     let (name, at) = (&goal.name, goal.at);
     let Some(cell) = grid.cell_at(at[0], at[1]) else {
         let message = format!("goal `{name}` at {} is outside the map", pair(at));
-        problems.push(goal.problem(message, "this goal").mend(reach(grid)));
+        let degrees = globe::meant_as_degrees(input, at).filter(|_| goal.asked);
+        problems.push(goal.problem(message, "this goal").mend(match degrees {
+            Some(uri) => format!(
+                "a goal X,Y is in the map's metres; for latitude and longitude write {name}={uri}"
+            ),
+            None => reach(grid),
+        }));
         return None;
     };
     let physical = levels.first()?;

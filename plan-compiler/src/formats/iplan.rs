@@ -224,7 +224,8 @@ impl<'a> Reader<'a> {
         });
         let title = title.map(|line| self.text(&line).to_owned());
         let remarks = map_file.map(|line| format!("map-file {}", self.text(&line)));
-        Some(Map { points, title, remarks: remarks.into_iter().collect(), ..map })
+        let remarks = remarks.into_iter().collect();
+        Some(Map { points, title, remarks, is_for_points: true, ..map })
     }
 
     /// The goals of all maps, those of the elements first: the robot follows the first one.

@@ -39,7 +39,10 @@ pub fn read(source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     let mut reader = Reader { source, problems: Vec::new() };
     let mut lines = Lines::of(&source.text);
     let size = reader.header(&mut lines);
-    let map = size.map(|size| Map::of_cells(reader.cells(size, lines)));
+    let map = size.map(|size| {
+        let cells = Map::of_cells(reader.cells(size, lines));
+        Map { is_for_points: true, ..cells }
+    });
     (map, reader.problems)
 }
 

@@ -234,8 +234,8 @@ pub const KEYS: &[Key] = &[
             "",
             "robot_radius",
             "m",
-            "0.0",
-            "How far obstacles are grown, so that a round body of this radius fits wherever its centre is advised to go.",
+            "",
+            "How far obstacles are grown, so that a round body of this radius fits wherever its centre is advised to go; otherwise the vehicle's radius, and 0 in MovingAI maps and Iplan.dat.",
             |m, v| m.robot_radius_m = Some(v),
         ),
         0.0,
@@ -328,7 +328,7 @@ pub const KEYS: &[Key] = &[
         "base_speed",
         "m/s",
         "1.4",
-        "Speed for a blended vector of length 1.",
+        "Speed for a blended vector of length 1; at most `max_speed`, which it follows where it is not given.",
         |m, v| m.parameters.vehicle.base_speed_mps = v as f32,
     ),
     number("vehicle", "max_speed", "m/s", "1.6", "Never faster than this.", |m, v| {
@@ -339,7 +339,7 @@ pub const KEYS: &[Key] = &[
         "cautious_speed",
         "m/s",
         "0.3",
-        "Speed where obstacles repel hard.",
+        "Speed where obstacles repel hard; at most `base_speed`, which it follows where it is not given.",
         |m, v| m.parameters.vehicle.cautious_speed_mps = v as f32,
     ),
     number("vehicle", "max_turn_rate", "rad/s", "1.0", "Never turns faster than this.", |m, v| {

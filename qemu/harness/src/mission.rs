@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use math::Vec2;
-use plan_compiler::compile::{Input, Options, compile, has_errors};
+use plan_compiler::compile::{Input, Options, compile, has_errors, pair};
 use plan_compiler::formats::{self, ReadOptions};
 use plan_compiler::map::Map;
-use plan_compiler::mission::{self, Mission, Named};
+use plan_compiler::mission::{self, Goal, Mission, Named};
 use plan_compiler::problem::{self, Place, Problem, Source};
 use plan_compiler::source;
 use plan_format::grid::cost_metres;
@@ -32,6 +32,8 @@ pub struct Changes {
     pub plan: Option<String>,
     /// The gains.
     pub gains: Option<Gains>,
+    /// Goals instead of those of mission and map.
+    pub goals: Vec<Goal>,
 }
 
 /// How a run begins.
@@ -63,10 +65,9 @@ impl Scenario {
     /// The error lists everything that is wrong, as `plan-compiler build` does.
     pub fn compile(path: &Path, changes: &Changes) -> Result<Self, String> {
         let mut problems = Vec::new();
-        let surroundings = Surroundings::beside(path)?;
         let scenario = Self::read_and_compile(path, changes, &mut problems);
-        let scenario = scenario.ok_or_else(|| problem::draw(&problems, false))?;
-        Ok(Self { surroundings, ..scenario })
+        let scenario = scenario.filter(|_| !has_errors(&problems));
+        scenario.ok_or_else(|| problem::draw(&problems, false))
     }
 
     fn read_and_compile(
@@ -78,7 +79,7 @@ impl Scenario {
         let beside = path.with_extension("mission.toml");
         let mut mission = match path {
             path if is_mission => read_mission(path, problems)?,
-            _ if beside.exists() => read_mission(&beside, problems)?,
+            _ if beside.exists() => read_mission(&beside, problems).unwrap_or_default(),
             _ => Mission::default(),
         };
         let map_path = match (&mission.map, is_mission) {
@@ -90,17 +91,23 @@ impl Scenario {
             }
             (_, false) => path.to_owned(),
         };
+        // Beside the mission, which may be one of several of its map; otherwise beside the map.
+        let mut surroundings = Surroundings::beside(path, problems);
+        if surroundings.is_none() && is_mission && !has_errors(problems) {
+            surroundings = Surroundings::beside(&map_path, problems);
+        }
         if let Some(name) = &changes.plan {
             mission.plan = Some(asked_for(name));
         }
         mission.parameters.gains = changes.gains.unwrap_or(mission.parameters.gains);
         let (map, found) = formats::read(&map_path, &ReadOptions::default());
+        let is_incomplete = has_errors(&found);
         problems.extend(found);
-        let map = map.filter(|_| !has_errors(problems))?;
-        let options = Options::default();
+        let map = map.filter(|_| !is_incomplete)?;
+        let options = Options { goals: changes.goals.clone(), ..Options::default() };
         let input = Input { map: &map, source: None, mission: &mission, options: &options };
         let blob = compile(&input, &|_, _| (), problems)?;
-        Some(Self { map, blob, surroundings: None })
+        Some(Self { map, blob, surroundings })
     }
 
     /// The plans as a robot sees them.
@@ -146,6 +153,7 @@ impl Scenario {
         let tolerance_m = f64::from(self.plan().parameters().schemas.goal_tolerance_m);
         Limits {
             goal_tolerance_m: tolerance_m + 0.2 + 3.0 * sigma_m,
+            ends_at_goal: self.plan().mission().behaviours().is_empty(),
             ..Limits::to_goal(self.parallel_plan().goal_m())
         }
     }
@@ -172,11 +180,20 @@ impl Scenario {
         pilot: P,
     ) -> Result<Run<'w, SensorSuite, P>, String> {
         let reference = self.map.reference.as_ref();
-        let reference = reference.ok_or("the map does not say where on the globe it lies")?;
+        let reference = reference.ok_or(
+            "the map does not say where on the globe it lies, and the robot drives by GPS; give \
+             it a reference: GLOBAL_REF_POINT LAT LON in an overlay",
+        )?;
         let vehicle = self.plan().parameters().vehicle;
         let chassis = Chassis { radius_m: vehicle.radius_m.into(), ..Chassis::default() };
         if !world.is_clear(start.position, chassis.radius_m) {
-            return Err(format!("at {:?} the body stands in an obstacle", start.position));
+            let nearest = world.pushed_clear(start.position, chassis.radius_m).flatten();
+            let elsewhere = nearest.map_or_else(
+                || "start elsewhere: --start X,Y".to_owned(),
+                |at| format!("a clear place near it: --start {:.2},{:.2}", at[0], at[1]),
+            );
+            let at = pair(start.position);
+            return Err(format!("at the start {at} the body stands in an obstacle; {elsewhere}"));
         }
         let sensors = SensorSuite::new(start.sensors, reference, start.seed);
         let body = Body::new(chassis, start.position, start.heading_rad);

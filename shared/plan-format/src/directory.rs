@@ -72,6 +72,8 @@ pub(crate) struct Directory<'a> {
     pub(crate) names: &'a [u8],
     /// [`crate::mission::Mission`]; empty without behaviours.
     pub(crate) mission: &'a [u8],
+    /// How the map was made into cells, for tools: UTF-8, which the robot never looks at.
+    pub(crate) recipe: &'a [u8],
     /// The bytes that layers point into.
     pub(crate) cells: &'a [u8],
 }

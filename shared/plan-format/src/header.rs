@@ -7,7 +7,7 @@ use crate::error::BlobError;
 use crate::limits;
 
 /// Version of the format that this build writes and reads.
-pub const FORMAT_VERSION: u16 = 1;
+pub const FORMAT_VERSION: u16 = 2;
 
 /// The first bytes of every blob.
 pub const MAGIC: [u8; 8] = *b"WAYFIELD";

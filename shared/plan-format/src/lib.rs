@@ -38,4 +38,4 @@ pub use field::Field;
 #[cfg(feature = "std")]
 pub use pack::{PackedLayer, pack};
 #[cfg(feature = "std")]
-pub use write::{Draft, LayerDraft, PlanDraft, WriteError, write};
+pub use write::{Draft, LayerDraft, PlanDraft, WriteError, recipe, write, write_with_recipe};

@@ -119,6 +119,12 @@ impl std::error::Error for WriteError {}
 
 /// The blob of a draft. The result has been read back by [`Plan::parse_exact`].
 pub fn write(draft: &Draft) -> Result<Vec<u8>, WriteError> {
+    write_with_recipe(draft, "")
+}
+
+/// The blob of a draft, with how its map was made into cells: a text for tools, which the robot
+/// never looks at. [`recipe`] reads it again.
+pub fn write_with_recipe(draft: &Draft, recipe: &str) -> Result<Vec<u8>, WriteError> {
     check(draft)?;
     let mut sections = Sections::default();
     for plan in &draft.plans {
@@ -134,6 +140,7 @@ pub fn write(draft: &Draft) -> Result<Vec<u8>, WriteError> {
         layers: &sections.layers,
         names: &sections.names.bytes,
         mission: &mission,
+        recipe: recipe.as_bytes(),
         cells: &sections.cells.bytes,
     };
     // Serialising plain data into a growing vector does not fail.
@@ -142,6 +149,14 @@ pub fn write(draft: &Draft) -> Result<Vec<u8>, WriteError> {
     let blob = header::seal(&payload).ok_or(WriteError::TooLarge { bytes: payload.len() })?;
     Plan::parse_exact(&blob).map_err(WriteError::Refused)?;
     Ok(blob)
+}
+
+/// How a blob's map was made into cells, as [`write_with_recipe`] was given it; empty where
+/// nothing was recorded, `None` where the bytes are no blob or the text is not UTF-8.
+pub fn recipe(blob: &[u8]) -> Option<&str> {
+    let sealed = header::open(blob).ok()?;
+    let (directory, _) = postcard::take_from_bytes::<Directory<'_>>(sealed.payload).ok()?;
+    std::str::from_utf8(directory.recipe).ok()
 }
 
 /// What can be said better from the draft than from the bytes.
@@ -288,6 +303,17 @@ mod tests {
         assert_eq!(at(1.0), Answer::Blocked { escape: Some(Direction::W) });
         assert_eq!(layer.look_up(Cell::new(3, 0)), Answer::OffMap);
         assert!(size_of::<Plan<'_>>() < 512, "{}", size_of::<Plan<'_>>());
+    }
+
+    #[test]
+    fn a_recipe_is_kept_for_tools() {
+        let plain = write(&draft()).unwrap();
+        assert_eq!(recipe(&plain), Some(""));
+        let text = "robot_radius = 0.3\n";
+        let blob = write_with_recipe(&draft(), text).unwrap();
+        assert_eq!(recipe(&blob), Some(text));
+        assert_eq!(blob.len(), plain.len() + text.len());
+        assert_eq!(recipe(&blob[..blob.len() - 1]), None);
     }
 
     #[test]

@@ -228,10 +228,10 @@ fn hex(bytes: &[u8]) -> String {
 /// The bytes of [`tiny`], in their order. Whoever changes one changes the format.
 const TINY_BYTES: &[(&str, &str)] = &[
     ("WAYFIELD", "57 41 59 46 49 45 4c 44"),
-    ("version 1, 28 bytes of header", "01 00 1c 00"),
-    ("364 bytes", "6c 01 00 00"),
-    ("schema hash", "07 93 2e 68 81 82 f0 38"),
-    ("checksum", "e3 a7 36 d1"),
+    ("version 2, 28 bytes of header", "02 00 1c 00"),
+    ("365 bytes", "6d 01 00 00"),
+    ("schema hash", "69 f7 b9 dd 02 76 66 86"),
+    ("checksum", "33 e4 66 4d"),
     ("4 columns, 3 rows", "04 03"),
     ("cells of 1 m", "00 00 00 00 00 00 f0 3f"),
     ("corner 0, -0.25", "00 00 00 00 00 00 00 00 00 00 00 00 00 00 d0 bf"),
@@ -255,6 +255,7 @@ const TINY_BYTES: &[(&str, &str)] = &[
     ("14 bytes of names: goal 0", "0e 67 6f 61 6c 20 30"),
     ("physical", "70 68 79 73 69 63 61 6c"),
     ("no mission", "00"),
+    ("no recipe", "00"),
     ("124 bytes of cells", "7c"),
     ("entries of the terrain: free, escapes N, NW and W", "40 65 00 00"),
     ("block 0 of class 4, the next 7", "00 80 00 00 00 00 00 00 00 00 00 00 00 00 00 00"),

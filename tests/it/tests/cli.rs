@@ -4,8 +4,10 @@
 //! What it says of mistakes is in `tests/golden/errors`, one file a class, to be read as a
 //! newcomer would. `INSTA_UPDATE=always cargo test -p it cli` writes them anew.
 
+mod examples;
 mod maps;
 mod people;
+mod typed;
 
 use serde_json::Value;
 use std::fs;
@@ -325,7 +327,7 @@ fn help_teaches_by_examples_and_says_what_is_assumed() {
     let help = run.done("--help");
     for part in [
         "Examples:",
-        "--goal gate=12.5,40",
+        "--goal gate=-17.5,17.5",
         "OPAR",
         "WGS-84",
         "--opar-units",
@@ -371,7 +373,7 @@ fn the_same_input_gives_the_same_bytes() {
 #[test]
 fn inspect_says_what_the_blob_holds() {
     let run = Run::yard();
-    run.done("build yard.ovl");
+    run.done("build yard.ovl --robot-radius 0");
     let said: Value = serde_json::from_str(&run.done("inspect plans.bin --json")).unwrap();
     assert_eq!(said["bytes"], fs::metadata(run.path("plans.bin")).unwrap().len());
     assert_eq!((&said["columns"], &said["rows"]), (&40.into(), &30.into()));
@@ -441,7 +443,7 @@ fn wrong_lines_of_input_are_named_after_the_others_are_answered() {
     let run = Run::yard();
     run.done("build yard.ovl");
     let ended =
-        run.run("query plans.bin --layer gate/physical -", "1 1\none two\n3\n4 4 4\nnan 1\n2 2");
+        run.run("query plans.bin --layer gate/physical -", "1 1\none two\n3\n4 4 4 4\nnan 1\n2 2");
     assert_eq!((ended.status, ended.out.lines().count()), (1, 2));
     golden("query_lines_that_are_no_points", "query plans.bin --layer gate/physical -", &ended.err);
 }

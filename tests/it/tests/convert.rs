@@ -151,7 +151,7 @@ fn what_an_iplan_cannot_say_is_told() {
     let overlay = "MISSION-AREA 4 4\nORIGIN 0 0\nCONTROL MEASURES:\nPP gate 1 1\n\
                    BOUNDARY NoCommZone 2 2  4 2  4 4  2 4\n";
     let run = Run::new(&[("yard.ovl", overlay)]);
-    let (status, said) = run.run("convert yard.ovl -o Iplan.dat");
+    let (status, said) = run.run("convert yard.ovl --robot-radius 0 -o Iplan.dat");
     assert_eq!(status, 0, "{said}");
     insta::assert_snapshot!(said, @"
     ⚠ layer `gate/comms` has other obstacles than the first one

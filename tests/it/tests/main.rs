@@ -12,4 +12,5 @@ mod missions;
 mod opar;
 mod overlays;
 mod qemu;
+mod runs;
 mod work;

@@ -18,7 +18,7 @@ use sim::receiver::{Dialect, Mode, Solution};
 use sim::{HostPilot, Outcome, Pilot, SensorSettings};
 
 fn campus(gains: Gains) -> Scenario {
-    let changes = Changes { plan: None, gains: Some(gains) };
+    let changes = Changes { gains: Some(gains), ..Changes::default() };
     Scenario::compile(&own_map("campus.opar"), &changes).expect("the campus compiles")
 }
 

@@ -1,77 +1,45 @@
 //! What of the surroundings changes by the robot's work: tanks that it drains and fills, fields that
 //! it works strip by strip. The robot hears of them as inputs of its percepts.
 //!
-//! They are described in a TOML file beside the map, `yard.world.toml` for `yard.ovl`:
-//!
-//! ```toml
-//! start = [12, 10]            # where a mission begins, metres
-//! heading = 0                 # radians counter-clockwise from east
-//! time_limit = 3600           # seconds
-//! gps_sigma = 0.02            # standard deviation of a fix, metres; the usual metre if not given
-//! # signal = 7                # done is only what the robot has signalled by this number
-//!
-//! [tanks.fuel]
-//! channel = 1                 # input of the percepts that says how full it is, 0 to 1
-//! level = 1                   # at the start
-//! use_per_m = 0.0025          # of the whole tank, for a metre driven
-//! fill_per_s = 0.05           # of the whole tank ...
-//! at = [90.25, 28.25]         # ... within so many metres of this place ...
-//! within = 2
-//! output = 1                  # ... while this output is on; always if not given
-//! # leak = { after_m = 180, to = 0.1 }    # once, after so many metres, it falls to this level
-//!
-//! [fields.ready]
-//! channel = 3                 # the share of strips that are done, 0 to 1
-//! within = 1.5                # how far from a strip's line the robot may be, metres
-//! strips = [[[10, 12], [10, 68]], [[20, 68], [20, 12]]]   # each from its start to its end
-//! # output = 2                # only what is driven while this output is on counts
-//! ```
+//! They are described in a TOML file beside the map or the mission, `yard.world.toml` for
+//! `yard.ovl` and `yard.mission.toml`; `plan-compiler/WORLD.md` is about it, [`read`] reads it.
 //!
 //! A strip is done when the robot has followed it from its start to its end without leaving it. A
-//! mission ends when all strips are done and the robot has given the signal, or where none is asked
-//! for has nothing left to do.
+//! mission with work ends when all strips are done and the robot has given the signal, or where none
+//! is asked for has nothing left to do.
+
+mod read;
 
 use crate::Point;
 use crate::body::distance;
+use plan_compiler::problem::{self, Problem, Source};
 use robot_io::limits::MAX_CHANNELS;
 use robot_io::{Commands, Reason};
-use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What a file beside the map says.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Surroundings {
     /// Where a mission begins, metres.
     pub start: Point,
     /// Radians counter-clockwise from east.
-    #[serde(default)]
     pub heading: f64,
     /// Longer missions are given up, seconds.
-    #[serde(default = "an_hour")]
     pub time_limit: f64,
     /// Standard deviation of a fix east and north, metres; `None` for the usual one.
     pub gps_sigma: Option<f64>,
     /// What the robot signals when it has done its work.
     pub signal: Option<u16>,
-    #[serde(skip)]
     is_signalled: bool,
     /// By their names.
-    #[serde(default)]
     pub tanks: BTreeMap<String, Tank>,
     /// By their names.
-    #[serde(default)]
     pub fields: BTreeMap<String, Field>,
 }
 
-fn an_hour() -> f64 {
-    3_600.0
-}
-
 /// Something that the robot uses up.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Tank {
     channel: usize,
     /// How full it is, 0 to 1.
@@ -83,33 +51,27 @@ pub struct Tank {
     output: Option<u16>,
     leak: Option<Leak>,
     /// How often filling began.
-    #[serde(skip)]
     pub fills: u32,
     /// The way so far, metres.
-    #[serde(skip)]
     way_m: f64,
-    #[serde(skip)]
     is_filling: bool,
 }
 
 /// A mishap: once, after a way, a tank falls to a level.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Leak {
     after_m: f64,
     to: f64,
 }
 
 /// Land that the robot works in strips.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     channel: usize,
     within: f64,
     output: Option<u16>,
     strips: Vec<[Point; 2]>,
     /// What was done to each strip.
-    #[serde(skip)]
     pub work: Vec<Work>,
 }
 
@@ -136,23 +98,10 @@ enum Along {
 }
 
 impl Surroundings {
-    /// Reads the file beside a map; none if there is none. The error names file, line, column and
-    /// what is wrong.
-    pub fn beside(map: &Path) -> Result<Option<Self>, String> {
-        let plain = map.with_extension("");
-        // A mission file has two extensions.
-        let plain = if plain.extension().is_some_and(|e| e == "mission") {
-            plain.with_extension("")
-        } else {
-            plain
-        };
-        let path = plain.with_extension("world.toml");
-        if !path.exists() {
-            return Ok(None);
-        }
-        let wrong = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-        let text = std::fs::read_to_string(&path).map_err(|error| wrong(&error))?;
-        text.parse().map(Some).map_err(|error: String| wrong(&error))
+    /// Reads the file beside a map or a mission; none if there is none. All that is wrong in it is
+    /// added to the problems.
+    pub fn beside(path: &Path, problems: &mut Vec<Problem>) -> Option<Self> {
+        read::beside(path, problems)
     }
 
     /// What the percepts' inputs are.
@@ -180,6 +129,11 @@ impl Surroundings {
         }
     }
 
+    /// Whether there is work to be done, whose end is the mission's.
+    pub fn has_work(&self) -> bool {
+        self.signal.is_some() || !self.fields.is_empty()
+    }
+
     /// Whether all work is done, for a robot that gives this reason for what it does.
     pub fn is_done(&self, reason: Reason) -> bool {
         let is_over =
@@ -204,36 +158,16 @@ impl Surroundings {
         });
         tanks.chain(fields).collect()
     }
-
-    fn check(&self) -> Result<(), String> {
-        let tanks = self.tanks.iter().map(|(name, tank)| (name, tank.channel));
-        let fields = self.fields.iter().map(|(name, field)| (name, field.channel));
-        let mut taken = [false; MAX_CHANNELS];
-        for (name, channel) in tanks.chain(fields) {
-            let Some(taken) = taken.get_mut(channel) else {
-                return Err(format!("`{name}`: channels are 0 to {}", MAX_CHANNELS - 1));
-            };
-            if std::mem::replace(taken, true) {
-                return Err(format!("`{name}`: channel {channel} is given twice"));
-            }
-        }
-        match self.fields.iter().find(|(_, field)| field.strips.is_empty()) {
-            Some((name, _)) => Err(format!("`{name}` has no strips")),
-            None => Ok(()),
-        }
-    }
 }
 
 impl std::str::FromStr for Surroundings {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let mut read: Self = toml_edit::de::from_str(text).map_err(|error| error.to_string())?;
-        read.check()?;
-        for field in read.fields.values_mut() {
-            field.work = vec![Work::default(); field.strips.len()];
-        }
-        Ok(read)
+        let source = Source { name: "the world".to_owned(), text: text.to_owned() };
+        let mut problems = Vec::new();
+        let read = read::parse(&source.into(), &mut problems);
+        read.ok_or_else(|| problem::draw(&problems, false))
     }
 }
 
@@ -375,20 +309,5 @@ mod tests {
         yard.step([0.0; 2], 0.0, &Commands { signal: 7, ..with(0) }, 1.0);
         assert!(yard.is_done(Reason::Driving));
         assert_eq!(yard.summary()[1], "ready: 2 of 2 strips done, 0 begun again, 0 done twice");
-    }
-
-    #[test]
-    fn mistakes_are_named() {
-        for (from, to, expected) in [
-            ("channel = 4", "channel = 8", "`ready`: channels are 0 to 7"),
-            ("channel = 4", "channel = 1", "`ready`: channel 1 is given twice"),
-            ("[[[0, 0], [10, 0]], [[0, 5], [0, 9]]]", "[]", "`ready` has no strips"),
-            ("within = 2", "with_in = 2", "unknown field `with_in`"),
-            ("level = 0.5", "level = 'full'", "line 4, column 9"),
-        ] {
-            let text = YARD.replace(from, to);
-            let said = text.parse::<Surroundings>().expect_err(to);
-            assert!(said.contains(expected), "{said}");
-        }
     }
 }

@@ -60,6 +60,16 @@ impl FromStr for ObstructionType {
     }
 }
 
+impl std::fmt::Display for ObstructionType {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let kind = match self.kind {
+            ObstructionKind::Building => "building",
+            ObstructionKind::Foliage => "foliage",
+        };
+        write!(f, "{}={kind}", self.number)
+    }
+}
+
 /// What an OPAR file leaves open. The default is what the crate's documentation assumes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct OparOptions {

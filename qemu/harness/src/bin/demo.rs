@@ -48,7 +48,7 @@ fn demonstrate(arguments: &Arguments) -> Result<bool, String> {
     let took_ms = started.elapsed().as_millis();
     println!("compiled   campus.opar: {} bytes of plans in {took_ms} ms", scenario.blob.len());
 
-    println!("setting up QEMU and the firmware");
+    println!("setting up QEMU and compiling the firmware, which the first time takes minutes");
     let pilot = QemuPilot::boot(Machine::CortexM4F, Build::Release, &scenario.blob);
     let mut pilot = pilot.map_err(|error| say(&error))?;
     println!("booted     the firmware on an emulated Cortex-M4F");

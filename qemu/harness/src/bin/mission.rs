@@ -1,23 +1,41 @@
 //! `cargo mission MAP`: one simulated mission, its outcome, its picture and its trace hash.
 
+use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use harness::mission::{Changes, PRESETS, Scenario, Start};
 use harness::{Build, Machine, QemuPilot, Report};
+use plan_compiler::mission::Goal;
+use plan_compiler::mission::words;
 use plan_compiler::trace::Trace;
 use plan_compiler::trace::story::{self, Story};
 use plan_compiler::{output, render};
 use plan_format::parameters::Gains;
 use robot_io::{CommandRecord, Percepts, SensorRecord};
-use sim::{HostPilot, Outcome, Pilot, PilotError, Point, SensorSettings};
+use sim::{Ending, HostPilot, Outcome, Pilot, PilotError, Point, SensorSettings};
+
+/// The mission was driven, and its end is neither the goal nor the end of its work; or the robot
+/// could not be asked at all.
+const NOT_REACHED: u8 = 1;
+/// Map, mission, world or start are wrong.
+const WRONG_INPUT: u8 = 3;
+
+const ENDINGS: &str = "\
+Outcomes: reached, done (its work), trapped (a minute at one spot), off-map, no-route (it stands
+still there), out-of-time. A NAME.world.toml beside the map or the mission says where the robot
+starts and what work there is: see plan-compiler/WORLD.md.
+
+Exit status: 0 reached or done, 1 not, 2 the command line is wrong, 3 the input is wrong.";
 
 /// Drives one simulated mission and prints its outcome and trace hash.
 #[derive(Parser)]
-#[command(name = "cargo mission")]
+#[command(name = "cargo mission", after_help = ENDINGS)]
 struct Arguments {
-    /// A map (its mission file is found beside it) or a mission file that names its map
+    /// A map (its mission and its world are found beside it) or a mission that names its map
+    #[arg(value_name = "MAP|MISSION")]
     map: PathBuf,
     /// Where the robot's software runs
     #[arg(long, value_enum, default_value = "host")]
@@ -26,8 +44,12 @@ struct Arguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Where to start, metres; else where the world's file says, else drawn by chance
-    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y", value_parser = words::pair, allow_hyphen_values = true)]
     start: Option<Point>,
+    /// A goal in the map's metres, or on the globe as NAME=geo:LAT,LON; repeatable. Replaces all
+    /// other goals; the robot drives to the first one or to that of --plan
+    #[arg(long = "goal", value_name = "NAME=X,Y", value_parser = words::goal, allow_hyphen_values = true)]
+    goals: Vec<Goal>,
     /// The parallel plan to follow instead of the mission's
     #[arg(long)]
     plan: Option<String>,
@@ -43,6 +65,9 @@ struct Arguments {
     /// Sensors without error instead of the usual ones (a GPS sigma of 1 m)
     #[arg(long)]
     perfect: bool,
+    /// Print the outcome as one JSON object, and nothing else
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -55,23 +80,38 @@ enum PilotName {
     QemuM3,
 }
 
-fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(is_reached) => ExitCode::from(u8::from(!is_reached)),
-        Err(message) => {
-            eprintln!("{message}");
-            ExitCode::FAILURE
-        }
-    }
+/// Why there is no outcome.
+enum Failure {
+    /// What was asked for cannot be driven.
+    Input(String),
+    /// The robot, or what its drive was to be written to, failed.
+    Drive(String),
 }
 
-fn run(arguments: &Arguments) -> Result<bool, String> {
-    let changes = Changes { plan: arguments.plan.clone(), gains: arguments.gains };
-    let scenario = Scenario::compile(&arguments.map, &changes)?;
+fn main() -> ExitCode {
+    let (message, status) = match run(&Arguments::parse()) {
+        Ok(is_reached) => return if is_reached { 0 } else { NOT_REACHED }.into(),
+        Err(Failure::Input(message)) => (message, WRONG_INPUT),
+        Err(Failure::Drive(message)) => (message, NOT_REACHED),
+    };
+    eprintln!("{}", message.trim_end());
+    status.into()
+}
+
+fn run(arguments: &Arguments) -> Result<bool, Failure> {
+    let changes = Changes {
+        plan: arguments.plan.clone(),
+        gains: arguments.gains,
+        goals: arguments.goals.clone(),
+    };
+    let scenario = Scenario::compile(&arguments.map, &changes).map_err(Failure::Input)?;
     let world = scenario.world();
     let given = scenario.surroundings.as_ref().map(|surroundings| surroundings.start);
     let drawn = || scenario.draw_start(&world, arguments.seed);
-    let position = arguments.start.or(given).or_else(drawn).ok_or("no place to start from")?;
+    let position = arguments.start.or(given).or_else(drawn);
+    let position = position.ok_or_else(|| {
+        Failure::Input("there is no clear place with a route to start from".to_owned())
+    })?;
     let heading_rad = scenario.surroundings.as_ref().map_or(0.0, |world| world.heading);
     let sensors = if arguments.perfect { SensorSettings::PERFECT } else { scenario.sensors() };
     let start = Start { position, heading_rad, seed: arguments.seed, sensors };
@@ -80,17 +120,26 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
         PilotName::Qemu => Some(Machine::CortexM4F),
         PilotName::QemuM3 => Some(Machine::CortexM3),
     };
+    let drive = |error: &dyn std::error::Error| Failure::Drive(error.to_string());
+    let mut text = String::new();
     let (outcome, report) = match machine {
-        None => (on_the_host(&scenario, &start, arguments)?, None),
+        None => (on_the_host(&scenario, &start, arguments, &mut text)?, None),
         Some(machine) => {
             let pilot = QemuPilot::boot(machine, Build::Release, &scenario.blob);
-            let mut pilot = pilot.map_err(|error| error.to_string())?;
-            let run = scenario.run(&world, &start, &mut pilot)?;
-            let outcome = run.finish().map_err(|error| error.to_string())?;
-            (outcome, Some(pilot.finish().map_err(|error| error.to_string())?))
+            let mut pilot = pilot.map_err(|error| drive(&error))?;
+            let run = scenario.run(&world, &start, &mut pilot).map_err(Failure::Input)?;
+            let outcome = run.finish().map_err(|error| drive(&error))?;
+            (outcome, Some(pilot.finish().map_err(|error| drive(&error))?))
         }
     };
-    print(&start, &outcome, report.as_ref());
+    if arguments.json {
+        text = json(&outcome);
+    } else {
+        // Writing to a string does not fail.
+        let _ = write_outcome(&mut text, &start, &outcome, report.as_ref());
+    }
+    // A reader that has had enough changes nothing about the outcome.
+    let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(outcome.reached())
 }
 
@@ -99,29 +148,50 @@ fn on_the_host(
     scenario: &Scenario,
     start: &Start,
     arguments: &Arguments,
-) -> Result<Outcome, String> {
+    text: &mut String,
+) -> Result<Outcome, Failure> {
+    let drive = |error: PilotError| Failure::Drive(error.to_string());
     let world = scenario.world();
     let mut recorder = Recorder::new(HostPilot::new(scenario.plan()));
-    let mut run = scenario.run(&world, start, &mut recorder)?;
+    let mut run = scenario.run(&world, start, &mut recorder).map_err(Failure::Input)?;
     let mut way = Vec::new();
     while run.outcome().ending.is_none() {
         way.push(run.body().position);
-        run.step().map_err(|error| error.to_string())?;
+        run.step().map_err(drive)?;
     }
-    let outcome = run.finish().map_err(|error| error.to_string())?;
+    let outcome = run.finish().map_err(drive)?;
     let percepts = recorder.percepts;
     let story = story::of(&scenario.plan(), &percepts);
     for turn in &story.turns {
-        println!("{:>8.2} s  {}", turn.time_s, turn.text);
+        let _ = writeln!(text, "{:>8.2} s  {}", turn.time_s, turn.text);
     }
     if let Some(path) = &arguments.picture {
-        draw(scenario, start, &way, &story, path)?;
+        draw(scenario, start, &way, &story, path).map_err(Failure::Drive)?;
     }
     if let Some(path) = &arguments.trace {
         let trace = Trace { blob: scenario.blob.clone(), percepts, hash: outcome.trace_hash };
-        write(path, &trace.to_bytes())?;
+        write(path, &trace.to_bytes()).map_err(Failure::Drive)?;
     }
     Ok(outcome)
+}
+
+/// The one object of `--json`. Programs rely on these names.
+fn json(outcome: &Outcome) -> String {
+    let reasons = outcome.reasons.iter();
+    let reasons: serde_json::Map<String, serde_json::Value> =
+        reasons.map(|(reason, ticks)| (format!("{reason:?}"), (*ticks).into())).collect();
+    let object = serde_json::json!({
+        "outcome": outcome.ending.map(Ending::name),
+        "time_s": outcome.time_s,
+        "distance_m": outcome.distance_m,
+        // Infinite where nothing came near, for which JSON has no number.
+        "closest_m": outcome.closest_m.is_finite().then_some(outcome.closest_m),
+        "contacts": outcome.touches,
+        "turn_rad": outcome.turn_rad,
+        "reasons": reasons,
+        "trace_hash": format!("{:016x}", outcome.trace_hash),
+    });
+    format!("{object}\n")
 }
 
 /// Colours of a way: of the first behaviour, of the second, and so on; the last where none has the
@@ -201,38 +271,32 @@ impl Pilot for Recorder<'_> {
     }
 }
 
-fn print(start: &Start, outcome: &Outcome, report: Option<&Report>) {
+fn write_outcome(
+    text: &mut String,
+    start: &Start,
+    outcome: &Outcome,
+    report: Option<&Report>,
+) -> std::fmt::Result {
     let ending = outcome.ending.map_or_else(|| "unfinished".to_owned(), |e| format!("{e:?}"));
-    println!("outcome     {ending}");
-    println!(
-        "start       {:.2},{:.2} m, seed {}",
-        start.position[0], start.position[1], start.seed
-    );
-    println!("time        {:.1} s, {} ticks", outcome.time_s, outcome.ticks);
-    println!("distance    {:.1} m", outcome.distance_m);
-    println!("closest     {:.2} m, {} contacts", outcome.closest_m, outcome.touches);
+    let [x, y] = start.position;
+    writeln!(text, "outcome     {ending}")?;
+    writeln!(text, "start       {x:.2},{y:.2} m, seed {}", start.seed)?;
+    writeln!(text, "time        {:.1} s, {} ticks", outcome.time_s, outcome.ticks)?;
+    writeln!(text, "distance    {:.1} m", outcome.distance_m)?;
+    writeln!(text, "closest     {:.2} m, {} contacts", outcome.closest_m, outcome.touches)?;
     for line in outcome.surroundings.iter().flat_map(|surroundings| surroundings.summary()) {
-        println!("work        {line}");
+        writeln!(text, "work        {line}")?;
     }
     let reasons: Vec<_> =
         outcome.reasons.iter().map(|(reason, ticks)| format!("{reason:?} {ticks}")).collect();
-    println!("reasons     {}", reasons.join(", "));
+    writeln!(text, "reasons     {}", reasons.join(", "))?;
     if let Some(report) = report {
-        println!("worst tick  {} instructions", outcome.most_instructions);
+        writeln!(text, "worst tick  {} instructions", outcome.most_instructions)?;
         for (name, number) in report.numbers() {
-            println!("{name}  {number}");
+            writeln!(text, "{name}  {number}")?;
         }
     }
-    println!("trace hash  {:016x}", outcome.trace_hash);
-}
-
-fn point(text: &str) -> Result<Point, String> {
-    let wrong = || format!("`{text}` is not a point like 12.5,40");
-    let (x, y) = text.split_once(',').ok_or_else(wrong)?;
-    match (x.trim().parse::<f64>(), y.trim().parse::<f64>()) {
-        (Ok(x), Ok(y)) if x.is_finite() && y.is_finite() => Ok([x, y]),
-        _ => Err(wrong()),
-    }
+    writeln!(text, "trace hash  {:016x}", outcome.trace_hash)
 }
 
 fn gains(text: &str) -> Result<Gains, String> {

@@ -89,7 +89,6 @@ fn images_are_for_flashing_only() {
         "build yard.ovl -o a.uf2 --board stm32h743",
         "build yard.ovl --board arduino",
         "build yard.ovl --max-memory 0",
-        "render plans.bin -o a.png",
         "completions cobol",
         "man bild",
     ] {

@@ -15,7 +15,7 @@ fn built(file: &str, options: &str) -> Run {
 
 #[test]
 fn the_yard_has_its_courtyard_walls_and_wood() {
-    let run = built("courtyard.osm", "--resolution 2");
+    let run = built("courtyard.osm", "--resolution 2 --robot-radius 0");
     assert_snapshot!(picture(&run, "Gate/physical"), @"
     ....................................
     ....................................

@@ -21,7 +21,7 @@ fn settings(yaw: &str) -> String {
 fn built(yaw: &str, options: &str) -> Run {
     let yaml = settings(yaw);
     let run = Run::new(&[("yard.yaml", yaml.as_bytes()), ("yard.pgm", GREYS)]);
-    run.done(&format!("build yard.yaml {options}"));
+    run.done(&format!("build yard.yaml --robot-radius 0 {options}"));
     run
 }
 
@@ -39,9 +39,9 @@ fn unknown_cells_are_what_the_user_says() {
     // The other way about the map is not the one that the blob was built from.
     let run = built("0", "--goal a=0.5,0.5 --unknown free");
     assert_eq!(run.run("verify plans.bin --map yard.yaml", "").status, 1);
-    let ended = run.run("build yard.yaml --goal a=3.5,1.5", "");
+    let ended = run.run("build yard.yaml --robot-radius 0 --goal a=3.5,1.5", "");
     assert_eq!(ended.status, 1, "a goal in an unknown cell");
-    run.done("build yard.yaml --goal a=3.5,1.5 --unknown free");
+    run.done("build yard.yaml --robot-radius 0 --goal a=3.5,1.5 --unknown free");
 }
 
 #[test]
@@ -58,7 +58,7 @@ fn an_image_is_turned_by_its_yaw() {
     ....
     ");
     // What is counted is what the file has.
-    let ended = run.run("build yard.yaml --goal a=-0.5,0.5", "");
+    let ended = run.run("build yard.yaml --robot-radius 0 --goal a=-0.5,0.5", "");
     let counted = "6 x 4 cells of 1 m: 19 free, 3 occupied, 2 unknown";
     assert!(ended.err.contains(counted), "{}", ended.err);
     let run = built("3.14159265", "--goal a=-0.5,-0.5");
@@ -118,7 +118,10 @@ fn real_images_have_the_counted_cells() {
         {
             let run = Run::new(&[]);
             let [x, y] = goal;
-            run.done(&format!("build|{}|--unknown|{option}|--goal|a={x},{y}", map.display()));
+            run.done(&format!(
+                "build|{}|--robot-radius|0|--unknown|{option}|--goal|a={x},{y}",
+                map.display()
+            ));
             let said = inspected(&run);
             let layer = &said["plans"][0]["layers"][0];
             let count = |name: &str| layer[name].as_f64().expect("a count");

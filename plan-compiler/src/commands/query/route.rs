@@ -1,0 +1,104 @@
+//! The whole route from a point, as ROS, a table or a map viewer reads it.
+
+use crate::cli::RouteFormat;
+use crate::commands::Failure;
+use crate::commands::render::mend;
+use math::Vec2;
+use math::scalar::wide;
+use plan_compiler::compile::{metres, pair};
+use plan_compiler::map::Point;
+use plan_compiler::problem::Problem;
+use plan_compiler::route::{self, Route};
+use plan_format::{Layer, ParallelPlan, Plan};
+use serde::Serialize;
+use serde_json::json;
+use std::io::Write;
+
+/// A point of a route with the direction to the next one.
+#[derive(Serialize)]
+struct Pose {
+    x: f64,
+    y: f64,
+    /// Radians counter-clockwise from east.
+    yaw: f64,
+}
+
+/// Writes the route from a point to the goal; an error says why there is none.
+pub(super) fn write(
+    out: &mut dyn Write,
+    plan: &Plan<'_>,
+    (parallel, layer): &(ParallelPlan<'_>, Layer<'_>),
+    start: Point,
+    format: RouteFormat,
+) -> Result<(), Failure> {
+    let name = format!("{}/{}", parallel.name(), layer.name());
+    let followed = route::follow(plan.grid(), layer, parallel.goal_m(), start);
+    let route = followed.map_err(|reason| {
+        let message = format!("{name} has no route from {}: {reason}", pair(start));
+        Problem::error(message).mend(mend(reason))
+    })?;
+    match format {
+        RouteFormat::Json => {
+            let (poses, length_m) = (poses(&route), route.length_m);
+            let whole =
+                json!({ "layer": name, "frame_id": "map", "length_m": length_m, "poses": poses });
+            writeln!(out, "{whole}")?;
+        }
+        RouteFormat::Csv => write_table(out, plan, &route)?,
+        RouteFormat::Geojson => {
+            let line = line(plan, &route).ok_or_else(|| {
+                Problem::error("the plans have no place on the globe, which GeoJSON needs").mend(
+                    "write --format json or csv, or give the map a reference: GLOBAL_REF_POINT in \
+                     an overlay",
+                )
+            })?;
+            let whole = json!({
+                "type": "FeatureCollection",
+                "features": [{
+                    "type": "Feature",
+                    "properties": { "layer": name, "length_m": route.length_m },
+                    "geometry": { "type": "LineString", "coordinates": line },
+                }],
+            });
+            writeln!(out, "{whole}")?;
+        }
+    }
+    Ok(())
+}
+
+/// Poses that look along the route; the last one as the one before it.
+fn poses(route: &Route) -> Vec<Pose> {
+    let points = &route.points;
+    let mut yaw = 0.0;
+    let pose = |index: usize| {
+        let [x, y] = points[index];
+        if let Some([next_x, next_y]) = points.get(index + 1).filter(|next| **next != [x, y]) {
+            yaw = wide::atan2(next_y - y, next_x - x);
+        }
+        Pose { x, y, yaw }
+    };
+    (0..points.len()).map(pose).collect()
+}
+
+fn write_table(out: &mut dyn Write, plan: &Plan<'_>, route: &Route) -> Result<(), Failure> {
+    let line = line(plan, route);
+    writeln!(out, "x,y,yaw{}", if line.is_some() { ",lat,lon" } else { "" })?;
+    for (index, pose) in poses(route).iter().enumerate() {
+        write!(out, "{},{},{}", metres(pose.x), metres(pose.y), metres(pose.yaw))?;
+        if let Some([lon, lat]) = line.as_ref().and_then(|line| line.get(index)) {
+            write!(out, ",{lat},{lon}")?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+/// Longitude and latitude of every point; `None` where the plans have no place on the globe.
+fn line(plan: &Plan<'_>, route: &Route) -> Option<Vec<[f64; 2]>> {
+    let frame = plan.frame()?;
+    let place = |&[x, y]: &Point| {
+        let place = frame.to_geodetic(Vec2::new(x as f32, y as f32));
+        [place.lon_deg(), place.lat_deg()]
+    };
+    Some(route.points.iter().map(place).collect())
+}

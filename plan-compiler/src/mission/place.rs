@@ -1,0 +1,135 @@
+//! Goals as places on the globe: `geo:LAT,LON`, as in RFC 5870, and `{ lat = .., lon = .. }`.
+
+use super::{GoalAt, Reader, number};
+use math::GeoPoint;
+use std::ops::Range;
+use toml_edit::TableLike;
+
+/// How a place is written.
+const EXAMPLE: &str = "write geo:LAT,LON in degrees, for example geo:51.5,-0.1";
+
+/// Whether a text is meant as a place on the globe.
+pub fn is_geo_uri(text: &str) -> bool {
+    text.trim().get(..4).is_some_and(|scheme| scheme.eq_ignore_ascii_case("geo:"))
+}
+
+/// The place of `geo:LAT,LON`, a URI of RFC 5870; otherwise why it is none. An altitude and the
+/// parameters `crs=wgs84` and `u=METRES` may follow and say nothing that a goal needs.
+pub fn geo_uri(text: &str) -> Result<GeoPoint, String> {
+    let rest = text.trim().get(4..).filter(|_| is_geo_uri(text)).ok_or(EXAMPLE)?;
+    // What map applications append, such as `?z=17` or `?q=...`.
+    let rest = rest.split('?').next().unwrap_or(rest);
+    let mut parts = rest.split(';');
+    let mut numbers = parts.next().unwrap_or_default().split(',');
+    for parameter in parts {
+        let (key, value) = parameter.split_once('=').unwrap_or((parameter, ""));
+        if key.eq_ignore_ascii_case("crs") && !value.eq_ignore_ascii_case("wgs84") {
+            return Err(format!("`{parameter}`: places are read in WGS-84 only"));
+        }
+    }
+    let mut degrees = || {
+        let word = numbers.next().ok_or_else(|| EXAMPLE.to_owned())?;
+        word.trim().parse::<f64>().map_err(|_| format!("`{word}` is not a number; {EXAMPLE}"))
+    };
+    let (lat, lon) = (degrees()?, degrees()?);
+    if numbers.count() > 1 {
+        return Err(EXAMPLE.to_owned());
+    }
+    place_of(lat, lon)
+}
+
+/// The place of a latitude and a longitude in degrees; otherwise why there is none.
+pub fn place_of(lat: f64, lon: f64) -> Result<GeoPoint, String> {
+    GeoPoint::from_degrees(lat, lon).ok_or_else(|| {
+        let swapped = match GeoPoint::from_degrees(lon, lat) {
+            Some(_) => "; are latitude and longitude swapped?",
+            None => "",
+        };
+        format!(
+            "{lat},{lon} is not on the globe: latitude first, -90 to 90, then longitude, -180 to \
+             180{swapped}"
+        )
+    })
+}
+
+impl Reader<'_> {
+    /// Where a goal lies that is a table: `at`, or `lat` and `lon`.
+    pub(super) fn goal_table(
+        &mut self,
+        name: &str,
+        table: &dyn TableLike,
+        span: Range<usize>,
+    ) -> Option<GoalAt> {
+        let here = |key: &str| table.get(key).and_then(toml_edit::Item::span);
+        match (table.get("at"), table.get("lat"), table.get("lon")) {
+            (Some(at), None, None) => {
+                self.goal_position(name, at, here("at").unwrap_or_else(|| span.clone()))
+            }
+            (None, Some(lat), Some(lon)) => {
+                let degrees = [lat, lon].map(|item| item.as_value().and_then(number));
+                let place = match degrees {
+                    [Some(lat), Some(lon)] => place_of(lat, lon),
+                    _ => Err("`lat` and `lon` are numbers, degrees".to_owned()),
+                };
+                place.map(GoalAt::Globe).map_or_else(
+                    |reason| {
+                        let message = format!("goal `{name}` is not a place on the globe");
+                        let at = here("lat").unwrap_or_else(|| span.clone());
+                        let mend = format!("write {name} = {{ lat = 51.5, lon = -0.1 }}");
+                        self.error(message, at, &reason, &mend);
+                        None
+                    },
+                    Some,
+                )
+            }
+            (None, None, None) => {
+                let mend = format!("write {name} = {{ at = [12.5, 40.0] }}");
+                self.error(format!("goal `{name}` has no `at`"), span, "this goal", &mend);
+                None
+            }
+            // A key that was misspelt has been reported.
+            _ if table.iter().any(|(key, _)| !super::GOAL_KEYS.contains(&key)) => None,
+            _ => {
+                let mend = format!(
+                    "write either {name} = {{ at = [12.5, 40.0] }} or {name} = {{ lat = 51.5, lon \
+                     = -0.1 }}"
+                );
+                let message = format!("goal `{name}` needs `at` alone, or `lat` and `lon`");
+                self.error(message, span, "this goal", &mend);
+                None
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_read_as_the_rfc_writes_them() {
+        let place = GeoPoint::from_degrees(51.5, -0.1).unwrap();
+        for text in [
+            "geo:51.5,-0.1",
+            "GEO:51.5,-0.1,12",
+            " geo:51.5, -0.1;u=35",
+            "geo:51.5,-0.1;crs=WGS84;u=35",
+            "geo:51.5,-0.1?z=17",
+        ] {
+            assert_eq!(geo_uri(text), Ok(place), "{text}");
+        }
+        for (text, expected) in [
+            ("geo:51.5", "write geo:LAT,LON"),
+            ("geo:north,east", "`north` is not a number"),
+            ("geo:1,2,3,4", "write geo:LAT,LON"),
+            ("geo:51.5;-0.1", "write geo:LAT,LON"),
+            ("geo:51.5,-0.1;crs=nad27", "WGS-84 only"),
+            ("geo:-0.1,181", "-180 to 180"),
+            ("geo:151.2,-33.8", "swapped?"),
+            ("geo:nan,1", "not on the globe"),
+        ] {
+            let reason = geo_uri(text).expect_err(text);
+            assert!(reason.contains(expected), "{text}: {reason}");
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! How a map was made into cells: what a blob says of its own making, so that it can be compared
+//! with its map again without the options of the build being repeated.
+//!
+//! Kept is what decides which cells are blocked: the radius, walls that are filled, what the map
+//! leaves open, the areas of each layer. The resolution is in the grid, and goals do not matter.
+
+use crate::compile::{Input, Options, robot_radius_m};
+use crate::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
+use crate::formats::{Format, ReadOptions};
+use crate::map::Unknown;
+use crate::mission::{self, LayerRule, Mission};
+use crate::problem::Source;
+use clap::ValueEnum;
+use std::sync::Arc;
+use toml_edit::{Array, DocumentMut, Item, Value};
+
+/// What a blob's recipe says.
+#[derive(Clone, Debug, Default)]
+pub struct Recipe {
+    /// How far obstacles were grown, metres.
+    pub robot_radius_m: Option<f64>,
+    /// Whether closed walls are solid.
+    pub fill_walls: bool,
+    /// How the map was read.
+    pub reading: ReadOptions,
+    /// Areas that become obstacles, layer by layer.
+    pub layers: Vec<LayerRule>,
+}
+
+/// The recipe of what is compiled, as text.
+pub(crate) fn write(input: &Input<'_>) -> String {
+    let mut document = DocumentMut::new();
+    let mut put = |key: &str, value: Value| document[key] = Item::Value(value);
+    put("robot_radius", robot_radius_m(input).into());
+    if input.options.fill_walls || input.mission.fill_walls.unwrap_or(false) {
+        put("fill_walls", true.into());
+    }
+    let reading = &input.options.reading;
+    if let Some(format) = reading.format {
+        put("format", word(format).into());
+    }
+    if reading.unknown != Unknown::default() {
+        put("unknown", word(reading.unknown).into());
+    }
+    if reading.opar.units != DeltaUnit::default() {
+        put("opar_units", word(reading.opar.units).into());
+    }
+    if reading.opar.order != DeltaOrder::default() {
+        put("opar_order", word(reading.opar.order).into());
+    }
+    if !reading.opar.types.is_empty() {
+        let types = reading.opar.types.iter().map(ToString::to_string);
+        put("opar_type", Value::Array(types.collect()));
+    }
+    if !input.mission.layers.is_empty() {
+        let mut table = toml_edit::Table::new();
+        for rule in &input.mission.layers {
+            let areas: Array = rule.areas.iter().map(|area| area.name.as_str()).collect();
+            table.insert(&rule.name.name, areas.into());
+        }
+        document["layers"] = Item::Table(table);
+    }
+    document.to_string()
+}
+
+/// The recipe of a blob; `None` where it has none.
+pub fn of_blob(blob: &[u8]) -> Option<Recipe> {
+    let text = plan_format::recipe(blob).filter(|text| !text.is_empty())?;
+    parse(text)
+}
+
+/// What a text says; what is not known is left out, since a later compiler may say more.
+fn parse(text: &str) -> Option<Recipe> {
+    let document: DocumentMut = text.parse().ok()?;
+    let text_of = |key: &str| document.get(key).and_then(Item::as_str);
+    let mut reading = ReadOptions {
+        format: text_of("format").and_then(named::<Format>),
+        unknown: text_of("unknown").and_then(named).unwrap_or_default(),
+        ..ReadOptions::default()
+    };
+    reading.opar.units = text_of("opar_units").and_then(named).unwrap_or_default();
+    reading.opar.order = text_of("opar_order").and_then(named).unwrap_or_default();
+    let types = document.get("opar_type").and_then(Item::as_array);
+    let types = types.into_iter().flatten().filter_map(Value::as_str);
+    reading.opar.types = types.filter_map(|kind| kind.parse::<ObstructionType>().ok()).collect();
+    // The layers are written as a mission writes them.
+    let layers = text.find("[layers]").map_or("", |at| &text[at..]);
+    let source = Source { name: "the recipe of the plans".into(), text: layers.into() };
+    let source = Arc::new(source);
+    let (Mission { layers, .. }, _) = mission::parse(&source);
+    Some(Recipe {
+        robot_radius_m: document
+            .get("robot_radius")
+            .and_then(Item::as_value)
+            .and_then(mission::number),
+        fill_walls: document.get("fill_walls").and_then(Item::as_bool).unwrap_or(false),
+        reading,
+        layers,
+    })
+}
+
+impl Recipe {
+    /// Says what neither the command line nor a mission that was asked for says; `is_asked` is
+    /// whether the mission was.
+    pub fn complete(&self, options: &mut Options, mission: &mut Mission, is_asked: bool) {
+        let of_mission = mission.robot_radius_m.filter(|_| is_asked);
+        options.robot_radius_m = options.robot_radius_m.or(of_mission).or(self.robot_radius_m);
+        if !is_asked {
+            mission.fill_walls = Some(self.fill_walls);
+            mission.layers.clone_from(&self.layers);
+        }
+    }
+
+    /// How to read the map: as it was read for the build, unless the command line says otherwise.
+    pub fn reading(&self, asked: &ReadOptions) -> ReadOptions {
+        if *asked == ReadOptions::default() { self.reading.clone() } else { asked.clone() }
+    }
+}
+
+/// The word that stands for a value on the command line.
+fn word(value: impl ValueEnum) -> String {
+    value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+}
+
+/// The value that a word stands for.
+fn named<T: ValueEnum>(word: &str) -> Option<T> {
+    T::from_str(word, false).ok()
+}

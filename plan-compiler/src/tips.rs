@@ -1,0 +1,78 @@
+//! A line on what was probably meant, for command lines that clap refuses.
+
+use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
+use std::path::Path;
+
+/// Words that other programs use for our commands.
+const SYNONYMS: [(&str, &str); 14] = [
+    ("compile", "build"),
+    ("make", "build"),
+    ("plan", "build"),
+    ("generate", "build"),
+    ("info", "inspect"),
+    ("show", "inspect"),
+    ("list", "inspect"),
+    ("draw", "render"),
+    ("plot", "render"),
+    ("picture", "render"),
+    ("route", "query"),
+    ("check", "verify"),
+    ("prove", "verify"),
+    ("trace", "explain"),
+];
+
+/// What to say of a command line.
+pub(crate) enum Tip {
+    /// After what clap says.
+    Besides(String),
+    /// Instead of it, since clap guesses by letters alone.
+    Instead(String),
+}
+
+/// What was probably meant; `None` where clap says it all.
+pub(crate) fn of(error: &Error, arguments: &[String]) -> Option<Tip> {
+    match error.kind() {
+        ErrorKind::InvalidSubcommand => {
+            let word = context(error, ContextKind::InvalidSubcommand)?;
+            let (_, command) = SYNONYMS.iter().find(|(other, _)| *other == word)?;
+            Some(Tip::Instead(format!(
+                "error: unrecognized subcommand '{word}'\n\n  tip: `{word}` is called `{command}` \
+                 here: plan-compiler {command} ...\n\nFor more information, try '--help'.\n"
+            )))
+        }
+        ErrorKind::UnknownArgument => {
+            let stray = context(error, ContextKind::InvalidArg)?;
+            let tip = stray_word(&stray, arguments)?;
+            Some(Tip::Besides(format!("\n  tip: {tip}\n")))
+        }
+        _ => None,
+    }
+}
+
+/// A word that belongs to the one before it.
+fn stray_word(stray: &str, arguments: &[String]) -> Option<String> {
+    if stray.starts_with('-') {
+        return None;
+    }
+    let at = arguments.iter().position(|argument| argument == stray)?;
+    let before = arguments.get(at.checked_sub(1)?)?;
+    let joined = format!("{before} {stray}");
+    let is_number = stray.parse::<f64>().is_ok();
+    if is_number && before.ends_with(',') {
+        return Some(format!("write a point without a blank: {before}{stray}"));
+    }
+    // The name may have more than one blank: what stands from the first word on.
+    let whole = (0..at).map(|first| arguments[first..=at].join(" "));
+    let file = whole.into_iter().find(|name| Path::new(name).exists());
+    let name = file.unwrap_or(joined);
+    let is_shell = |word: &str| [">", "<", "|"].contains(&word);
+    let is_name = !before.starts_with('-') && !is_shell(before) && !is_shell(stray);
+    is_name.then(|| format!("put a name with blanks in quotes: \"{name}\""))
+}
+
+fn context(error: &Error, kind: ContextKind) -> Option<String> {
+    match error.get(kind)? {
+        ContextValue::String(text) => Some(text.clone()),
+        _ => None,
+    }
+}

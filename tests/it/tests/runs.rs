@@ -1,0 +1,212 @@
+//! `cargo mission` as a user runs it: its outcomes, its exit status, its JSON, its files.
+
+use harness::setup;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use tempfile::TempDir;
+
+/// A meadow with a wall in the middle and a shut box in the east.
+const MEADOW: &str = "\
+MISSION-AREA 60 40
+ORIGIN 0 0
+GLOBAL_REF_POINT 51.5 -0.1
+CONTROL MEASURES:
+WALL w1 30 5 30 30
+WALL w2 45 5 55 5 55 15 45 15 45 5
+PP gate 50 30
+";
+
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+fn command(folder: &Path, arguments: &str) -> Command {
+    let program = setup::built("harness", "mission", "dev", None).expect("the program is built");
+    let mut command = Command::new(program);
+    command.args(arguments.split(' ')).current_dir(folder);
+    command
+}
+
+fn run(folder: &Path, arguments: &str) -> (i32, String, String) {
+    let Output { status, stdout, stderr } = command(folder, arguments).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (status.code().expect("no signal"), text(stdout), text(stderr))
+}
+
+/// The object of `--json`, whose outcome and exit status must be these.
+fn outcome(folder: &Path, arguments: &str, expected: &str, status: i32) -> Value {
+    let (ended, out, err) = run(folder, &format!("{arguments} --perfect --json"));
+    let object: Value = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{out}{err}"));
+    assert_eq!((object["outcome"].as_str(), ended), (Some(expected), status), "{arguments}: {out}");
+    let keys: Vec<&str> = object.as_object().unwrap().keys().map(String::as_str).collect();
+    let mut wanted = [
+        "outcome",
+        "time_s",
+        "distance_m",
+        "closest_m",
+        "contacts",
+        "turn_rad",
+        "reasons",
+        "trace_hash",
+    ];
+    wanted.sort_unstable();
+    assert_eq!(keys, wanted);
+    object
+}
+
+#[test]
+fn outcomes_have_names_and_exit_statuses() {
+    let reactive = "[gains]\npreset = \"100:0\"\nnoise = 0\n";
+    let folder = folder(&[("meadow.ovl", MEADOW), ("hasty.toml", reactive)]);
+    let at = folder.path();
+    let reached = outcome(at, "meadow.ovl --start 10,20", "reached", 0);
+    assert!(reached["distance_m"].as_f64().unwrap() > 40.0, "{reached}");
+    assert!(reached["closest_m"].as_f64().unwrap() > 0.0 && reached["contacts"] == 0, "{reached}");
+    assert!(reached["turn_rad"].as_f64().unwrap() > 0.5, "{reached}");
+    assert!(reached["reasons"]["Driving"].as_u64().unwrap() > 100, "{reached}");
+    assert_eq!(reached["trace_hash"].as_str().map(str::len), Some(16));
+    outcome(at, "meadow.ovl --start 10,20 --gains 100:0", "trapped", 1);
+    let stranded = outcome(at, "meadow.ovl --start 50,10", "no-route", 1);
+    assert!(stranded["time_s"].as_f64().unwrap() < 30.0, "{stranded}");
+    let lost = outcome(at, "meadow.ovl --start=-5,10", "off-map", 1);
+    assert_eq!(lost["closest_m"], Value::Null);
+    // Goals of the command line, in metres and by latitude and longitude.
+    outcome(at, "meadow.ovl --start 10,20 --goal here=12,20", "reached", 0);
+    let near = "meadow.ovl --start 10,20 --goal a=40,35 --goal here=12,20 --plan here";
+    let near = outcome(at, near, "reached", 0);
+    assert!(near["distance_m"].as_f64().unwrap() < 5.0, "{near}");
+    let (status, out, _) = run(at, "meadow.ovl --start 10,20 --perfect");
+    assert!(
+        status == 0 && out.starts_with("outcome     Reached\nstart       10.00,20.00 m"),
+        "{out}"
+    );
+}
+
+#[test]
+fn a_wrong_command_line_and_wrong_input_have_a_status_of_their_own() {
+    let folder = folder(&[
+        ("meadow.ovl", MEADOW),
+        ("flat.ovl", "MISSION-AREA 9 9\nCONTROL MEASURES:\nPP a 1 1\n"),
+    ]);
+    let at = folder.path();
+    for (arguments, status, part) in [
+        ("meadow.ovl --gains 1:1", 2, "known are"),
+        ("meadow.ovl --start 1", 2, "--start"),
+        ("meadow.ovl --goal 12,20", 2, "needs a name"),
+        ("meadwo.ovl", 3, "did you mean meadow.ovl?"),
+        ("meadow.ovl --plan gaet", 3, "did you mean `gate`?"),
+        ("meadow.ovl --goal d=99,99", 3, "outside the map"),
+        ("meadow.ovl --start 30,20", 3, "stands in an obstacle; a clear place near it: --start"),
+        ("flat.ovl", 3, "GLOBAL_REF_POINT"),
+    ] {
+        let (ended, out, err) = run(at, arguments);
+        assert_eq!((ended, out.as_str()), (status, ""), "{arguments}: {err}");
+        assert!(err.contains(part), "{arguments}: {err}");
+    }
+}
+
+#[test]
+fn a_world_is_found_beside_the_mission_or_the_map() {
+    let folder = folder(&[
+        ("meadow.ovl", MEADOW),
+        ("meadow.world.toml", "start = [10, 20]\ntime_limit = 300\n"),
+        ("short.mission.toml", "map = \"meadow.ovl\"\n"),
+        ("short.world.toml", "start = [48, 30]\n"),
+        ("long.mission.toml", "map = \"meadow.ovl\"\n"),
+    ]);
+    let at = folder.path();
+    // No work: at the goal it has reached it.
+    let far = outcome(at, "meadow.ovl", "reached", 0)["distance_m"].as_f64().unwrap();
+    let near = outcome(at, "short.mission.toml", "reached", 0)["distance_m"].as_f64().unwrap();
+    let long = outcome(at, "long.mission.toml", "reached", 0)["distance_m"].as_f64().unwrap();
+    assert!(near < 3.0 && far > 40.0 && long == far, "{near} {far} {long}");
+    fs::write(at.join("meadow.world.toml"), "start = [10, 20]\ntime_limit = 5\n").unwrap();
+    outcome(at, "meadow.ovl", "out-of-time", 1);
+    // With work it is not enough to be there.
+    fs::write(at.join("meadow.world.toml"), "start = [48, 30]\ntime_limit = 20\nsignal = 7\n")
+        .unwrap();
+    outcome(at, "meadow.ovl", "out-of-time", 1);
+    // What is wrong in map, mission and world is said at once.
+    fs::write(at.join("meadow.world.toml"), "strat = [1, 2]\nheading = 'east'\n").unwrap();
+    fs::write(at.join("meadow.mission.toml"), "resolutoin = 1\n").unwrap();
+    let (status, _, err) = run(at, "meadow.ovl");
+    assert_eq!(status, 3, "{err}");
+    for part in [
+        "meadow.mission.toml:1:1",
+        "did you mean `resolution`?",
+        "`start` is missing",
+        "meadow.world.toml:1:1",
+        "did you mean `start`?",
+        "meadow.world.toml:2:11",
+        "`heading` must be a number",
+    ] {
+        assert!(err.contains(part), "{part} is missing in\n{err}");
+    }
+}
+
+/// A behaviour for ten minutes that is made of these actions.
+fn behaviour(actions: &str, graph: &str) -> String {
+    format!(
+        "map = \"meadow.ovl\"\nplan = \"gate\"\n[inputs]\nclock = {{ source = \"time\", universe = [0, 600] }}\n\
+         [behaviours.go]\ncriticality = {{ clock = \"PS PS PS PS PS PS NB\" }}\n\
+         [frames.go]\nproductions = [\"entry -> {graph} -> exit\"]\n[actions]\n{actions}"
+    )
+}
+
+#[test]
+fn a_hold_is_as_long_as_it_likes_and_idling_for_a_moment_is_no_end() {
+    let hold =
+        behaviour("wait = { do = \"hold 100 s\" }\ndone = { do = \"signal 7\" }\n", "wait -> done");
+    let folder = folder(&[
+        ("meadow.ovl", MEADOW),
+        ("hold.mission.toml", &hold),
+        ("hold.world.toml", "start = [10, 20]\ntime_limit = 300\nsignal = 7\n"),
+        ("quiet.mission.toml", &hold),
+        ("quiet.world.toml", "start = [10, 20]\ntime_limit = 130\n"),
+    ]);
+    let held = outcome(folder.path(), "hold.mission.toml", "done", 0);
+    assert!((held["time_s"].as_f64().unwrap() - 100.0).abs() < 2.0, "{held}");
+    // Nothing says what the work is, so that it is not over as soon as nothing is to be done.
+    let quiet = outcome(folder.path(), "quiet.mission.toml", "out-of-time", 1);
+    assert_eq!(quiet["time_s"], 130.0);
+}
+
+#[test]
+fn a_reader_that_has_had_enough_is_no_failure() {
+    let folder = folder(&[("meadow.ovl", MEADOW)]);
+    let mut child = command(folder.path(), "meadow.ovl --start 48,30 --perfect")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let ended = child.wait_with_output().unwrap();
+    let err = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!((ended.status.code(), err.as_str()), (Some(0), ""));
+}
+
+/// The field's own missions: a hold longer than a minute, and a patrol that sleeps for a while.
+#[test]
+fn missions_from_the_field_end_as_they_should() {
+    let Some(data) = it::real_data("field/missions") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    for entry in fs::read_dir(data).unwrap() {
+        let path = entry.unwrap().path();
+        fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+    }
+    for (name, wrong) in [("26_percent", "trapped"), ("m13", "trapped")] {
+        let (_, out, err) = run(folder.path(), &format!("{name}.mission.toml --perfect --json"));
+        let object: Value = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{out}{err}"));
+        assert_ne!(object["outcome"], wrong, "{name}: {out}");
+    }
+    let (_, out, _) = run(folder.path(), "m02.mission.toml --perfect --json");
+    let object: Value = serde_json::from_str(&out).unwrap();
+    // At 305 s `charge` is over, and `patrol` sleeps for one tick more.
+    assert!(object["time_s"].as_f64().unwrap() > 310.0, "{out}");
+}
