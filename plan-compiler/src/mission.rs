@@ -8,10 +8,13 @@
 //! What it says about behaviours is read by [`crate::behaviours`].
 
 pub mod keys;
+mod masks;
+
+pub use masks::Mask;
 
 use crate::behaviours;
 use crate::map::Point;
-use crate::problem::{Place, Problem, Source};
+use crate::problem::{MAX_PROBLEMS, Place, Problem, Source};
 use crate::search::Corners;
 use keys::{KEYS, Key, Kind, SECTIONS};
 use plan_format::{Parameters, limits};
@@ -41,6 +44,8 @@ pub struct Mission {
     pub goals: Option<Vec<Goal>>,
     /// Areas that become obstacles, layer by layer, in the file's order.
     pub layers: Vec<LayerRule>,
+    /// Maps of where the robot must not be.
+    pub masks: Vec<Mask>,
     /// The parallel plan that the robot follows; otherwise the first.
     pub plan: Option<Named>,
     /// What the robot is told.
@@ -97,6 +102,10 @@ pub fn parse(source: &Arc<Source>) -> (Mission, Vec<Problem>) {
     match Document::parse(source.text.as_str()) {
         Ok(document) => {
             reader.section("", document.as_table());
+            // Last, since they may add layers to those that the file lists.
+            if let Some(masks) = document.get("masks").and_then(Item::as_table_like) {
+                reader.masks(masks);
+            }
             reader.mission.behaviours =
                 behaviours::read(source, document.as_table(), &mut reader.problems);
         }
@@ -123,10 +132,18 @@ pub fn tidy_name(raw: &str) -> Result<&str, String> {
     }
 }
 
-/// The candidate that `word` was probably meant to be.
+/// The candidate that `word` was probably meant to be. Of a word that nobody types and of more
+/// candidates than anybody has none is looked for.
 pub fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
+    const MAX_WORD_BYTES: usize = 100;
+    const MAX_CANDIDATES: usize = 10_000;
+    if word.len() > MAX_WORD_BYTES {
+        return None;
+    }
     let word = word.to_lowercase();
     candidates
+        .take(MAX_CANDIDATES)
+        .filter(|candidate| candidate.len() <= MAX_WORD_BYTES)
         .map(|candidate| (strsim::jaro_winkler(&word, &candidate.to_lowercase()), candidate))
         .filter(|(similarity, _)| *similarity > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0))
@@ -219,6 +236,8 @@ impl Reader<'_> {
                     self.layer(name, item, span);
                 }
             }
+            // Read when the layers are known.
+            "masks" => {}
             parameters => self.section(parameters, table),
         }
     }
@@ -390,6 +409,14 @@ impl Reader<'_> {
     }
 
     fn unknown_key(&mut self, section: &str, name: &str, span: Range<usize>) {
+        let message = match section {
+            "" => format!("`{name}` is not a key of a mission"),
+            section => format!("`{name}` is not a key of [{section}]"),
+        };
+        // Of so many mistakes the last are not shown, and looking for what was meant takes time.
+        if self.problems.len() >= MAX_PROBLEMS {
+            return self.problems.push(Problem::error(message));
+        }
         let here = KEYS.iter().filter(|key| key.section == section).map(|key| key.name);
         let sections = SECTIONS.iter().chain(&behaviours::TABLES).copied();
         let sections = sections.filter(|_| section.is_empty());
@@ -402,10 +429,6 @@ impl Reader<'_> {
             (Some(key), _) => format!("`{name}` belongs into [{}]", key.section),
             (None, Some(meant)) => format!("did you mean `{meant}`?"),
             (None, None) => format!("known here: {}", known.join(", ")),
-        };
-        let message = match section {
-            "" => format!("`{name}` is not a key of a mission"),
-            section => format!("`{name}` is not a key of [{section}]"),
         };
         self.error(message, span, "unknown key", &mend);
     }

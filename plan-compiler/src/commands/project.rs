@@ -3,7 +3,7 @@
 use crate::cli::{CornersRule, MapOptions};
 use crate::commands::Failure;
 use plan_compiler::compile::{Input, Options};
-use plan_compiler::formats;
+use plan_compiler::formats::{self, Loaded};
 use plan_compiler::map::Map;
 use plan_compiler::mission::{self, Goal, Mission};
 use plan_compiler::problem::{Problem, Source};
@@ -39,9 +39,11 @@ impl Project {
     }
 }
 
-/// Reads a map and its mission; `None` where the map cannot be relied on.
+/// Reads a map and its mission; `None` where the map cannot be relied on. `bytes` are those of a map
+/// that has been read already: a pipe can be read no second time.
 pub(crate) fn read(
     path: &Path,
+    bytes: Option<Vec<u8>>,
     goals: &[Goal],
     args: &MapOptions,
     problems: &mut Vec<Problem>,
@@ -72,7 +74,11 @@ pub(crate) fn read(
         }
         (_, false) => path.to_owned(),
     };
-    let (map, found) = formats::read(&map_path, &args.reading.options());
+    let reading = args.reading.options();
+    let Loaded { map, source, problems: found } = match bytes.filter(|_| !is_mission) {
+        Some(bytes) => formats::load_bytes(&map_path, bytes, &reading),
+        None => formats::load(&map_path, &reading),
+    };
     let incomplete = plan_compiler::compile::has_errors(&found);
     let named_at = mission.map_place.as_ref().filter(|_| is_mission);
     problems.extend(found.into_iter().map(|problem| match (&problem.place, named_at) {
@@ -80,12 +86,13 @@ pub(crate) fn read(
         _ => problem,
     }));
     let Some(map) = map.filter(|_| !incomplete) else { return Ok(None) };
-    // Excerpts want the text; where the map is none there are no excerpts.
-    let source = source::read_text(&map_path).ok().map(|(text, _)| text);
     let named = source.as_ref().and_then(|text| formats::pcf::map_path(&map_path, &text.text));
     Ok(Some(Project {
         source,
-        inputs: std::iter::once(map_path).chain(named).chain(mission_path).collect(),
+        inputs: {
+            let masks = mission.masks.iter().map(|mask| mask.path.clone());
+            std::iter::once(map_path).chain(named).chain(mission_path).chain(masks).collect()
+        },
         map,
         mission,
         options: options(goals, args),

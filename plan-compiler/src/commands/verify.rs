@@ -1,7 +1,7 @@
 //! `verify`: every cell proved anew.
 
 use super::progress::{with_patience, with_progress};
-use super::{Failure, open, print, project, read_blob, tell};
+use super::{Failure, open, print, print_text, project, read_blob, tell};
 use crate::cli::Verify;
 use plan_compiler::compile::{blocked, has_errors, metres, pair};
 use plan_compiler::problem::Problem;
@@ -37,7 +37,7 @@ pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
         let rule = if proof.cuts_corners { "corners allowed" } else { "no corner is cut" };
         let (name, layers, cells) = (args.plans.display(), proof.layers, proof.cells);
         let text = format!("{name}: {cells} cells of {layers} layers proved; {rule}{compared}\n");
-        return print(text.as_bytes());
+        return print_text(&text);
     }
     Ok(())
 }
@@ -58,7 +58,9 @@ fn compare(
     problems: &mut Vec<Problem>,
 ) -> Result<&'static str, Failure> {
     let Some(input) = &args.input else { return Ok("") };
-    let Some(project) = project::read(input, &[], &args.map, problems)? else { return Ok("") };
+    let Some(project) = project::read(input, None, &[], &args.map, problems)? else {
+        return Ok("");
+    };
     let Some(grid) = plan_compiler::compile::grid(&project.input(), problems) else {
         return Ok("");
     };
