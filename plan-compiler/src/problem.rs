@@ -103,11 +103,16 @@ impl std::error::Error for Problem {}
 
 /// Keeps what a person can read, errors before all else, and says how many were left out.
 pub fn limit(problems: &mut Vec<Problem>) {
-    let Some(more @ 1..) = problems.len().checked_sub(MAX_PROBLEMS) else { return };
+    if problems.len() <= MAX_PROBLEMS {
+        return;
+    }
+    // The last one says how many there are; so what was cut once is not cut again.
+    let kept = MAX_PROBLEMS - 1;
+    let more = problems.len() - kept;
     let mut worst_first: Vec<usize> = (0..problems.len()).collect();
     // Stable: among equals the first of the file are kept.
     worst_first.sort_by_key(|&index| std::cmp::Reverse(problems[index].severity));
-    let mut left_out = worst_first.split_off(MAX_PROBLEMS);
+    let mut left_out = worst_first.split_off(kept);
     let worst = left_out.iter().map(|&index| problems[index].severity).max();
     left_out.sort_unstable();
     let mut index = 0;
@@ -237,12 +242,13 @@ mod tests {
         problems.push(Problem::error("b"));
         problems.push(Problem::warning("c"));
         let drawn = draw(&problems, false);
-        assert!(drawn.contains("2 more mistakes are not shown"), "{drawn}");
+        assert!(drawn.contains("3 more mistakes are not shown"), "{drawn}");
         limit(&mut problems);
+        assert_eq!(problems.len(), MAX_PROBLEMS);
         let [.., note, error, warning, more] = &problems[..] else { panic!("{problems:?}") };
         let kept = [note, error, warning].map(|problem| problem.message.as_str());
         assert_eq!(kept, ["a", "b", "c"]);
-        assert_eq!(more.message, "2 more mistakes are not shown");
+        assert_eq!(more.message, "3 more mistakes are not shown");
         assert_eq!(more.severity, Severity::Note);
     }
 

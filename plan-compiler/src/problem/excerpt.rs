@@ -101,13 +101,14 @@ impl Excerpt {
             }
             around.start
         };
+        let span = copy.span();
         // A place at the very end needs something to stand under.
-        if copy.span().start == copy.text.len() {
+        if span.start == copy.text.len() {
             copy.text.push(' ');
         }
         let name = crate::terminal::safe_line(&place.source.name).into_owned();
         let at = [line, start - lines.line(line).start];
-        Self { name, first_line, span: copy.span(), text: copy.text, at }
+        Self { name, first_line, span, text: copy.text, at }
     }
 
     /// The mistake, bytes of what is shown.

@@ -4,6 +4,7 @@
 //! What it says of mistakes is in `tests/golden/errors`, one file a class, to be read as a
 //! newcomer would. `INSTA_UPDATE=always cargo test -p it cli` writes them anew.
 
+mod hostile;
 mod maps;
 mod people;
 
@@ -30,7 +31,7 @@ BOUNDARY NoFlyZone1 28 20  32 20  32 24  28 24
 
 /// The binary run in a folder of its own.
 pub(crate) struct Run {
-    folder: TempDir,
+    pub(super) folder: TempDir,
 }
 
 /// What a run ended with.

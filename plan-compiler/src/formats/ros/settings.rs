@@ -263,10 +263,20 @@ impl Reader<'_> {
     }
 
     fn origin(&mut self, pair: &Pair<'_>) -> Option<[f64; 3]> {
-        let numbers: Option<Vec<f64>> = match pair.value {
-            YamlData::Sequence(items) => items.iter().map(|item| number(&item.data)).collect(),
-            _ => None,
+        let items = match pair.value {
+            YamlData::Sequence(items) => items.as_slice(),
+            _ => &[],
         };
+        let numbers = items.iter().enumerate().map(|(index, item)| {
+            // What a saver writes whose map came without an orientation.
+            let is_lost = index == 2 && is_not_a_number(&item.data);
+            if is_lost {
+                self.lost_yaw(pair);
+                return Some(0.0);
+            }
+            number(&item.data)
+        });
+        let numbers: Option<Vec<f64>> = numbers.collect();
         let origin = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
         if origin.is_none() {
             self.error(
@@ -285,6 +295,14 @@ impl Reader<'_> {
             );
         }
         origin
+    }
+
+    fn lost_yaw(&mut self, pair: &Pair<'_>) {
+        self.problems.push(
+            Problem::warning("the yaw of `origin` is not a number; 0 is assumed")
+                .at(self.source, pair.span.clone(), "the map was saved without its orientation")
+                .mend("write 0, or the yaw in radians, instead of nan"),
+        );
     }
 
     fn negate(&mut self, pair: &Pair<'_>) -> Option<bool> {
@@ -352,4 +370,14 @@ fn number<'y>(value: &YamlData<'y, MarkedYaml<'y>>) -> Option<f64> {
         _ => return None,
     };
     (number.abs() <= crate::formats::FARTHEST_M).then_some(number)
+}
+
+fn is_not_a_number<'y>(value: &YamlData<'y, MarkedYaml<'y>>) -> bool {
+    match value {
+        YamlData::Value(Scalar::FloatingPoint(number)) => number.into_inner().is_nan(),
+        YamlData::Value(Scalar::String(text)) => {
+            text.trim().trim_start_matches(['-', '+', '.']).eq_ignore_ascii_case("nan")
+        }
+        _ => false,
+    }
 }

@@ -99,6 +99,11 @@ fn a_yaw_beyond_a_turn_is_probably_degrees() {
     let got = check(&YAML.replace("2, 0.0", "2, 90"));
     assert!(got.contains("⚠ the yaw of `origin` is 90 rad"), "{got}");
     assert!(got.contains("write `origin: [-1, 2, 1.5708]`"), "{got}");
+    for yaw in ["-nan", "nan", ".nan"] {
+        let got = check(&YAML.replace("2, 0.0", &format!("2, {yaw}")));
+        assert!(got.contains("⚠ the yaw of `origin` is not a number; 0 is assumed"), "{got}");
+        assert!(got.ends_with("  #?.\n  ...\n"), "{got}");
+    }
     for yaw in ["6.2832", "-3.14", "1.5708"] {
         let got = check(&YAML.replace("2, 0.0", &format!("2, {yaw}")));
         assert!(!got.contains('⚠'), "{got}");
@@ -163,8 +168,8 @@ fn yaml_without_end_is_refused_before_it_is_taken_apart() {
 
 #[test]
 fn an_image_turned_beyond_the_grid_is_refused_before_memory_is_taken() {
-    let mut wide = b"P4 16384 16384\n".to_vec();
-    wide.resize(wide.len() + 16_384 * 16_384 / 8, 0);
-    let got = check_with(&[("a.pgm", &wide)], &YAML.replace("2, 0.0", "2, 0.8"));
-    assert!(got.contains("turned by its yaw the image of 16384 x 16384 pixels"), "{got}");
+    let mut wide = b"P4 16384 2000\n".to_vec();
+    wide.resize(wide.len() + 16_384 * 2_000 / 8, 0);
+    let got = check_with(&[("a.pgm", &wide)], &YAML.replace("2, 0.0", "2, 0.1"));
+    assert!(got.contains("turned by its yaw the image of 16384 x 2000 pixels"), "{got}");
 }
