@@ -106,7 +106,7 @@ fn assumptions() -> String {
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", assumptions()))]
 pub(crate) struct Cli {
-    /// Print errors only
+    /// Print warnings and errors only
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
     #[command(subcommand)]

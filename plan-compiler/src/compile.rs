@@ -16,8 +16,10 @@ mod globe;
 mod goals;
 mod layers;
 mod memory;
+mod warnings;
 
 pub use area::{metres, pair};
+pub(crate) use layers::PHYSICAL;
 pub use memory::{Need, gib};
 
 use crate::behaviours::{self, PlanNames, Plans};
@@ -163,6 +165,8 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
         problems.push(no_free_cell(&grid, radius));
         return None;
     }
+    problems.extend(warnings::of_cells(input, &grid));
+    problems.extend(warnings::nearly_blocked(input, &grid, radius, &levels[0].blocked));
     let goals = goals::place(input, &grid, &levels, problems);
     let plan = goals::followed(input, &goals, problems);
     let parameters =
@@ -293,6 +297,13 @@ impl Prepared {
         let solved = solved?;
         for ((goal, level), (_, is_cut_short)) in jobs.iter().zip(&solved) {
             problems.extend(is_cut_short.then(|| too_far(&goal.name, &level.name, &self.grid)));
+        }
+        let mut left = solved.as_slice();
+        for goal in &self.goals {
+            let (own, others) = left.split_at(goal.levels.len().min(left.len()));
+            let counts = own.iter().map(|(layer, _)| (layer.name.as_str(), layer.packed.counts()));
+            problems.extend(warnings::few_reach(&goal.name, counts));
+            left = others;
         }
         let mut solved = solved.into_iter().map(|(layer, _)| layer);
         let plans = self.goals.iter().map(|goal| PlanDraft {

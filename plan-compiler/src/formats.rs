@@ -4,6 +4,7 @@
 //! each `match` of [`Format`]. A file's content decides what it is; its extension decides
 //! only where the content does not.
 
+mod foreign;
 pub mod geojson;
 mod globe;
 pub mod iplan;
@@ -21,7 +22,9 @@ pub mod utm;
 pub use opar::OparOptions;
 
 use crate::map::{CellMap, Counts, Map, Unknown};
-use crate::problem::{Problem, Severity, Source};
+pub use crate::problem::MAX_PROBLEMS;
+
+use crate::problem::{Problem, Source, limit};
 use crate::source;
 use std::path::Path;
 use std::sync::Arc;
@@ -30,8 +33,9 @@ use std::sync::Arc;
 /// geometry stays far from overflow.
 pub const FARTHEST_M: f64 = 1e9;
 
-/// Mistakes in one file that are shown: a file with more is not what its name says.
-pub const MAX_PROBLEMS: usize = 1000;
+/// No map lies nearer to a pole, degrees: the plane of a map holds for some kilometres at this
+/// latitude, and at a pole a degree of longitude has no length.
+pub const FARTHEST_LATITUDE_DEG: f64 = 85.0;
 
 /// A format that maps are read from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -147,47 +151,65 @@ impl Format {
     }
 }
 
-/// Reads a map: what could be understood of it, and every mistake in the order of the file.
-/// There is no map where the file cannot be read or is in no known format; a map that comes
-/// with an error is incomplete.
-pub fn read(path: &Path, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
-    let (mut map, mut problems) = match source::read_bytes(path) {
-        Ok(bytes) => read_bytes(path, bytes, options),
-        Err(problem) => return (None, vec![problem]),
-    };
-    if let Some(cells) = map.as_mut().and_then(|map| map.cells.as_mut()) {
-        cells.unknown_as = options.unknown;
-        problems.push(count(cells));
-    }
-    limit(&mut problems);
-    (map, problems)
+/// What came of reading a map.
+#[derive(Debug, Default)]
+pub struct Loaded {
+    /// What could be understood. There is none where the file cannot be read or is in no known
+    /// format; a map that comes with an error is incomplete.
+    pub map: Option<Map>,
+    /// The file's text, for excerpts; binary files have none.
+    pub source: Option<Arc<Source>>,
+    /// Every mistake, in the order of the file.
+    pub problems: Vec<Problem>,
 }
 
-fn read_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
-    if bytes.starts_with(&plan_format::MAGIC) {
-        let problem = Problem::error(format!("{} is a blob of plans, no map", path.display()));
-        let mend =
-            "name the map that it was built from, or look into it with `plan-compiler inspect`";
-        return (None, vec![problem.mend(mend)]);
+/// Reads a map and its mistakes.
+pub fn read(path: &Path, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
+    let loaded = load(path, options);
+    (loaded.map, loaded.problems)
+}
+
+/// Reads a map and keeps its text. The file is opened once: a pipe can be read no second time.
+pub fn load(path: &Path, options: &ReadOptions) -> Loaded {
+    match source::read_bytes(path) {
+        Ok(bytes) => load_bytes(path, bytes, options),
+        Err(problem) => Loaded { problems: vec![problem], ..Loaded::default() },
     }
-    if let Some(problem) = ros::refuse_alone(path, &bytes) {
-        return (None, vec![problem]);
+}
+
+/// As [`load`], of bytes that have been read already.
+pub fn load_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Loaded {
+    let mut loaded = read_bytes(path, bytes, options);
+    if let Some(cells) = loaded.map.as_mut().and_then(|map| map.cells.as_mut()) {
+        cells.unknown_as = options.unknown;
+        loaded.problems.push(count(cells));
+    }
+    limit(&mut loaded.problems);
+    loaded
+}
+
+fn read_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Loaded {
+    let refused = |problem| Loaded { problems: vec![problem], ..Loaded::default() };
+    if let Some(problem) = foreign::refuse(path, &bytes, options.format.is_none()) {
+        return refused(problem);
     }
     // The one format that is no text.
     if matches!(options.format, None | Some(Format::Osm)) && osm::is_binary(path, &bytes) {
-        return osm::read_binary(path, &bytes);
+        let (map, problems) = osm::read_binary(path, &bytes);
+        return Loaded { map, problems, source: None };
     }
     let (text, mut problems) = match source::decode(path, bytes) {
         Ok(read) => read,
-        Err(problem) => return (None, vec![problem]),
+        Err(problem) => return refused(problem),
     };
+    let source = Some(Arc::clone(&text));
     let Some(format) = options.format.or_else(|| Format::detect(path, &text.text)) else {
         problems.push(unknown_format(path));
-        return (None, problems);
+        return Loaded { map: None, source, problems };
     };
     let (map, more) = format.read(path, &text, options);
     problems.extend(more);
-    (map, problems)
+    Loaded { map, source, problems }
 }
 
 /// How many cells of each kind a file has.
@@ -211,15 +233,6 @@ fn count(cells: &CellMap) -> Problem {
     Problem::note(format!(
         "the file has {columns} x {rows} cells of {side} m: {kinds}{unknown_as}{turned}"
     ))
-}
-
-/// Keeps what a person can read, and an error among it if there was one.
-fn limit(problems: &mut Vec<Problem>) {
-    let Some(more @ 1..) = problems.len().checked_sub(MAX_PROBLEMS) else { return };
-    let worst = problems.drain(MAX_PROBLEMS..).map(|problem| problem.severity).max();
-    let last = Problem::error(format!("{more} more mistakes are not shown"))
-        .mend("check that this is the file you mean, and mend the first ones");
-    problems.push(Problem { severity: worst.unwrap_or(Severity::Error), ..last });
 }
 
 fn unknown_format(path: &Path) -> Problem {
@@ -256,19 +269,6 @@ mod tests {
         check("a.opar", "nothing yet", Some(Format::Opar));
         check("a.txt", "Dear reader,\n", None);
         check("a", "", None);
-    }
-
-    #[test]
-    fn a_flood_of_mistakes_is_cut_with_its_severity_kept() {
-        let mut problems = vec![Problem::note("a"); MAX_PROBLEMS];
-        limit(&mut problems);
-        assert_eq!(problems.len(), MAX_PROBLEMS);
-        problems.push(Problem::error("b"));
-        problems.push(Problem::warning("c"));
-        limit(&mut problems);
-        let last = problems.last().unwrap();
-        assert_eq!(last.message, "2 more mistakes are not shown");
-        assert_eq!(last.severity, Severity::Error);
     }
 
     #[test]

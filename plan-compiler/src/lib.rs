@@ -21,5 +21,6 @@ pub mod render;
 pub mod route;
 pub mod search;
 pub mod source;
+pub mod terminal;
 pub mod trace;
 pub mod verify;

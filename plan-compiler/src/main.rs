@@ -7,6 +7,7 @@ mod tips;
 use clap::Parser;
 use commands::Failure;
 use plan_compiler::problem::draw;
+use plan_compiler::terminal::{safe, safe_line};
 use std::io::{self, IsTerminal};
 use std::process::ExitCode;
 use tips::Tip;
@@ -24,12 +25,11 @@ fn main() -> ExitCode {
             let arguments: Vec<String> =
                 arguments.map(|argument| argument.to_string_lossy().into_owned()).collect();
             match tips::of(&error, &arguments) {
-                Some(Tip::Instead(message)) => eprint(&message),
+                Some(Tip::Instead(message)) => say(&message),
                 tip => {
-                    // Where help cannot be written there is nobody to tell.
-                    let _ = error.print();
+                    print_usage(&error, &arguments);
                     if let Some(Tip::Besides(message)) = tip {
-                        eprint(&message);
+                        say(&message);
                     }
                 }
             }
@@ -43,7 +43,7 @@ fn main() -> ExitCode {
             WRONG_INPUT.into()
         }
         Err(Failure::Usage(message)) => {
-            eprint(&format!("error: {message}\n\nFor more information, try '--help'.\n"));
+            say(&format!("error: {message}\n\nFor more information, try '--help'.\n"));
             WRONG_USAGE.into()
         }
         // Whoever reads the output has had enough.
@@ -51,7 +51,7 @@ fn main() -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(Failure::Output(error)) => {
-            eprint(&format!("error: cannot write to standard output: {error}\n"));
+            say(&format!("error: cannot write to standard output: {error}\n"));
             WRONG_INPUT.into()
         }
     }
@@ -62,7 +62,25 @@ fn colour() -> bool {
     io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty())
 }
 
-/// Writes to standard error and ignores failure: there is nobody left to tell.
+/// Prints help, or what is wrong with the command line. That quotes its arguments, which may hold
+/// anything; where they do, colours give way.
+fn print_usage(error: &clap::Error, arguments: &[String]) {
+    let is_hostile = arguments.iter().any(|argument| safe_line(argument) != *argument);
+    if error.use_stderr() && is_hostile {
+        say(&error.render().to_string());
+    } else {
+        // Where help cannot be written there is nobody to tell.
+        let _ = error.print();
+    }
+}
+
+/// Says something to a person.
+fn say(text: &str) {
+    eprint(&safe(text));
+}
+
+/// Writes what is already safe for a terminal to standard error and ignores failure: there is
+/// nobody left to tell.
 fn eprint(text: &str) {
     use std::io::Write;
     let _ = io::stderr().write_all(text.as_bytes());

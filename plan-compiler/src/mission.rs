@@ -8,17 +8,20 @@
 //! What it says about behaviours is read by [`crate::behaviours`].
 
 pub mod keys;
+mod masks;
 mod place;
 mod speeds;
 pub mod words;
 
+pub use masks::Mask;
+pub use place::{geo_uri, is_geo_uri, place_of};
+
 use crate::behaviours;
 use crate::map::Point;
-use crate::problem::{Place, Problem, Source};
+use crate::problem::{MAX_PROBLEMS, Place, Problem, Source};
 use crate::search::Corners;
 use keys::{KEYS, Key, Kind, SECTIONS};
 use math::GeoPoint;
-pub use place::{geo_uri, is_geo_uri, place_of};
 use plan_format::{Parameters, limits};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -46,6 +49,8 @@ pub struct Mission {
     pub goals: Option<Vec<Goal>>,
     /// Areas that become obstacles, layer by layer, in the file's order.
     pub layers: Vec<LayerRule>,
+    /// Maps of where the robot must not be.
+    pub masks: Vec<Mask>,
     /// The parallel plan that the robot follows; otherwise the first.
     pub plan: Option<Named>,
     /// What the robot is told.
@@ -106,6 +111,10 @@ pub fn parse(source: &Arc<Source>) -> (Mission, Vec<Problem>) {
             reader.section("", document.as_table());
             let parameters = &mut reader.mission.parameters;
             speeds::settle(source, document.as_table(), parameters, &mut reader.problems);
+            // Last, since they may add layers to those that the file lists.
+            if let Some(masks) = document.get("masks").and_then(Item::as_table_like) {
+                reader.masks(masks);
+            }
             reader.mission.behaviours =
                 behaviours::read(source, document.as_table(), &mut reader.problems);
         }
@@ -132,10 +141,18 @@ pub fn tidy_name(raw: &str) -> Result<&str, String> {
     }
 }
 
-/// The candidate that `word` was probably meant to be.
+/// The candidate that `word` was probably meant to be. Of a word that nobody types and of more
+/// candidates than anybody has none is looked for.
 pub fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
+    const MAX_WORD_BYTES: usize = 100;
+    const MAX_CANDIDATES: usize = 10_000;
+    if word.len() > MAX_WORD_BYTES {
+        return None;
+    }
     let word = word.to_lowercase();
     candidates
+        .take(MAX_CANDIDATES)
+        .filter(|candidate| candidate.len() <= MAX_WORD_BYTES)
         .map(|candidate| (strsim::jaro_winkler(&word, &candidate.to_lowercase()), candidate))
         .filter(|(similarity, _)| *similarity > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0))
@@ -231,6 +248,8 @@ impl Reader<'_> {
                     self.layer(name, item, span);
                 }
             }
+            // Read when the layers are known.
+            "masks" => {}
             parameters => self.section(parameters, table),
         }
     }
@@ -396,6 +415,14 @@ impl Reader<'_> {
     }
 
     fn unknown_key(&mut self, section: &str, name: &str, span: Range<usize>) {
+        let message = match section {
+            "" => format!("`{name}` is not a key of a mission"),
+            section => format!("`{name}` is not a key of [{section}]"),
+        };
+        // Of so many mistakes the last are not shown, and looking for what was meant takes time.
+        if self.problems.len() >= MAX_PROBLEMS {
+            return self.problems.push(Problem::error(message));
+        }
         let here = KEYS.iter().filter(|key| key.section == section).map(|key| key.name);
         let sections = SECTIONS.iter().chain(&behaviours::TABLES).copied();
         let sections = sections.filter(|_| section.is_empty());
@@ -408,10 +435,6 @@ impl Reader<'_> {
             (Some(key), _) => format!("`{name}` belongs into [{}]", key.section),
             (None, Some(meant)) => format!("did you mean `{meant}`?"),
             (None, None) => format!("known here: {}", known.join(", ")),
-        };
-        let message = match section {
-            "" => format!("`{name}` is not a key of a mission"),
-            section => format!("`{name}` is not a key of [{section}]"),
         };
         self.error(message, span, "unknown key", &mend);
     }

@@ -1,9 +1,17 @@
 //! Mistakes in the input: what, where, why, and how to mend it.
 
+mod excerpt;
+
+use crate::terminal::{safe, safe_line};
+use excerpt::{Excerpt, LineStarts};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, SourceCode};
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
+
+/// Problems that are shown: a file with more mistakes is not what its name says.
+pub const MAX_PROBLEMS: usize = 1000;
 
 /// A file that was read as text.
 #[derive(Debug)]
@@ -93,71 +101,51 @@ impl fmt::Display for Problem {
 
 impl std::error::Error for Problem {}
 
-/// Lets miette draw the excerpt with the file's name.
-#[derive(Debug)]
-struct Excerpt(Arc<Source>);
-
-impl SourceCode for Excerpt {
-    fn read_span<'a>(
-        &'a self,
-        span: &miette::SourceSpan,
-        before: usize,
-        after: usize,
-    ) -> Result<Box<dyn miette::SpanContents<'a> + 'a>, miette::MietteError> {
-        let mut inner = self.0.text.read_span(span, before, after)?;
-        if inner.data().split(|byte| *byte == b'\n').any(|line| line.len() > MAX_LINE_BYTES) {
-            let [line, column] = {
-                let exact = self.0.text.read_span(span, 0, 0)?;
-                [exact.line(), exact.column()]
-            };
-            let part = part_of_line(&self.0.text, span.offset()..span.offset() + span.len());
-            let (data, at) = (&self.0.text.as_bytes()[part.clone()], part.into());
-            inner = Box::new(miette::MietteSpanContents::new(data, at, line, column, 1));
-        }
-        Ok(Box::new(miette::MietteSpanContents::new_named(
-            self.0.name.clone(),
-            inner.data(),
-            *inner.span(),
-            inner.line(),
-            inner.column(),
-            inner.line_count(),
-        )))
+/// Keeps what a person can read, errors before all else, and says how many were left out.
+pub fn limit(problems: &mut Vec<Problem>) {
+    if problems.len() <= MAX_PROBLEMS {
+        return;
     }
+    // The last one says how many there are; so what was cut once is not cut again.
+    let kept = MAX_PROBLEMS - 1;
+    let more = problems.len() - kept;
+    let mut worst_first: Vec<usize> = (0..problems.len()).collect();
+    // Stable: among equals the first of the file are kept.
+    worst_first.sort_by_key(|&index| std::cmp::Reverse(problems[index].severity));
+    let mut left_out = worst_first.split_off(kept);
+    let worst = left_out.iter().map(|&index| problems[index].severity).max();
+    left_out.sort_unstable();
+    let mut index = 0;
+    problems.retain(|_| {
+        index += 1;
+        left_out.binary_search(&(index - 1)).is_err()
+    });
+    let last = Problem::error(format!("{more} more mistakes are not shown"))
+        .mend("check that this is the file you mean, and mend the first ones");
+    problems.push(Problem { severity: worst.unwrap_or(Severity::Error), ..last });
 }
 
-/// A longer line is none that a person wrote, and breaks on any screen, so that what points into
-/// it points elsewhere: programs put whole files into one.
-const MAX_LINE_BYTES: usize = 200;
-/// What is shown on either side of a mistake in such a line, bytes.
-const AROUND_BYTES: usize = 60;
-
-/// What an excerpt shows of a line too long to be shown.
-fn part_of_line(text: &str, span: Range<usize>) -> Range<usize> {
-    let start = text[..span.start].rfind('\n').map_or(0, |newline| newline + 1);
-    let end = text[span.end..].find('\n').map_or(text.len(), |newline| span.end + newline);
-    let before = text.ceil_char_boundary(span.start.saturating_sub(AROUND_BYTES));
-    let after = text.floor_char_boundary(span.end + AROUND_BYTES);
-    start.max(before)..end.min(after)
-}
-
-/// What miette asks for, borrowed from a problem.
+/// What miette asks for, made of a problem and safe for a terminal.
 #[derive(Debug)]
-struct Drawn<'p> {
-    problem: &'p Problem,
+struct Drawn {
+    severity: Severity,
+    message: String,
+    mend: Option<String>,
+    label: Option<String>,
     excerpt: Option<Excerpt>,
 }
 
-impl fmt::Display for Drawn<'_> {
+impl fmt::Display for Drawn {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.problem.fmt(f)
+        f.write_str(&self.message)
     }
 }
 
-impl std::error::Error for Drawn<'_> {}
+impl std::error::Error for Drawn {}
 
-impl miette::Diagnostic for Drawn<'_> {
+impl miette::Diagnostic for Drawn {
     fn severity(&self) -> Option<miette::Severity> {
-        Some(match self.problem.severity {
+        Some(match self.severity {
             Severity::Error => miette::Severity::Error,
             Severity::Warning => miette::Severity::Warning,
             Severity::Note => miette::Severity::Advice,
@@ -165,7 +153,7 @@ impl miette::Diagnostic for Drawn<'_> {
     }
 
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.problem.mend.as_ref().map(|mend| Box::new(mend) as Box<dyn fmt::Display>)
+        self.mend.as_ref().map(|mend| Box::new(mend) as Box<dyn fmt::Display>)
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
@@ -173,22 +161,40 @@ impl miette::Diagnostic for Drawn<'_> {
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let place = self.problem.place.as_ref()?;
-        let span = (place.span.start, place.span.len());
-        let label = (!place.label.is_empty()).then(|| place.label.clone());
-        Some(Box::new(std::iter::once(LabeledSpan::new(label, span.0, span.1))))
+        let span = self.excerpt.as_ref()?.span();
+        let label = LabeledSpan::new(self.label.clone(), span.start, span.len());
+        Some(Box::new(std::iter::once(label)))
     }
 }
 
-/// All problems as text for a person, in the order given.
+/// All problems as text for a person, in the order given; of a flood only the first, and how many
+/// are left out. No control character of what they quote is in it.
 pub fn draw(problems: &[Problem], colour: bool) -> String {
     let theme = if colour { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
     let handler = GraphicalReportHandler::new_themed(theme).with_width(100).with_links(false);
     let mut out = String::new();
-    for problem in problems {
-        let excerpt = problem.place.as_ref().map(|place| Excerpt(Arc::clone(&place.source)));
+    // Neighbours are of the same file nearly always; its lines are counted once.
+    let mut lines: Option<LineStarts> = None;
+    let mut shown = Cow::Borrowed(problems);
+    if problems.len() > MAX_PROBLEMS {
+        limit(shown.to_mut());
+    }
+    for problem in shown.iter() {
+        let excerpt = problem.place.as_ref().map(|place| {
+            let known = lines.take().filter(|known| known.are_of(&place.source));
+            let known = lines.insert(known.unwrap_or_else(|| LineStarts::of(&place.source)));
+            Excerpt::of(place, known)
+        });
+        let label = problem.place.as_ref().map(|place| place.label.as_str());
+        let drawn = Drawn {
+            severity: problem.severity,
+            message: safe_line(&problem.message).into_owned(),
+            mend: problem.mend.as_deref().map(|mend| safe(mend).into_owned()),
+            label: label.filter(|label| !label.is_empty()).map(|label| safe(label).into_owned()),
+            excerpt,
+        };
         // Writing to a string does not fail.
-        let _ = handler.render_report(&mut out, &Drawn { problem, excerpt });
+        let _ = handler.render_report(&mut out, &drawn);
         out.push('\n');
     }
     out
@@ -197,6 +203,7 @@ pub fn draw(problems: &[Problem], colour: bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn a_problem_is_drawn_with_file_line_column_excerpt_and_mend() {
@@ -226,5 +233,60 @@ mod tests {
             assert!(drawn.contains(part), "{part} missing in\n{drawn}");
         }
         assert!(drawn.len() < 1_000, "{drawn}");
+    }
+    #[test]
+    fn a_flood_of_mistakes_is_cut_and_its_errors_are_kept() {
+        let mut problems = vec![Problem::note("a"); MAX_PROBLEMS];
+        limit(&mut problems);
+        assert_eq!(problems.len(), MAX_PROBLEMS);
+        problems.push(Problem::error("b"));
+        problems.push(Problem::warning("c"));
+        let drawn = draw(&problems, false);
+        assert!(drawn.contains("3 more mistakes are not shown"), "{drawn}");
+        limit(&mut problems);
+        assert_eq!(problems.len(), MAX_PROBLEMS);
+        let [.., note, error, warning, more] = &problems[..] else { panic!("{problems:?}") };
+        let kept = [note, error, warning].map(|problem| problem.message.as_str());
+        assert_eq!(kept, ["a", "b", "c"]);
+        assert_eq!(more.message, "3 more mistakes are not shown");
+        assert_eq!(more.severity, Severity::Note);
+    }
+
+    #[test]
+    fn nothing_that_is_quoted_reaches_the_terminal_as_a_control() {
+        let evil = "\u{1b}]0;owned\u{7}\u{9b}31m\u{202e}\u{8}";
+        let text = format!("PP a 1 2\n{evil}PP {evil} x\r\n{evil}");
+        let source = Arc::new(Source { name: format!("{evil}.ovl"), text });
+        let at = source.text.find('x').unwrap();
+        let problem = Problem::error(format!("`{evil}` is no name"))
+            .at(&source, at..at + 1, evil)
+            .mend(format!("not {evil}"));
+        let drawn = draw(&[problem], false);
+        let is_bad = |c: char| c != '\n' && crate::terminal::picture(c).is_some();
+        assert!(!drawn.contains(is_bad), "{drawn:?}");
+        assert!(drawn.contains("␛]0;owned␇"), "{drawn}");
+        let line = drawn.lines().find(|line| line.contains("PP ␛")).unwrap();
+        let below = drawn.lines().skip_while(|other| *other != line).nth(1).unwrap();
+        // The mark stands under the letter, whatever was replaced before it.
+        let column = |line: &str, mark: char| line.chars().position(|c| c == mark).unwrap();
+        assert_eq!(column(line, 'x'), column(below, '┬'), "{drawn}");
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes_of_any_text_can_be_drawn(
+            text in "(\\PC|é|東|🚜|\u{1b}|\u{202e}|\t|\r|\n|\r\n|[a-z ]{150,400}){0,20}",
+            start in 0usize..600, length in 0usize..600, far in prop::bool::ANY,
+        ) {
+            let source = Arc::new(Source { name: "a".into(), text });
+            let start = if far { usize::MAX - start } else { start };
+            let span = start..start.saturating_add(length);
+            let drawn = draw(&[Problem::error("e").at(&source, span.clone(), "here")], false);
+            prop_assert!(drawn.contains("here"), "{}", drawn);
+            // A span the wrong way round is nobody's meaning, and no reason to die.
+            let back = Range { start: span.end, end: span.start };
+            let drawn = draw(&[Problem::error("e").at(&source, back, "here")], true);
+            prop_assert!(drawn.contains("here"), "{}", drawn);
+        }
     }
 }

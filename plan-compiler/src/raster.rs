@@ -24,7 +24,7 @@
 mod cells;
 
 use crate::bitmap::Bitmap;
-use crate::map::{Feature, Map, Point, Shape};
+use crate::map::{CellMap, Feature, Map, Point, Shape};
 use math::scalar::wide;
 use plan_format::Grid;
 
@@ -73,6 +73,11 @@ pub fn rasterise(
         raster.outside(boundary);
     }
     raster.blocked
+}
+
+/// Blocks what the blocked cells of another file, grown by the robot's radius, touch.
+pub fn keep_out(cells: &CellMap, grid: &Grid, robot_radius_m: f64, blocked: &mut Bitmap) {
+    cells::block(cells, grid, robot_radius_m.max(0.0) / grid.resolution_m, blocked);
 }
 
 fn is_closed(points: &[Point]) -> bool {

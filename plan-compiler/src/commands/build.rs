@@ -11,18 +11,20 @@ use plan_compiler::output;
 use plan_compiler::problem::Problem;
 use plan_format::Plan;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 pub(super) fn run(args: &Build, quiet: bool) -> Result<(), Failure> {
-    build(&args.input, &args.output, &args.compiling, args.json, quiet)
+    build(&args.input, None, &args.output, &args.compiling, args.json, quiet)
 }
 
-/// Compiles a map and writes the blob.
+/// Compiles a map, of which the bytes may be at hand already, and writes the blob.
 pub(super) fn build(
     input: &Path,
+    bytes: Option<Vec<u8>>,
     output: &Path,
     args: &Compiling,
     json: bool,
@@ -31,7 +33,7 @@ pub(super) fn build(
     let started = Instant::now();
     let image = Image::of(output, args.board).map_err(Failure::Usage)?;
     let mut problems = Vec::new();
-    let Some(blob) = compile(input, output, args, quiet, &mut problems)? else {
+    let Some(blob) = compile(input, bytes, output, args, quiet, &mut problems)? else {
         return Err(Failure::Wrong(problems));
     };
     problems.extend(args.board.and_then(|board| board.check(blob.len())));
@@ -47,7 +49,7 @@ pub(super) fn build(
         return Ok(print_json(output, args.board, &blob, started.elapsed())?);
     }
     if !quiet {
-        crate::eprint(&summary(output, args.board, image, &blob, started.elapsed()));
+        crate::say(&summary(output, args.board, image, &blob, started.elapsed()));
     }
     Ok(())
 }
@@ -55,12 +57,13 @@ pub(super) fn build(
 /// The blob of a map; `None` after an error.
 pub(super) fn compile(
     input: &Path,
+    bytes: Option<Vec<u8>>,
     output: &Path,
     args: &Compiling,
     quiet: bool,
     problems: &mut Vec<Problem>,
 ) -> Result<Option<Vec<u8>>, Failure> {
-    let reading = || project::read(input, &args.goals, &args.map, problems);
+    let reading = || project::read(input, bytes, &args.goals, &args.map, problems);
     let Some(mut project) = with_patience(quiet, "reading", reading)? else {
         return Ok(None);
     };
@@ -87,7 +90,8 @@ fn announce(need: Need, quiet: bool) {
 /// What `--json` prints: the file, what `inspect` says of the blob in it, and the time taken.
 #[derive(Serialize)]
 struct Built<'b> {
-    output: &'b Path,
+    /// Names need not be text; JSON must be.
+    output: Cow<'b, str>,
     board: Option<&'static str>,
     time_ms: f64,
     #[serde(flatten)]
@@ -98,7 +102,7 @@ fn print_json(output: &Path, board: Option<&Board>, blob: &[u8], took: Duration)
     // The compiler has read it back already.
     let plan = Plan::parse_exact(blob).map_err(io::Error::other)?;
     let built = Built {
-        output,
+        output: output.to_string_lossy(),
         board: board.map(|board| board.name),
         time_ms: took.as_secs_f64() * 1e3,
         blob: describe(&plan, blob.len()),

@@ -26,9 +26,11 @@ pub(super) fn run(args: &Convert, quiet: bool) -> Result<(), Failure> {
     let mut problems = Vec::new();
     let blob = match (is_blob, to_iplan) {
         (false, false) => {
-            return build(&args.input, &args.output, &args.compiling, false, quiet);
+            return build(&args.input, Some(bytes), &args.output, &args.compiling, false, quiet);
         }
-        (false, true) => compile(&args.input, &args.output, &args.compiling, quiet, &mut problems)?,
+        (false, true) => {
+            compile(&args.input, Some(bytes), &args.output, &args.compiling, quiet, &mut problems)?
+        }
         (true, _) if is_about_maps(&args.compiling) => {
             let message = "a blob is converted as it is; goals and cells are decided by `build`";
             return Err(Failure::Usage(message.into()));

@@ -1,7 +1,7 @@
 //! `explain`: why the robot did what it did in one tick of a recorded mission, or how its behaviours
 //! took turns in all of it.
 
-use super::Failure;
+use super::{Failure, print_text};
 use crate::cli::Explain;
 use behaviour::{Behaviours, Phase};
 use controller::{Blend, Explanation, State};
@@ -15,7 +15,6 @@ use plan_format::mission::{Label, Mission, RuleBase};
 use plan_format::{Answer, MAGIC, Plan};
 use robot_io::Percepts;
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
 
 pub(super) fn run(args: &Explain) -> Result<(), Failure> {
     let bytes = source::read_bytes(&args.trace)?;
@@ -26,10 +25,7 @@ pub(super) fn run(args: &Explain) -> Result<(), Failure> {
         Some(tick) => one_tick(&plan, &trace, tick.index(trace.percepts.len()))?,
         None => turns(&plan, &trace),
     };
-    let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes())?;
-    out.flush()?;
-    Ok(())
+    print_text(&text)
 }
 
 /// Why a file is no trace, and how to get one.

@@ -1,7 +1,7 @@
 //! `inspect`: what a blob holds, for a person or as JSON.
 
 use super::description::{bytes_per_cell, describe, raw_bytes};
-use super::{Failure, layers, open, parallel_plans, read_blob};
+use super::{Failure, layers, open, parallel_plans, print, print_text, read_blob};
 use crate::cli::Inspect;
 use plan_compiler::compile::{metres, pair};
 use plan_format::parameters::{OnTrouble, Selection, Steering};
@@ -12,16 +12,15 @@ use std::path::Path;
 pub(super) fn run(args: &Inspect) -> Result<(), Failure> {
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;
-    let mut out = io::stdout().lock();
+    let mut out = Vec::new();
     if args.json {
         serde_json::to_writer_pretty(&mut out, &describe(&plan, bytes.len()))
             .map_err(io::Error::from)?;
-        writeln!(out)?;
-    } else {
-        write_text(&mut out, &args.plans, &plan, bytes.len())?;
+        out.push(b'\n');
+        return print(&out);
     }
-    out.flush()?;
-    Ok(())
+    write_text(&mut out, &args.plans, &plan, bytes.len())?;
+    print_text(&String::from_utf8_lossy(&out))
 }
 
 fn write_text(out: &mut dyn Write, path: &Path, plan: &Plan<'_>, bytes: usize) -> io::Result<()> {

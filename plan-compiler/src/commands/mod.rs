@@ -19,7 +19,8 @@ use crate::cli::{Cli, Command, LayerName};
 use plan_compiler::formats::Format;
 use plan_compiler::image;
 use plan_compiler::mission::nearest;
-use plan_compiler::problem::{Problem, draw};
+use plan_compiler::problem::{Problem, Severity, draw};
+use plan_compiler::terminal::safe;
 use plan_compiler::{output, source, trace};
 use plan_format::{Layer, MAGIC, ParallelPlan, Plan};
 use std::fs;
@@ -66,11 +67,17 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
     }
 }
 
-/// Prints what is worth knowing about work that was done.
+/// Prints what is worth knowing about work that was done; when quiet, only what is probably not
+/// meant.
 fn tell(problems: &[Problem], quiet: bool) {
-    if !quiet {
-        crate::eprint(&draw(problems, crate::colour()));
-    }
+    let least = if quiet { Severity::Warning } else { Severity::Note };
+    let told = problems.iter().filter(|problem| problem.severity >= least).cloned();
+    crate::eprint(&draw(&told.collect::<Vec<_>>(), crate::colour()));
+}
+
+/// Writes text for a person to standard output. Names in it may be anybody's.
+fn print_text(text: &str) -> Result<(), Failure> {
+    print(safe(text).as_bytes())
 }
 
 /// Writes what was asked for to standard output.

@@ -3,7 +3,7 @@
 use crate::cli::{CornersRule, MapOptions};
 use crate::commands::Failure;
 use plan_compiler::compile::{Input, Options};
-use plan_compiler::formats;
+use plan_compiler::formats::{self, Loaded};
 use plan_compiler::map::{Feature, Map};
 use plan_compiler::mission::{self, Goal, Mission};
 use plan_compiler::problem::{Problem, Source};
@@ -46,14 +46,16 @@ impl Project {
     }
 }
 
-/// Reads a map and its mission; `None` where the map cannot be relied on.
+/// Reads a map and its mission; `None` where the map cannot be relied on. `bytes` are those of a map
+/// that has been read already: a pipe can be read no second time.
 pub(crate) fn read(
     path: &Path,
+    bytes: Option<Vec<u8>>,
     goals: &[Goal],
     args: &MapOptions,
     problems: &mut Vec<Problem>,
 ) -> Result<Option<Project>, Failure> {
-    read_as(path, options(goals, args), args.mission.as_deref(), None, problems)
+    read_as((path, bytes), options(goals, args), args.mission.as_deref(), None, problems)
 }
 
 /// Reads the map, or the mission that names it, which a blob is to be compared with: with the
@@ -70,11 +72,11 @@ pub(crate) fn read_for(
         asked.reading = recipe.reading(&asked.reading);
         asked.resolution_m = asked.resolution_m.or(Some(plan.grid().resolution_m));
     }
-    read_as(path, asked, mission, recipe, problems)
+    read_as((path, None), asked, mission, recipe, problems)
 }
 
 fn read_as(
-    path: &Path,
+    (path, bytes): (&Path, Option<Vec<u8>>),
     mut options: Options,
     mission_given: Option<&Path>,
     recipe: Option<Recipe>,
@@ -110,7 +112,10 @@ fn read_as(
         }
         (_, false) => path.to_owned(),
     };
-    let (map, found) = formats::read(&map_path, &options.reading);
+    let Loaded { map, source, problems: found } = match bytes.filter(|_| !is_mission) {
+        Some(bytes) => formats::load_bytes(&map_path, bytes, &options.reading),
+        None => formats::load(&map_path, &options.reading),
+    };
     let incomplete = plan_compiler::compile::has_errors(&found);
     let named_at = mission.map_place.as_ref().filter(|_| is_mission);
     problems.extend(found.into_iter().map(|problem| match (&problem.place, named_at) {
@@ -118,12 +123,13 @@ fn read_as(
         _ => problem,
     }));
     let Some(map) = map.filter(|_| !incomplete) else { return Ok(None) };
-    // Excerpts want the text; where the map is none there are no excerpts.
-    let source = source::read_text(&map_path).ok().map(|(text, _)| text);
     let named = source.as_ref().and_then(|text| formats::pcf::map_path(&map_path, &text.text));
     Ok(Some(Project {
         source,
-        inputs: std::iter::once(map_path).chain(named).chain(mission_path).collect(),
+        inputs: {
+            let masks = mission.masks.iter().map(|mask| mask.path.clone());
+            std::iter::once(map_path).chain(named).chain(mission_path).chain(masks).collect()
+        },
         map,
         mission,
         options,

@@ -94,7 +94,7 @@ fn routes(
     }
     tell(&problems, quiet);
     if !quiet {
-        crate::eprint(&lengths);
+        crate::say(&lengths);
     }
     Ok(followed.into_iter().map(|(_, route)| route.ok()).collect())
 }

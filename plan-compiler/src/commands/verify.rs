@@ -2,7 +2,7 @@
 
 use super::progress::{with_patience, with_progress};
 use super::project::{self, Project};
-use super::{Failure, open, print, read_blob, tell};
+use super::{Failure, open, print, print_text, read_blob, tell};
 use crate::cli::Verify;
 use plan_compiler::compile::{blocked, has_errors, metres, pair};
 use plan_compiler::problem::Problem;
@@ -38,7 +38,7 @@ pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
         let rule = if proof.cuts_corners { "corners allowed" } else { "no corner is cut" };
         let (name, layers, cells) = (args.plans.display(), proof.layers, proof.cells);
         let text = format!("{name}: {cells} cells of {layers} layers proved; {rule}{compared}\n");
-        return print(text.as_bytes());
+        return print_text(&text);
     }
     Ok(())
 }

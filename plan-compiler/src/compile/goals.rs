@@ -7,8 +7,12 @@ use crate::bitmap::Bitmap;
 use crate::map::Point;
 use crate::mission::{Goal, GoalAt, Named, nearest, tidy_name};
 use crate::problem::{Place, Problem};
+use math::scalar::wide;
 use plan_format::{Cell, Grid, limits};
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
+
+/// Of a flood of mistakes only the first are told with what was meant, which takes time to find.
+pub(super) const ADVISED: usize = 100;
 
 /// A goal on the grid.
 pub(super) struct Placed {
@@ -53,7 +57,8 @@ pub(super) fn place(
     let candidates = if asked.is_empty() {
         points_of_map(input, problems)
     } else {
-        asked.iter().filter_map(|goal| candidate(input, goal, problems)).collect()
+        let points = points_by_name(input);
+        asked.iter().filter_map(|goal| candidate(&points, goal, problems)).collect()
     };
     let placed =
         candidates.iter().filter_map(|goal| place_one(input, goal, grid, levels, problems));
@@ -123,8 +128,17 @@ fn asked<'a>(input: &Input<'a>) -> &'a [Goal] {
     }
 }
 
+/// Where the map's points are; of those alike the first counts.
+fn points_by_name<'a>(input: &Input<'a>) -> BTreeMap<&'a str, Point> {
+    let mut points = BTreeMap::new();
+    for point in input.map.points.iter().chain(&input.map.start) {
+        points.entry(point.name.as_str()).or_insert(point.at);
+    }
+    points
+}
+
 fn candidate<'a>(
-    input: &Input<'a>,
+    points: &BTreeMap<&str, Point>,
     goal: &'a Goal,
     problems: &mut Vec<Problem>,
 ) -> Option<Candidate<'a>> {
@@ -138,19 +152,18 @@ fn candidate<'a>(
             }
         },
         GoalAt::PointOfMap(name) => {
-            let points = || input.map.points.iter().chain(&input.map.start);
-            match points().find(|point| point.name == *name) {
-                Some(point) => point.at,
-                None => {
-                    let message = format!("the map has no point named `{name}`");
-                    let error =
-                        with_place(Problem::error(message), goal.place.as_ref(), "this goal");
-                    problems.push(match nearest(name, points().map(|p| p.name.as_str())) {
-                        Some(meant) => error.mend(format!("did you mean `{meant}`?")),
-                        None => error.mend(format!("give a position: {} = [x, y]", goal.name)),
-                    });
-                    return None;
-                }
+            if let Some(at) = points.get(name.as_str()) {
+                *at
+            } else {
+                let message = format!("the map has no point named `{name}`");
+                let error = with_place(Problem::error(message), goal.place.as_ref(), "this goal");
+                let meant = || nearest(name, points.keys().copied());
+                let meant = if problems.len() < ADVISED { meant() } else { None };
+                problems.push(match meant {
+                    Some(meant) => error.mend(format!("did you mean `{meant}`?")),
+                    None => error.mend(format!("give a position: {} = [x, y]", goal.name)),
+                });
+                return None;
             }
         }
     };
@@ -211,7 +224,9 @@ fn place_one(
     if physical.blocked.get(cell) {
         let message = format!("goal `{name}` at {} is inside an obstacle", pair(at));
         let problem = goal.problem(message, "this goal");
-        problems.push(match nearest_free(grid, &physical.blocked, at) {
+        let is_advised = problems.len() < ADVISED;
+        let free = if is_advised { nearest_free(grid, &physical.blocked, at) } else { None };
+        problems.push(match free {
             Some(free) => {
                 problem.mend(format!("the nearest free cell is at {}", pair(grid.centre(free))))
             }
@@ -310,10 +325,41 @@ fn nearest_free(grid: &Grid, blocked: &Bitmap, to: Point) -> Option<Cell> {
     };
     // The cell of the point itself comes first: its centre need not be the nearest.
     let own = grid.cell_at(to[0], to[1]).filter(|&cell| !blocked.get(cell));
-    let cells = (0..grid.rows)
-        .flat_map(|row| (0..grid.columns).map(move |column| Cell::new(column, row)))
-        .filter(|&cell| !blocked.get(cell));
-    own.or_else(|| cells.min_by(|&a, &b| squared(a).total_cmp(&squared(b))))
+    if own.is_some() {
+        return own;
+    }
+    let index = |axis: usize, count: u32| {
+        let at = wide::floor((to[axis] - grid.corner_m[axis]) / grid.resolution_m);
+        at.clamp(0.0, f64::from(count.saturating_sub(1))) as u32
+    };
+    let (column, row) = (index(0, grid.columns), index(1, grid.rows));
+    let mut best: Option<(f64, Cell)> = None;
+    // Rows from the nearest outwards, as long as they can hold a nearer cell.
+    for away in 0..grid.rows {
+        let near = [row.checked_sub(away), row.checked_add(away).filter(|row| *row < grid.rows)];
+        let in_reach = |row: &u32| {
+            let apart = grid.centre(Cell::new(0, *row))[1] - to[1];
+            best.is_none_or(|(squared, _)| apart * apart <= squared)
+        };
+        let rows: Vec<u32> = near.into_iter().flatten().filter(in_reach).collect();
+        if rows.is_empty() && best.is_some() {
+            break;
+        }
+        for row in rows {
+            let is_free = |column: &u32| !blocked.get(Cell::new(*column, row));
+            // To either side only the first free cell can be the nearest.
+            let west = (0..column).rev().find(is_free);
+            let east = (column..grid.columns).find(is_free);
+            for cell in [west, east].into_iter().flatten().map(|column| Cell::new(column, row)) {
+                let found = (squared(cell), cell);
+                let order = |(squared, cell): (f64, Cell)| (squared, cell.row, cell.column);
+                if best.is_none_or(|best| order(found) < order(best)) {
+                    best = Some(found);
+                }
+            }
+        }
+    }
+    best.map(|(_, cell)| cell)
 }
 
 fn beyond_capacity(goals: usize, asked: bool) -> Problem {
@@ -337,9 +383,37 @@ fn with_place(problem: Problem, place: Option<&Place>, label: &str) -> Problem {
     }
 }
 
-fn reach(grid: &Grid) -> String {
+pub(super) fn reach(grid: &Grid) -> String {
     let [x, y] = grid.corner_m;
     let far = |from: f64, cells: u32| from + f64::from(cells) * grid.resolution_m;
     let corner = [far(x, grid.columns), far(y, grid.rows)];
     format!("the map reaches from {} to {}, metres east and north", pair([x, y]), pair(corner))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_nearest_free_cell_is_that_of_a_search_through_all(
+            columns in 1u32..90, rows in 1u32..12, free in prop::collection::vec((0u32..90, 0u32..12), 0..6),
+            east in -80i32..320, north in -80i32..80,
+        ) {
+            // Quarters of a metre: many cells are equally near.
+            let [x, y] = [east, north].map(|quarters| f64::from(quarters) / 4.0);
+            let grid = Grid { columns, rows, resolution_m: 0.5, corner_m: [-3.0, 1.0] };
+            let blocked = Bitmap::from_fn(columns, rows, |cell| !free.contains(&(cell.column, cell.row)));
+            let squared = |cell: Cell| {
+                let [east, north] = grid.centre(cell);
+                (east - x) * (east - x) + (north - y) * (north - y)
+            };
+            let own = grid.cell_at(x, y).filter(|&cell| !blocked.get(cell));
+            let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| Cell::new(column, row)));
+            let cells = cells.filter(|&cell| !blocked.get(cell));
+            let expected = own.or_else(|| cells.min_by(|&a, &b| squared(a).total_cmp(&squared(b))));
+            prop_assert_eq!(nearest_free(&grid, &blocked, [x, y]), expected);
+        }
+    }
 }

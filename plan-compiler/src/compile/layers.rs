@@ -1,16 +1,17 @@
 //! The stack of layers and the blocked cells of each.
 
-use super::Input;
+use super::goals::{ADVISED, reach};
+use super::{Input, pair};
 use crate::bitmap::Bitmap;
 use crate::map::{Feature, Role};
-use crate::mission::{Named, nearest};
+use crate::mission::{Mask, Named, nearest};
 use crate::problem::Problem;
-use crate::raster::{RasterOptions, rasterise};
+use crate::raster::{RasterOptions, keep_out, rasterise};
 use plan_format::{Grid, limits};
 use std::collections::HashSet;
 
 /// Obstacles.
-const PHYSICAL: &str = "physical";
+pub(crate) const PHYSICAL: &str = "physical";
 /// Obstacles and areas that weaken radio.
 const COMMS: &str = "comms";
 
@@ -37,17 +38,38 @@ pub(super) fn levels(
     check_areas(input, problems);
     let fill_walls = input.options.fill_walls || input.mission.fill_walls.unwrap_or(false);
     let options = RasterOptions { robot_radius_m, fill_walls };
+    let own: Vec<Added<'_>> = names.iter().map(|name| Added::by(input, name)).collect();
     let level = |(index, name): (usize, &&str)| {
+        let lower = own.get(..=index).unwrap_or_default();
         // The first layer in which a feature is an obstacle; it is one in all that follow.
-        let is_obstacle = |feature: &Feature| {
-            (0..=index).any(|lower| is_added(input, names.get(lower).unwrap_or(&""), feature))
-        };
-        Level {
-            name: (*name).to_owned(),
-            blocked: rasterise(input.map, grid, &is_obstacle, &options),
+        let is_obstacle = |feature: &Feature| lower.iter().any(|added| added.adds(feature));
+        let mut blocked = rasterise(input.map, grid, &is_obstacle, &options);
+        for mask in lower.iter().flat_map(|added| &added.masks) {
+            keep_out(&mask.cells, grid, robot_radius_m, &mut blocked);
         }
+        Level { name: (*name).to_owned(), blocked }
     };
-    Some(names.iter().enumerate().map(level).collect())
+    let levels = names.iter().enumerate().map(level).collect();
+    problems.extend(input.mission.masks.iter().filter_map(|mask| beside(mask, grid)));
+    Some(levels)
+}
+
+/// A warning about a mask that lies beside the map.
+fn beside(mask: &Mask, grid: &Grid) -> Option<Problem> {
+    let theirs = mask.cells.extent();
+    let ours = [grid.columns, grid.rows].map(|cells| f64::from(cells) * grid.resolution_m);
+    let is_beside = (0..2).any(|axis| {
+        let (low, high) = (theirs.corner[axis], theirs.corner[axis] + theirs.size[axis]);
+        high <= grid.corner_m[axis] || low >= grid.corner_m[axis] + ours[axis]
+    });
+    let end = [0, 1].map(|axis| theirs.corner[axis] + theirs.size[axis]);
+    let message = format!("the mask {} lies beside the map", mask.path.display());
+    let label = format!("it reaches from {} to {}", pair(theirs.corner), pair(end));
+    is_beside.then(|| {
+        Problem::warning(message)
+            .at(&mask.place.source, mask.place.span.clone(), label)
+            .mend(format!("check its `origin`; {}", reach(grid)))
+    })
 }
 
 /// The names of all layers.
@@ -60,42 +82,64 @@ fn names<'a>(input: &Input<'a>) -> Vec<&'a str> {
         .collect()
 }
 
-/// Whether a layer makes an obstacle of a feature that the layer before it may lack.
-fn is_added(input: &Input<'_>, layer: &str, feature: &Feature) -> bool {
-    let by_role = match feature.role {
-        Role::Obstacle => layer == PHYSICAL,
-        Role::Attenuating => layer == COMMS,
-        Role::Zone => false,
-    };
-    let mut rules = input.mission.layers.iter().filter(|rule| rule.name.name == layer);
-    by_role || rules.any(|rule| rule.areas.iter().any(|area| area.name == feature.name))
+/// What a layer makes an obstacle of that the layer before it may lack.
+struct Added<'a> {
+    role: Option<Role>,
+    areas: HashSet<&'a str>,
+    masks: Vec<&'a Mask>,
+}
+
+impl<'a> Added<'a> {
+    fn by(input: &Input<'a>, layer: &str) -> Self {
+        let role = match layer {
+            PHYSICAL => Some(Role::Obstacle),
+            COMMS => Some(Role::Attenuating),
+            _ => None,
+        };
+        let rules = input.mission.layers.iter().filter(|rule| rule.name.name == layer);
+        let areas = rules.flat_map(|rule| &rule.areas).map(|area| area.name.as_str()).collect();
+        let masks = input.mission.masks.iter().filter(|mask| mask.layer == layer).collect();
+        Self { role, areas, masks }
+    }
+
+    fn adds(&self, feature: &Feature) -> bool {
+        self.role == Some(feature.role) || self.areas.contains(feature.name.as_str())
+    }
 }
 
 /// Every area that the mission names must be in the map.
 fn check_areas(input: &Input<'_>, problems: &mut Vec<Problem>) {
     let features = input.map.features.iter().map(|feature| feature.name.as_str());
     let known: HashSet<&str> = features.filter(|name| !name.is_empty()).collect();
+    let mut sorted: Vec<&str> = known.iter().copied().collect();
+    sorted.sort_unstable();
     for area in input.mission.layers.iter().flat_map(|rule| &rule.areas) {
         if !known.contains(area.name.as_str()) {
-            problems.push(unknown_area(area, &known));
+            let error = Problem::error(format!("the map has no area named `{}`", area.name)).at(
+                &area.place.source,
+                area.place.span.clone(),
+                "asked for here",
+            );
+            // Of a flood of mistakes only the first need advice.
+            let needs_advice = problems.len() < ADVISED;
+            problems.push(if needs_advice {
+                error.mend(other_areas(area, &sorted))
+            } else {
+                error
+            });
         }
     }
 }
 
-fn unknown_area(area: &Named, known: &HashSet<&str>) -> Problem {
+fn other_areas(area: &Named, sorted: &[&str]) -> String {
     /// More names than this help nobody.
     const LISTED: usize = 12;
-    let mut sorted: Vec<&str> = known.iter().copied().collect();
-    sorted.sort_unstable();
-    let mend = match nearest(&area.name, sorted.iter().copied()) {
+    match nearest(&area.name, sorted.iter().copied()) {
         Some(meant) => format!("did you mean `{meant}`?"),
         None if sorted.is_empty() => "the map gives no area a name".into(),
         None if sorted.len() > LISTED => {
             format!("the map has: {}, ...", sorted[..LISTED].join(", "))
         }
         None => format!("the map has: {}", sorted.join(", ")),
-    };
-    Problem::error(format!("the map has no area named `{}`", area.name))
-        .at(&area.place.source, area.place.span.clone(), "asked for here")
-        .mend(mend)
+    }
 }

@@ -1,4 +1,4 @@
-//! The lines of a file that are not blank.
+//! The lines of a file that are not blank. They end in LF, CR LF, or CR as on old Macs.
 
 use std::ops::Range;
 
@@ -21,7 +21,7 @@ impl Iterator for Lines<'_> {
         while self.at < self.text.len() {
             let rest = &self.text[self.at..];
             let start = self.at;
-            let length = rest.find('\n').unwrap_or(rest.len());
+            let length = rest.find(['\n', '\r']).unwrap_or(rest.len());
             self.at += length + 1;
             let line = rest[..length].trim_end();
             if !line.is_empty() {

@@ -249,6 +249,9 @@ mod tests {
         for text in [
             "type octile\r\nheight 2\r\nwidth 3\r\nmap\r\n.@.\r\nT..\r\n\r\n",
             "type octile\nwidth 3\nheight 2\nmap\n.@.\nT..",
+            "type octile\rheight 2\rwidth 3\rmap\r.@.\rT..\r",
+            "type octile\nheight 2\r\nwidth 3\rmap\n\r.@.\r\r\nT..",
+            "\n TYPE\tOctile \n HEIGHT  2\n\nWIDTH 3 \nmap \n.@.  \nT..\t\n",
             "Type: octile\nHeight: 2\nWidth:3\nMAP\n.@.\nT..\n\n\n  \n",
         ] {
             assert!(recognises(text), "{text}");

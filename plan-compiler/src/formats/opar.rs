@@ -17,7 +17,7 @@ mod options;
 
 pub use options::{DeltaOrder, DeltaUnit, ObstructionKind, ObstructionType, OparOptions};
 
-use super::FARTHEST_M;
+use super::{FARTHEST_LATITUDE_DEG, FARTHEST_M};
 use crate::map::{Extent, Feature, Map, NamedPoint, Point, Reference, Role, Shape};
 use crate::problem::{Problem, Severity, Source};
 use lines::{Lines, Value};
@@ -189,15 +189,28 @@ impl<'a> Reader<'a> {
     fn outline(&mut self, whose: &str) -> Option<Outline> {
         let lat = self.take(&format!("the latitude of {whose}"))?;
         let lon = self.take(&format!("the longitude of {whose}"))?;
+        let is_swapped = lat.number.abs() <= 180.0 && lon.number.abs() <= 90.0;
         for (value, name, limit) in [(&lat, "latitude", 90.0), (&lon, "longitude", 180.0)] {
             if value.number.abs() > limit {
                 self.error(
                     format!("the {name} of {whose} is not on the globe"),
                     value.span.clone(),
                     &format!("must be -{limit} to {limit} degrees"),
-                    "check it, and the count of delta pairs before it",
+                    if is_swapped {
+                        "the latitude comes first: it and the longitude are swapped, perhaps"
+                    } else {
+                        "check it, and the count of delta pairs before it"
+                    },
                 );
             }
+        }
+        if (FARTHEST_LATITUDE_DEG..=90.0).contains(&lat.number.abs()) {
+            self.error(
+                format!("{whose} lies too near to a pole"),
+                lat.span.clone(),
+                &format!("a map serves up to {FARTHEST_LATITUDE_DEG} degrees north and south"),
+                "check the latitude, and the count of delta pairs before it",
+            );
         }
         let count = self.take(&format!("the number of delta pairs of {whose}"))?;
         let deltas = self.deltas(whose, &count)?;
@@ -323,10 +336,16 @@ impl<'a> Reader<'a> {
         };
         let ring = self.metres(&outline, offset_m(reference, outline.place));
         if is_outside(&ring, extent) {
+            let [lat, lon] = outline.place;
+            let swapped = self.metres(&outline, offset_m(reference, [lon, lat]));
             self.outside.push(
                 Problem::warning(format!("{name} lies outside the area"))
                     .at(self.source, outline.place_span.clone(), "its position begins here")
-                    .mend("check its latitude and longitude against section 2"),
+                    .mend(if is_outside(&swapped, extent) {
+                        "check its latitude and longitude against section 2"
+                    } else {
+                        "its latitude and longitude are swapped, it seems: the latitude comes first"
+                    }),
             );
         }
         let end = self.values[self.next - 1].span.end;

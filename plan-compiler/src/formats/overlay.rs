@@ -38,7 +38,7 @@ const TELLTALES: [&str; 11] = [
 
 /// Whether a text reads like an overlay: outside comments, a line begins with one of its keywords.
 pub fn recognises(text: &str) -> bool {
-    text.lines().any(|line| {
+    text.split(['\n', '\r']).any(|line| {
         let line = line.split("--").next().unwrap_or(line);
         let mut words = line.split_whitespace();
         let first = words.next().unwrap_or("");

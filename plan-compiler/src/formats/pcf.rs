@@ -95,12 +95,12 @@ fn read_map(
         return None;
     }
     let options = ReadOptions { format: None, ..options.clone() };
-    let (map, found) = super::read_bytes(&map_path, bytes, &options);
-    problems.extend(found.into_iter().map(|problem| match problem.place {
+    let loaded = super::read_bytes(&map_path, bytes, &options);
+    problems.extend(loaded.problems.into_iter().map(|problem| match problem.place {
         None => problem.at(source, line.clone(), "named here"),
         Some(_) => problem,
     }));
-    map
+    loaded.map
 }
 
 struct Reader<'a> {

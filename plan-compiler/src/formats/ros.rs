@@ -3,14 +3,15 @@
 //! Source: the map_server documentation of ROS 1 and of Nav2. With p = (255 - grey) / 255, or
 //! grey / 255 where `negate` is set, a pixel is occupied if p >= occupied_thresh and free if
 //! p <= free_thresh (Nav2's comparisons; ROS 1 leaves the thresholds themselves out), else
-//! unknown. Colours count as the mean of red, green and blue. Mode `scale` reads what lies
-//! between as a probability; no plan can drive on that, so it is unknown here too, and so are
-//! transparent pixels. Mode `raw` takes the grey as a percentage of occupancy, above 100
+//! unknown. Colours count as the mean of red, green and blue. In every mode a pixel that is not
+//! opaque is unknown: what an image editor leaves behind it is nobody's statement. Mode `scale`
+//! reads what lies between as a probability; no plan can drive on that, so it is unknown here
+//! too. Mode `raw` takes the grey as a percentage of occupancy, above 100
 //! unknown, and compares it with the same thresholds.
 //!
 //! The image's last row is the southernmost. `origin` is the south-west corner of its
 //! south-west pixel and the angle by which the whole image is turned about it.
-//! Deliberately absent: speed and keep-out filters, which are maps of their own.
+//! Deliberately absent: keep-out masks, which are maps of their own that a mission names.
 
 mod image;
 mod settings;
@@ -30,10 +31,10 @@ use std::sync::Arc;
 
 /// What `--help` says of this format.
 pub const CONVENTIONS: &str = "\
-ROS      (map_server, Nav2: .yaml with .pgm or .png) `image` is relative to the YAML file.
-         p = (255 - grey) / 255, or grey / 255 with negate; p >= occupied_thresh is
-         occupied, p <= free_thresh free, the rest unknown. Mode scale: what lies between
-         and what is transparent is unknown. Mode raw: grey is a percentage, above 100
+ROS      (map_server, Nav2: .yaml with .pgm, .png or .bmp) `image` is relative to the YAML
+         file. p = (255 - grey) / 255, or grey / 255 with negate; p >= occupied_thresh is
+         occupied, p <= free_thresh free, the rest unknown, and so is whatever is not
+         opaque. Mode scale: what lies between is unknown. Mode raw: grey is a percentage, above 100
          unknown. Unknown cells block unless --unknown free. `origin` is the south-west
          corner and a yaw: quarter turns are exact; by other angles a cell is blocked if it
          overlaps a blocked pixel. No goals: give --goal.";
@@ -41,7 +42,7 @@ ROS      (map_server, Nav2: .yaml with .pgm or .png) `image` is relative to the 
 /// Whether a text reads like such a YAML file.
 pub fn recognises(text: &str) -> bool {
     let has = |key: &str| {
-        let mut lines = text.lines().filter_map(|line| line.strip_prefix(key));
+        let mut lines = text.split(['\n', '\r']).filter_map(|line| line.strip_prefix(key));
         lines.any(|rest| rest.trim_start().starts_with(':'))
     };
     has("image") && (has("resolution") || has("origin") || has("occupied_thresh"))
@@ -62,9 +63,49 @@ pub fn read(path: &Path, source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     else {
         return (None, problems);
     };
+    problems.extend(freed(&grey, &settings, source));
     let cells = cells(&grey, &settings, resolution_m, [origin[0], origin[1]]);
-    let (cells, boundary) = turned(cells, origin[2]);
+    let limit = plan_format::limits::MAX_SIDE_CELLS;
+    let Some((cells, boundary)) = turned(cells, origin[2], limit) else {
+        problems.push(too_large_turned(&grey, limit));
+        return (None, problems);
+    };
     (Some(Map { boundary, ..Map::of_cells(cells) }), problems)
+}
+
+/// What map savers write where nothing is known.
+const UNKNOWN_GREY: f64 = 205.0 / 255.0;
+
+/// A warning where cells that a saver left unknown count as free. Its own grey is just unknown by
+/// the threshold of ROS 1, 0.196, and free by the one that Nav2 writes, 0.25.
+fn freed(grey: &Grey, settings: &Settings, source: &Arc<Source>) -> Option<Problem> {
+    let is_free = kind(settings, (UNKNOWN_GREY, false)) == Kind::Free;
+    if !is_free || settings.mode != Mode::Trinary || settings.negate {
+        return None;
+    }
+    let pixels = (0..grey.rows).flat_map(|row| (0..grey.columns).map(move |column| (column, row)));
+    let is_unknown = |&(column, row): &(u32, u32)| grey.pixel(column, row) == (UNKNOWN_GREY, false);
+    let count = pixels.filter(is_unknown).count();
+    let free = settings.free_thresh;
+    let warning = Problem::warning(format!(
+        "{count} cells of grey 205, which map savers write for unknown, are free, since \
+         free_thresh is {free}"
+    ))
+    .mend("write `free_thresh: 0.196` if nothing is known of these cells");
+    let place = settings.free_thresh_span.clone();
+    let warning = match place {
+        Some(span) => warning.at(source, span, "the grey's occupancy is 0.19607, which is below"),
+        None => warning,
+    };
+    (count > 0).then_some(warning)
+}
+
+fn too_large_turned(grey: &Grey, limit: u32) -> Problem {
+    let (columns, rows) = (grey.columns, grey.rows);
+    Problem::error(format!(
+        "turned by its yaw the image of {columns} x {rows} pixels has more than {limit} cells a side"
+    ))
+    .mend("turn the image itself and write a yaw of 0, or crop it to the area that the robot uses")
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -100,8 +141,7 @@ fn kind(settings: &Settings, (light, is_transparent): (f64, bool)) -> Kind {
         _ if settings.negate => light,
         _ => 1.0 - light,
     };
-    let hides = settings.mode == Mode::Scale && is_transparent;
-    if hides || (settings.mode == Mode::Raw && occupancy > 1.0) {
+    if is_transparent || (settings.mode == Mode::Raw && occupancy > 1.0) {
         Kind::Unknown
     } else if occupancy >= settings.occupied_thresh {
         Kind::Occupied

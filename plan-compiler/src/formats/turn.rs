@@ -15,16 +15,21 @@ use plan_format::Cell;
 const SAME: f64 = 0.01;
 
 /// Upright cells, and the outline of the turned rectangle where it is not upright itself.
-/// `yaw_rad` is counter-clockwise about the south-west corner.
-pub(super) fn turned(cells: CellMap, yaw_rad: f64) -> (CellMap, Option<Vec<Point>>) {
+/// `yaw_rad` is counter-clockwise about the south-west corner. `None`, before any memory is taken,
+/// where a side would have more cells than `limit`.
+pub(super) fn turned(
+    cells: CellMap,
+    yaw_rad: f64,
+    limit: u32,
+) -> Option<(CellMap, Option<Vec<Point>>)> {
     let quarters = wide::floor(yaw_rad / std::f64::consts::FRAC_PI_2 + 0.5);
     let rest = yaw_rad - quarters * std::f64::consts::FRAC_PI_2;
     let farthest = f64::from(cells.columns()) + f64::from(cells.rows());
     if rest.abs() * farthest <= SAME {
-        return (by_quarters(cells, quarters.rem_euclid(4.0) as u8), None);
+        return Some((by_quarters(cells, quarters.rem_euclid(4.0) as u8), None));
     }
-    let (cells, outline) = by_angle(&cells, yaw_rad);
-    (cells, Some(outline))
+    let (cells, outline) = by_angle(&cells, yaw_rad, limit)?;
+    Some((cells, Some(outline)))
 }
 
 fn by_quarters(cells: CellMap, quarters: u8) -> CellMap {
@@ -52,7 +57,7 @@ fn by_quarters(cells: CellMap, quarters: u8) -> CellMap {
     CellMap { corner, occupied, unknown, turned_from, ..cells }
 }
 
-fn by_angle(cells: &CellMap, yaw_rad: f64) -> (CellMap, Vec<Point>) {
+fn by_angle(cells: &CellMap, yaw_rad: f64, limit: u32) -> Option<(CellMap, Vec<Point>)> {
     let (sin, cos) = (wide::sin(yaw_rad), wide::cos(yaw_rad));
     let forth = |[x, y]: Point| [cos * x - sin * y, sin * x + cos * y];
     let back = |[x, y]: Point| [cos * x + sin * y, cos * y - sin * x];
@@ -63,6 +68,9 @@ fn by_angle(cells: &CellMap, yaw_rad: f64) -> (CellMap, Vec<Point>) {
     };
     let low = [bound(0, f64::min), bound(1, f64::min)];
     let size = [0, 1].map(|axis| wide::ceil(bound(axis, f64::max) - low[axis]) as u32);
+    if size.iter().any(|side| *side > limit) {
+        return None;
+    }
     // Half the width of a turned unit square. Two such squares overlap if along the axes of
     // either their centres are nearer than half of both widths (separating axes).
     let nearer = (1.0 + sin.abs() + cos.abs()) / 2.0;
@@ -103,7 +111,7 @@ fn by_angle(cells: &CellMap, yaw_rad: f64) -> (CellMap, Vec<Point>) {
         }
     }
     let metres = |at: Point| [0, 1].map(|axis| cells.corner[axis] + at[axis] * cells.resolution_m);
-    (upright, outline.map(metres).to_vec())
+    Some((upright, outline.map(metres).to_vec()))
 }
 
 #[cfg(test)]
@@ -137,6 +145,19 @@ mod tests {
             unknown_as,
             turned_from: None,
         }
+    }
+
+    /// No test turns anything that becomes too large.
+    fn turned(cells: CellMap, yaw_rad: f64) -> (CellMap, Option<Vec<Point>>) {
+        super::turned(cells, yaw_rad, 16_384).unwrap()
+    }
+
+    #[test]
+    fn what_becomes_too_large_is_refused() {
+        let map = cells(70, 70, 1);
+        assert!(super::turned(map.clone(), 0.78, 98).is_none());
+        assert!(super::turned(map.clone(), 0.78, 99).is_some());
+        assert!(super::turned(map, FRAC_PI_2, 70).is_some());
     }
 
     #[test]

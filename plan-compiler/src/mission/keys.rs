@@ -6,10 +6,10 @@ use plan_format::limits;
 use plan_format::parameters::{Gains, OnTrouble, Selection, Steering};
 
 /// The tables of a mission file.
-pub const SECTIONS: [&str; 7] =
-    ["goals", "layers", "gains", "vehicle", "schemas", "fixes", "trouble"];
+pub const SECTIONS: [&str; 8] =
+    ["goals", "layers", "masks", "gains", "vehicle", "schemas", "fixes", "trouble"];
 
-/// A key with one value. `[goals]` and `[layers]` have names of the user's instead.
+/// A key with one value. `[goals]`, `[layers]` and `[masks]` have names of the user's instead.
 #[derive(Debug)]
 pub struct Key {
     /// Its table; empty at the top of the file.

@@ -5,6 +5,7 @@
 //! newcomer would. `INSTA_UPDATE=always cargo test -p it cli` writes them anew.
 
 mod examples;
+mod hostile;
 mod maps;
 mod people;
 mod typed;
@@ -32,7 +33,7 @@ BOUNDARY NoFlyZone1 28 20  32 20  32 24  28 24
 
 /// The binary run in a folder of its own.
 pub(crate) struct Run {
-    folder: TempDir,
+    pub(super) folder: TempDir,
 }
 
 /// What a run ended with.

@@ -1,7 +1,10 @@
 //! Map formats through the built binary: a file in, cells and answers out.
 
+mod damaged;
+mod field_grids;
 mod globe;
 mod grids;
+mod masks;
 
 use crate::cli::Run;
 

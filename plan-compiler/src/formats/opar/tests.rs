@@ -348,7 +348,7 @@ fn every_mistake_is_reported_at_once() {
        ·  ╰── must be -90 to 90 degrees
      3 │ 7
        ╰────
-      help: check it, and the count of delta pairs before it
+      help: the latitude comes first: it and the longitude are swapped, perhaps
 
       × 100,5 is not a number
         ╭─[a.opar:10:1]

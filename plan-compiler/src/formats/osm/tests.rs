@@ -433,6 +433,8 @@ fn files_that_are_no_maps_are_refused() {
        ╭─[a.osm:2:31]
      1 │ <osm version="0.6">
      2 │   <node id="1" lat="0" lön="0
+       ·                              ▲
+       ·                              ╰── here
        ╰────
       help: check whether the file was cut off, and save or fetch it again
 

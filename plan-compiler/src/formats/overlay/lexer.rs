@@ -90,10 +90,12 @@ impl Lexer<'_> {
     }
 
     fn quoted(&mut self, rest: &str) {
-        let line = &rest[..line_length(rest)];
-        if let Some(inside) = line[1..].find('"') {
+        // A quote ends on its line; a whole file may be one line, which is not searched every time.
+        let inside = rest[1..].find(['"', '\n', '\r']);
+        if let Some(inside) = inside.filter(|&inside| rest[1 + inside..].starts_with('"')) {
             return self.push(Kind::Quoted, inside + 2);
         }
+        let line = &rest[..line_length(rest)];
         let written = line.trim_end().len();
         self.problems.push(
             Problem::error("a quoted name has no end")

@@ -2,11 +2,12 @@
 
 use super::grammar::Keyword;
 use super::parser::{Coordinate, CoordinateValue, Statement};
-use crate::formats::FARTHEST_M;
 use crate::formats::utm::Zone;
+use crate::formats::{FARTHEST_LATITUDE_DEG, FARTHEST_M};
 use crate::map::{Extent, Feature, Map, NamedPoint, Point, Reference, Role, Shape};
 use crate::problem::{Problem, Source};
 use math::GeoPoint;
+use math::scalar::wide;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -14,6 +15,8 @@ use std::sync::Arc;
 const DEFAULT_SIDE_M: f64 = 1000.0;
 /// Height of a wall that does not say how high it is, metres: the language's default.
 const DEFAULT_WALL_HEIGHT_M: f64 = 1.0;
+/// Two places of one map that are farther apart are a mistake, degrees.
+const FAR_APART_DEG: f64 = 1.0;
 /// The passage point at which robots start.
 const START: &str = "StartPlace";
 
@@ -114,11 +117,18 @@ impl Reader<'_> {
             (Keyword::GlobalRefPoint, &[lat, lon]) => {
                 self.once(statement, &numbers);
                 match GeoPoint::from_degrees(lat, lon) {
+                    Some(_) if lat.abs() > FARTHEST_LATITUDE_DEG => self.at_a_pole(&statement.span),
                     // The map's centre: known when the area is.
                     Some(place) => {
                         let at = [0.0; 2];
                         self.map.reference = Some(Reference { place, at, heading_rad: 0.0 });
                     }
+                    None if lat.abs() <= 180.0 && lon.abs() <= 90.0 => self.error(
+                        "this place is not on the globe",
+                        &statement.span,
+                        "latitude is -90 to 90, longitude -180 to 180 degrees",
+                        &format!("if the two are swapped, write GLOBAL_REF_POINT {lon} {lat}"),
+                    ),
                     None => self.off_the_globe(&statement.span),
                 }
             }
@@ -164,11 +174,37 @@ impl Reader<'_> {
         }
     }
 
+    /// Two statements about where on the globe the map lies should agree.
+    fn compare(&mut self, reference: &Reference) {
+        let Some(anchor) = self.origin.anchor else { return };
+        let degrees = |place: GeoPoint| [place.lat_deg(), place.lon_deg()];
+        let ([lat, lon], theirs) = (degrees(reference.place), degrees(anchor.place));
+        let apart = |place: [f64; 2]| wide::hypot(place[0] - theirs[0], place[1] - theirs[1]);
+        if apart([lat, lon]) <= FAR_APART_DEG {
+            return;
+        }
+        let mend = if apart([lon, lat]) <= FAR_APART_DEG {
+            format!("the two are swapped, it seems: write GLOBAL_REF_POINT {lon} {lat}")
+        } else {
+            "latitude comes first; west and south are negative".into()
+        };
+        self.problems.push(
+            Problem::warning(format!(
+                "GLOBAL_REF_POINT {lat} {lon} lies far from the UTM coordinates, which are about \
+                 latitude {}, longitude {}",
+                theirs[0], theirs[1]
+            ))
+            .mend(mend),
+        );
+    }
+
     fn finish(&mut self) {
         let Extent { corner, size } = self.map.extent;
         if let Some(reference) = &mut self.map.reference {
             reference.at = [corner[0] + size[0] / 2.0, corner[1] + size[1] / 2.0];
             reference.heading_rad = self.heading_rad;
+            let reference = *reference;
+            self.compare(&reference);
         } else if let Some(anchor) = self.origin.anchor {
             // The map's axes are the grid's, which HEADING turns further.
             let heading_rad = self.heading_rad + anchor.heading_rad;
@@ -232,6 +268,10 @@ impl Reader<'_> {
             self.off_the_globe(span);
             return None;
         }
+        if lat.abs() > FARTHEST_LATITUDE_DEG {
+            self.at_a_pole(span);
+            return None;
+        }
         let zone = *self.origin.zone.get_or_insert(Zone::of(lat, lon));
         let projected = zone.project(lat, lon);
         if projected.is_none() {
@@ -251,6 +291,15 @@ impl Reader<'_> {
         self.origin.anchor = zone.project(lat, lon).zip(place).map(|(projected, place)| {
             Reference { place, at, heading_rad: projected.convergence_rad }
         });
+    }
+
+    fn at_a_pole(&mut self, span: &Range<usize>) {
+        self.error(
+            "this place is too near to a pole",
+            span,
+            &format!("a map serves up to {FARTHEST_LATITUDE_DEG} degrees north and south"),
+            "check the latitude; a map without a place on the globe needs no such line",
+        );
     }
 
     fn off_the_globe(&mut self, span: &Range<usize>) {

@@ -1,12 +1,14 @@
 //! The image of a map's cells.
 
+mod pnm;
+
 use crate::problem::{Problem, Source};
 use crate::source::read_bytes;
 use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 use plan_format::limits;
 use std::io::{Cursor, ErrorKind};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Bytes that decoding may take: the largest image, eight bits a pixel, several times over.
@@ -22,20 +24,42 @@ pub(super) struct Grey {
 }
 
 impl Grey {
-    /// Lightness of a pixel, 0 to 1, and whether it is transparent; row 0 is the image's first.
+    /// Lightness of a pixel, 0 to 1, and whether any of what lies behind it shows; row 0 is the
+    /// image's first. Colours count as the mean of red, green and blue.
     pub(super) fn pixel(&self, column: u32, row: u32) -> (f64, bool) {
-        let [red, green, blue, alpha] = match &self.pixels {
-            DynamicImage::ImageLuma8(pixels) => {
-                let grey = pixels.get_pixel(column, row).0[0];
-                return (f64::from(grey) / 255.0, false);
+        let eight = |values: &[u8], alpha: u8| (mean(values, 255.0), alpha < u8::MAX);
+        let sixteen = |values: &[u16], alpha: u16| (mean(values, 65_535.0), alpha < u16::MAX);
+        match &self.pixels {
+            DynamicImage::ImageLuma8(image) => eight(&image.get_pixel(column, row).0, u8::MAX),
+            DynamicImage::ImageRgb8(image) => eight(&image.get_pixel(column, row).0, u8::MAX),
+            DynamicImage::ImageLuma16(image) => sixteen(&image.get_pixel(column, row).0, u16::MAX),
+            DynamicImage::ImageRgb16(image) => sixteen(&image.get_pixel(column, row).0, u16::MAX),
+            DynamicImage::ImageLumaA8(image) => {
+                let [grey, alpha] = image.get_pixel(column, row).0;
+                eight(&[grey], alpha)
             }
-            DynamicImage::ImageRgba16(pixels) => pixels.get_pixel(column, row).0,
-            // No other kind is kept.
-            _ => [0; 4],
-        };
-        let sum = f64::from(red) + f64::from(green) + f64::from(blue);
-        (sum / (3.0 * 65_535.0), alpha < u16::MAX)
+            DynamicImage::ImageRgba8(image) => {
+                let [red, green, blue, alpha] = image.get_pixel(column, row).0;
+                eight(&[red, green, blue], alpha)
+            }
+            DynamicImage::ImageLumaA16(image) => {
+                let [grey, alpha] = image.get_pixel(column, row).0;
+                sixteen(&[grey], alpha)
+            }
+            DynamicImage::ImageRgba16(image) => {
+                let [red, green, blue, alpha] = image.get_pixel(column, row).0;
+                sixteen(&[red, green, blue], alpha)
+            }
+            // No decoder of ours makes another kind; nothing is known of its pixels.
+            _ => (0.0, true),
+        }
     }
+}
+
+/// The mean of values as a share of the largest there can be.
+fn mean<T: Copy + Into<f64>>(values: &[T], largest: f64) -> f64 {
+    let sum: f64 = values.iter().map(|&value| value.into()).sum();
+    sum / (values.len() as f64 * largest)
 }
 
 /// Reads the image that a YAML file names.
@@ -44,37 +68,52 @@ pub(super) fn read(
     source: &Arc<Source>,
     (name, span): &(String, Range<usize>),
 ) -> Result<Grey, Problem> {
-    let path = yaml.with_file_name(name);
+    let path = path_of(yaml, name);
     let wrong = |message: String, mend: String| {
         Problem::error(message).at(source, span.clone(), "this image").mend(mend)
     };
     let bytes = read_bytes(&path).map_err(|problem| {
-        let mend = others(yaml).or(problem.mend).unwrap_or_default();
-        wrong(problem.message, mend)
+        let mend = moved(yaml, &path).or_else(|| others(yaml)).or(problem.mend);
+        wrong(problem.message, mend.unwrap_or_default())
     })?;
     decode(&bytes).map_err(|reason| {
         let message = format!("{} is no image that can be read: {reason}", path.display());
-        wrong(message, "save it as a PGM or PNG of at most 16384 pixels a side".into())
+        wrong(message, "save it as a PGM, PNG or BMP of at most 16384 pixels a side".into())
     })
+}
+
+/// Where an image lies: beside the YAML file unless its name says otherwise. Windows parts folders
+/// by backslashes, which are letters of a name elsewhere.
+fn path_of(yaml: &Path, name: &str) -> PathBuf {
+    let path = yaml.with_file_name(name);
+    let slashes = yaml.with_file_name(name.replace('\\', "/"));
+    if !path.exists() && slashes.exists() { slashes } else { path }
+}
+
+/// What to write where an image of that name lies beside the YAML file after all.
+fn moved(yaml: &Path, path: &Path) -> Option<String> {
+    let name = path.to_str()?.rsplit(['/', '\\']).next()?;
+    let is_there = yaml.with_file_name(name).is_file();
+    is_there.then(|| format!("it lies beside the YAML file: write `image: {name}`"))
 }
 
 fn decode(bytes: &[u8]) -> Result<Grey, String> {
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|error| error.to_string())?;
-    if !matches!(reader.format(), Some(ImageFormat::Pnm | ImageFormat::Png)) {
-        return Err("it is neither PGM nor PNG".into());
+    if !matches!(reader.format(), Some(ImageFormat::Pnm | ImageFormat::Png | ImageFormat::Bmp)) {
+        return Err("it is neither PGM, PNG nor BMP".into());
     }
     let mut bounds = Limits::default();
     bounds.max_image_width = Some(limits::MAX_SIDE_CELLS);
     bounds.max_image_height = Some(limits::MAX_SIDE_CELLS);
     bounds.max_alloc = Some(MAX_DECODED_BYTES);
     reader.limits(bounds);
-    let pixels = match reader.decode().map_err(reason)? {
-        grey @ DynamicImage::ImageLuma8(_) => grey,
-        // Wide enough for every other kind: a value of eight bits times 257 is the same share.
-        other => DynamicImage::ImageRgba16(other.into_rgba16()),
-    };
+    let is_pnm = reader.format() == Some(ImageFormat::Pnm);
+    let pixels = reader.decode().map_err(reason)?;
+    if is_pnm {
+        pnm::check(bytes)?;
+    }
     let (columns, rows) = (pixels.width(), pixels.height());
     if columns == 0 || rows == 0 {
         return Err("it has no pixels".into());
@@ -114,7 +153,9 @@ fn others(yaml: &Path) -> Option<String> {
 fn is_image_name(name: &str) -> bool {
     let extension = Path::new(name).extension().and_then(|extension| extension.to_str());
     extension.is_some_and(|extension| {
-        ["pgm", "pnm", "png"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+        ["pgm", "pnm", "ppm", "pbm", "png", "bmp"]
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
     })
 }
 

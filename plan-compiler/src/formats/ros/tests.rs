@@ -5,6 +5,8 @@ use crate::formats::dump::outcome;
 use insta::assert_snapshot;
 use proptest::prelude::*;
 
+mod others;
+
 /// Reads a YAML text that lies beside some files; the folder's name is left out of messages.
 fn check_with(files: &[(&str, &[u8])], text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
@@ -88,6 +90,15 @@ fn the_settings_decide() {
     ");
     // 205 is 0.196...: just unknown by map_saver's threshold, free by the other custom.
     assert_snapshot!(check(&YAML.replace("0.196", "0.25")), @"
+      ⚠ 1 cells of grey 205, which map savers write for unknown, are free, since free_thresh is 0.25
+       ╭─[a.yaml:6:14]
+     5 │ occupied_thresh: 0.65
+     6 │ free_thresh: 0.25
+       ·              ──┬─
+       ·                ╰── the grey's occupancy is 0.19607, which is below
+       ╰────
+      help: write `free_thresh: 0.196` if nothing is known of these cells
+
     extent -1,2 + 1.5,1
     resolution 0.5
     cells 3 x 2 of 0.5 from -1,2
@@ -112,12 +123,12 @@ fn the_settings_decide() {
     cells 4 x 1 of 0.5 from -1,2
       #??.
     ");
-    assert_snapshot!(check_with(&[("a.pgm", &png)], YAML), @"
-    extent -1,2 + 2,0.5
-    resolution 0.5
-    cells 4 x 1 of 0.5 from -1,2
-      ##..
-    ");
+    for mode in ["trinary", "Trinary", "raw"] {
+        // What is not opaque is unknown in every mode; of what is, raw takes 255 as unknown too.
+        let got = check_with(&[("a.pgm", &png)], &format!("{YAML}mode: {mode}\n"));
+        let cells = if mode == "raw" { ".???" } else { "#??." };
+        assert!(got.ends_with(&format!("  {cells}\n")), "{mode}: {got}");
+    }
 }
 
 #[test]
@@ -238,7 +249,8 @@ fn every_mistake_is_told() {
        ·              ─┬─
        ·               ╰── a pixel cannot be both
        ╰────
-      help: map_saver writes occupied_thresh: 0.65 and free_thresh: 0.196
+      help: if the two are swapped, swap them; map_saver writes occupied_thresh: 0.65 and free_thresh:
+            0.196
 
     no map
     ");
@@ -304,7 +316,7 @@ fn images_that_cannot_be_read_are_explained() {
         (&png[..200], cut),
         (b"P5 99999 1 255\n", "it is too large"),
         (b"P5 60000 60000 255\n", "it is too large"),
-        (b"GIF89a", "it is neither PGM nor PNG"),
+        (b"GIF89a", "it is neither PGM, PNG nor BMP"),
         (b"P5 x", ""),
         (b"\x89PNG\r\n\x1a\n", ""),
     ] {

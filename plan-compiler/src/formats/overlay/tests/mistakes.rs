@@ -260,7 +260,7 @@ fn coordinates_must_be_on_the_globe_and_finite() {
        ·           ╰── latitude is -90 to 90, longitude -180 to 180 degrees
      2 │ ORIGIN 1 0
        ╰────
-      help: check the numbers, and that the latitude comes first; west and south are negative
+      help: if the two are swapped, write GLOBAL_REF_POINT 0 95
 
       × MISSION-AREA has no inside
        ╭─[a.ovl:3:1]

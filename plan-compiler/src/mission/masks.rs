@@ -1,0 +1,127 @@
+//! Masks: further maps whose occupied cells keep the robot out, as Nav2's keep-out filter has them.
+//!
+//! A mask is read like any map of cells and may have a resolution, an origin and a yaw of its own:
+//! its cells are squares on the plane, and a cell of the plan is blocked if one of them, grown by
+//! the robot's radius, touches it. Only what the mask says is occupied keeps out; where it says
+//! nothing is known, it says nothing. Deliberately absent: speed masks. A plan knows cells that are
+//! blocked and cells that are not, and nothing between.
+
+use super::{LayerRule, Named, Reader};
+use crate::compile::PHYSICAL;
+use crate::formats::{self, ReadOptions};
+use crate::map::{CellMap, Unknown};
+use crate::problem::{Place, Severity};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use toml_edit::{Item, TableLike, Value};
+
+/// A map of where the robot must not be.
+#[derive(Clone, Debug)]
+pub struct Mask {
+    /// The first layer that it is an obstacle in; all that follow have it too.
+    pub layer: String,
+    /// Its file, relative to the current folder.
+    pub path: PathBuf,
+    /// Where the mission names it.
+    pub place: Place,
+    /// What it says.
+    pub cells: CellMap,
+}
+
+/// How masks are written.
+const EXAMPLE: &str =
+    "keepout = \"keepout.yaml\", a list of such names, or { LAYER = \"keepout.yaml\" }";
+
+impl Reader<'_> {
+    /// The table `[masks]`.
+    pub(super) fn masks(&mut self, table: &dyn TableLike) {
+        for (name, item) in table.iter() {
+            let key_span = table.key(name).and_then(toml_edit::Key::span).unwrap_or(0..0);
+            match name {
+                "keepout" => self.keepout(item, key_span),
+                "speed" => self.error(
+                    "speed masks cannot be used yet",
+                    key_span,
+                    "a plan has no costs between free and blocked",
+                    "leave it out, or name it as `keepout` if the robot must not drive there at all",
+                ),
+                other => self.error(
+                    format!("`{other}` is not a kind of mask"),
+                    key_span,
+                    "unknown key",
+                    &format!("write {EXAMPLE}"),
+                ),
+            }
+        }
+    }
+
+    fn keepout(&mut self, item: &Item, key_span: Range<usize>) {
+        let Some(layers) = item.as_table_like() else {
+            return self.masks_of(PHYSICAL, "masks.keepout", item);
+        };
+        for (raw, item) in layers.iter() {
+            let span = layers.key(raw).and_then(toml_edit::Key::span);
+            let span = span.unwrap_or_else(|| key_span.clone());
+            let Some(layer) = self.name("layer", raw, span.clone()) else { continue };
+            let is_known = self.mission.layers.iter().any(|rule| rule.name.name == layer);
+            if !is_known && layer != PHYSICAL {
+                let name = Named { name: layer.clone(), place: self.place(span) };
+                self.mission.layers.push(LayerRule { name, areas: Vec::new() });
+            }
+            self.masks_of(&layer, &format!("masks.keepout.{raw}"), item);
+        }
+    }
+
+    /// One file's name or a list of them.
+    fn masks_of(&mut self, layer: &str, path: &str, item: &Item) {
+        let whole = item.span().unwrap_or(0..0);
+        let values: Option<Vec<&Value>> = match item.as_value() {
+            Some(Value::Array(array)) => Some(array.iter().collect()),
+            value => value.map(|value| vec![value]),
+        };
+        let texts = values.and_then(|values| {
+            let text = |value: &Value| {
+                let span = value.span().unwrap_or_else(|| whole.clone());
+                value.as_str().map(|text| (text.to_owned(), span))
+            };
+            values.into_iter().map(text).collect::<Option<Vec<_>>>()
+        });
+        let Some(texts) = texts else {
+            return self.wrong_type(
+                path,
+                item,
+                whole.clone(),
+                "the name of a file, or a list",
+                EXAMPLE,
+            );
+        };
+        for (text, span) in texts {
+            self.mask(layer, &text, span);
+        }
+    }
+
+    fn mask(&mut self, layer: &str, text: &str, span: Range<usize>) {
+        let folder = Path::new(&self.source.name).parent().unwrap_or(Path::new(""));
+        let path = folder.join(text);
+        let (map, found) = formats::read(&path, &ReadOptions::default());
+        let worth_saying = found.into_iter().filter(|problem| problem.severity > Severity::Note);
+        let source = self.source;
+        self.problems.extend(worth_saying.map(|problem| match problem.place {
+            None => problem.at(source, span.clone(), "named here"),
+            Some(_) => problem,
+        }));
+        let Some(map) = map else { return };
+        let Some(cells) = map.cells else {
+            return self.error(
+                format!("{} is not a mask", path.display()),
+                span,
+                "a map without cells",
+                "a mask is a ROS map, a YAML file with its image; areas that a map draws stand in \
+                 [layers]",
+            );
+        };
+        let cells = CellMap { unknown_as: Unknown::Free, ..cells };
+        let (layer, place) = (layer.to_owned(), self.place(span));
+        self.mission.masks.push(Mask { layer, path, place, cells });
+    }
+}

@@ -1,0 +1,67 @@
+//! Text of files and command lines, made safe for a terminal.
+//!
+//! Names, excerpts and file names come from others. A terminal obeys escape sequences in them, and
+//! characters that turn the direction of writing show something else than what is there. Whatever
+//! is printed for a person goes through here; JSON escapes by itself.
+
+use std::borrow::Cow;
+
+/// What stands for a character that has no picture of its own.
+const UNSHOWN: char = '\u{fffd}';
+
+/// Text whose line ends and tabs stay, and whose other controls are shown by their pictures.
+pub fn safe(text: &str) -> Cow<'_, str> {
+    replaced(text, |character| match character {
+        '\n' | '\t' => None,
+        other => picture(other),
+    })
+}
+
+/// As [`safe`], for what must stay in one line: a line end in a name would begin another message.
+pub fn safe_line(text: &str) -> Cow<'_, str> {
+    replaced(text, picture)
+}
+
+/// What is shown instead of a character, if it must not reach a terminal.
+pub(crate) fn picture(character: char) -> Option<char> {
+    match character {
+        '\0'..='\u{1f}' => char::from_u32(0x2400 + u32::from(character)),
+        '\u{7f}' => Some('\u{2421}'),
+        // The second set of controls, among them escape sequences in one character.
+        '\u{80}'..='\u{9f}' => Some(UNSHOWN),
+        // Marks, embeddings, overrides and isolates of the writing direction.
+        '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
+            Some(UNSHOWN)
+        }
+        // Ends of lines and paragraphs by another name.
+        '\u{2028}' | '\u{2029}' => Some(UNSHOWN),
+        _ => None,
+    }
+}
+
+fn replaced(text: &str, instead: impl Fn(char) -> Option<char>) -> Cow<'_, str> {
+    if text.chars().all(|character| instead(character).is_none()) {
+        return Cow::Borrowed(text);
+    }
+    text.chars().map(|character| instead(character).unwrap_or(character)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn controls_are_shown_and_letters_stay() {
+        for (text, shown) in [
+            ("Tür 5 °\t東\n", "Tür 5 °\t東\n"),
+            ("a\u{1b}]0;owned\u{7}b", "a␛]0;owned␇b"),
+            ("\u{9b}31m \u{7f}", "\u{fffd}31m ␡"),
+            ("abc\u{202e}fed\u{2066}", "abc\u{fffd}fed\u{fffd}"),
+            ("a\r\nb", "a␍\nb"),
+        ] {
+            assert_eq!(safe(text), shown);
+        }
+        assert_eq!(safe_line("a\nb\tc"), "a␊b␉c");
+        assert!(matches!(safe("plain"), Cow::Borrowed(_)));
+    }
+}
