@@ -58,7 +58,7 @@ pub(super) fn place(
         points_of_map(input, problems)
     } else {
         let points = points_by_name(input);
-        asked.iter().filter_map(|goal| candidate(&points, goal, problems)).collect()
+        asked.iter().filter_map(|goal| candidate(input, &points, goal, problems)).collect()
     };
     let placed =
         candidates.iter().filter_map(|goal| place_one(input, goal, grid, levels, problems));
@@ -138,6 +138,7 @@ fn points_by_name<'a>(input: &Input<'a>) -> BTreeMap<&'a str, Point> {
 }
 
 fn candidate<'a>(
+    input: &Input<'_>,
     points: &BTreeMap<&str, Point>,
     goal: &'a Goal,
     problems: &mut Vec<Problem>,
