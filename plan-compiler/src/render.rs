@@ -101,9 +101,9 @@ pub fn side_by_side(plan: &Plan<'_>, panels: &[Panel<'_>], style: Style) -> Stri
     let size_px = style.size_px.clamp(*SIZES_PX.start(), *SIZES_PX.end());
     let sampled = |panel: &Panel<'_>| Sampled::new(plan.grid(), &panel.layer, [size_px; 2]);
     let drawn: Vec<Sampled> = panels.iter().map(sampled).collect();
-    let farthest_m = drawn.iter().filter_map(Sampled::farthest_m).reduce(f64::max);
-    let bands = Bands::to(farthest_m.unwrap_or(0.0).max(plan.grid().resolution_m));
-    let entries = entries(plan, panels, &drawn, farthest_m.map(|_| bands), style);
+    let farthest_m = drawn.iter().filter_map(Sampled::farthest_m).fold(0.0, f64::max);
+    let bands = Bands::to(farthest_m.max(plan.grid().resolution_m));
+    let entries = entries(plan, panels, &drawn, Some(bands).filter(|_| farthest_m > 0.0), style);
     let titles: Vec<String> = panels.iter().map(title).collect();
     let title_px = titles.iter().map(|title| sheet::title_px(title, size_px)).fold(0.0, f64::max);
     let contents = Contents { grid: plan.grid(), panels: panels.len(), title_px, legend: &entries };
@@ -186,7 +186,9 @@ fn entries(
         item(Symbol::Edge(ZONE), "zone");
     }
     if drawn.iter().any(Sampled::has_blocked) {
-        item(Symbol::Fill(BLOCKED, 1.0), "blocked, robot's radius included");
+        // Beside exact shapes, cells are what the robot's radius adds.
+        let text = if features().next().is_some() { "too near for the robot" } else { "blocked" };
+        item(Symbol::Fill(BLOCKED, 1.0), text);
     }
     if drawn.iter().any(Sampled::has_cells_without_route) {
         item(Symbol::Hatch, "no route to the goal");
@@ -250,7 +252,8 @@ fn draw(
     for (mark, at) in marks {
         over = over.add(mark.draw(at, unit));
     }
-    let mut names = Names::new(&places, unit);
+    let routes = overlay.routes.iter().flat_map(|piece| piece.points);
+    let mut names = Names::new(&places, routes.map(|at| view.place(*at)).collect(), unit);
     let goals = [(parallel.name(), parallel.goal_m())].into_iter().chain(others);
     for (name, at) in goals {
         if let Some(name) = names.place(name, place(at), view) {

@@ -168,10 +168,10 @@ fn outline(shape: &Shape, view: &View, path: &mut String) -> bool {
 }
 
 /// Arrows stand this far apart, in units.
-const ARROW_UNITS: f64 = 22.0;
+const ARROW_UNITS: f64 = 27.0;
 /// The largest arrow, in units, and its part of the room that it has.
 const MAX_ARROW_UNITS: f64 = 26.0;
-const ARROW_PART: f64 = 0.66;
+const ARROW_PART: f64 = 0.6;
 
 /// Cells along the sides of a block that has one arrow.
 pub(super) fn cells_per_arrow(view: &View) -> [u32; 2] {
@@ -250,16 +250,18 @@ pub(super) fn arrow(at: [f64; 2], [x, y]: [f64; 2], length: f64) -> String {
 pub(super) struct Names {
     /// Boxes that are taken: left, top, right, bottom.
     taken: Vec<[f64; 4]>,
+    /// Points of routes, which are better not covered.
+    routes: Vec<[f64; 2]>,
 }
 
 impl Names {
-    /// Marks keep names off.
-    pub(super) fn new(marks: &[[f64; 2]], unit: f64) -> Self {
+    /// Marks keep names off, and routes where that is possible.
+    pub(super) fn new(marks: &[[f64; 2]], routes: Vec<[f64; 2]>, unit: f64) -> Self {
         let around = |at: &[f64; 2]| {
             let reach = 9.0 * unit;
             [at[0] - reach, at[1] - reach, at[0] + reach, at[1] + reach]
         };
-        Self { taken: marks.iter().map(around).collect() }
+        Self { taken: marks.iter().map(around).collect(), routes }
     }
 
     /// A name beside its mark, inside the map; none where there is no room.
@@ -298,9 +300,12 @@ impl Names {
                     .iter()
                     .any(|t| b[0] < t[2] && t[0] < b[2] && b[1] < t[3] && t[1] < b[3])
         };
-        let places = beside.into_iter().chain(moved).map(boxed);
-        let found =
-            Some(name.is_empty()).filter(|is_empty| !is_empty).and(places.clone().find(is_free))?;
+        let covered = |b: &[f64; 4]| {
+            let inside = |[x, y]: &&[f64; 2]| b[0] < *x && *x < b[2] && b[1] < *y && *y < b[3];
+            self.routes.iter().filter(inside).count()
+        };
+        let places = beside.into_iter().chain(moved).map(boxed).filter(is_free);
+        let found = places.min_by_key(covered).filter(|_| !name.is_empty())?;
         self.taken.push(found);
         let [x, y] = [found[0], found[1]].map(text::round);
         let ground = Rectangle::new()

@@ -60,10 +60,10 @@ pub(crate) fn route(number: usize) -> (&'static str, &'static [f64]) {
 /// falls evenly, and yellow turns to blue, which all but tritanopes see besides.
 const RAMP: [[f64; 3]; 5] = [
     [255.0, 252.0, 215.0],
-    [183.0, 226.0, 114.0],
-    [131.0, 186.0, 117.0],
-    [82.0, 158.0, 185.0],
-    [76.0, 115.0, 175.0],
+    [186.0, 219.0, 106.0],
+    [157.0, 171.0, 107.0],
+    [105.0, 152.0, 180.0],
+    [81.0, 111.0, 170.0],
 ];
 
 /// The colour of a band of cost of so many.

@@ -61,7 +61,7 @@ impl Ticks {
 
     /// At round numbers, as close as labels below each other allow.
     pub(super) fn stacked(edge: Edge, font_px: f64) -> Self {
-        Self::every(edge.step(2.5 * font_px), edge)
+        Self::every(edge.step(3.2 * font_px), edge)
     }
 
     fn every(step: f64, edge: Edge) -> Self {
@@ -120,7 +120,7 @@ mod tests {
     fn ticks_stand_at_round_numbers_and_apart() {
         assert_eq!(labels(0.0, 250.0, 300.0), ["0", "50", "100", "150", "200", "250 m"]);
         assert_eq!(labels(-5.0, 5.0, 300.0), ["-4", "-2", "0", "2", "4 m"]);
-        assert_eq!(labels(0.0, 0.5, 200.0), ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5 m"]);
+        assert_eq!(labels(0.0, 0.5, 300.0), ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5 m"]);
         assert_eq!(labels(441_231.5, 441_331.5, 300.0), ["441250", "441300 m"]);
         assert_eq!(
             labels(0.0, 1.0, 5.0),

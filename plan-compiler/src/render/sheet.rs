@@ -113,6 +113,8 @@ const MIN_SIDE_UNITS: f64 = 28.0;
 const MAX_CELL_PART: f64 = 1.0 / 8.0;
 /// A legend that leaves the map less than this part of the picture is left out.
 const MIN_MAP_PART: f64 = 0.33;
+/// How much larger maps must be to stand one below the other.
+const SIDE_BY_SIDE: f64 = 1.3;
 /// Widths that are tried for a legend below the maps.
 const WIDTHS: u32 = 16;
 
@@ -155,10 +157,12 @@ impl Sheet {
         let has_room = |trial: &&Trial| {
             !matches!(trial.place, Place::Nowhere) && long(trial) >= MIN_MAP_PART * around.size
         };
-        // The largest maps; among equals the smallest picture.
+        // The largest maps, rather side by side; among equals the smallest picture.
         let worth = |trial: &&Trial| {
             let area = |[width, height]: [f64; 2]| width * height;
-            (area(trial.map.map(f64::from)), -area(trial.size))
+            let is_wide = trial.across >= contents.panels.div_ceil(trial.across);
+            let preferred = if is_wide { SIDE_BY_SIDE } else { 1.0 };
+            (area(trial.map.map(f64::from)) * preferred, -area(trial.size))
         };
         let largest = |a: &&Trial, b: &&Trial| {
             let (a, b) = (worth(a), worth(b));
@@ -241,7 +245,13 @@ impl Around {
             Place::Beside(flow) => height = height.max(flow.size[1] + 2.0 * margin),
             Place::Below(flow) => width = width.max(flow.size[0] + 2.0 * margin),
         }
-        Trial { across, place: place.clone(), map, panel, size: [width.ceil(), height.ceil()] }
+        Trial {
+            across,
+            place: place.clone(),
+            map,
+            panel,
+            size: [width, height].map(|side| (side - 1e-6).ceil()),
+        }
     }
 
     /// The size of a map that has this room.
@@ -253,7 +263,7 @@ impl Around {
         let cell = if cell >= 8.0 { cell.floor() } else { cell };
         [0, 1].map(|axis| {
             let least = (MIN_SIDE_UNITS * self.measure.unit).min(room[axis]);
-            (cell * cells[axis]).max(least).round().max(1.0) as u32
+            (cell * cells[axis] + 1e-6).max(least).floor().max(1.0) as u32
         })
     }
 

@@ -135,6 +135,7 @@ impl Panel {
         for (column, text) in LABELS.iter().enumerate() {
             self.text(left + column as f64 * CELL_PX + 7.0, self.y, text, FAINT);
         }
+        self.right = self.right.max(left + LABELS.len() as f64 * CELL_PX);
         self.y += LINE_PX - 4.0;
         for (name, labels) in rows {
             self.text(Self::LEFT, self.y + 5.0, name, INK);

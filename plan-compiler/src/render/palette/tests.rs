@@ -174,7 +174,7 @@ fn neighbouring_bands_of_cost_can_be_told_apart() {
         }
         // A band is never taken for the one after the next, in a legend that is not beside it.
         for triple in bands(count).windows(3) {
-            apart(&[triple[0].clone(), triple[2].clone()], 6.0);
+            apart(&[triple[0].clone(), triple[2].clone()], 7.0);
         }
     }
 }
