@@ -243,8 +243,9 @@ fn draw(
     let marks: Vec<(Mark, [f64; 2])> = others
         .iter()
         .map(|(_, at)| (Mark::OtherGoal, place(*at)))
-        .chain(overlay.marks.iter().map(|(mark, at, _)| (*mark, place(*at))))
         .chain([(Mark::Goal, place(parallel.goal_m()))])
+        // On the goal's star, what happened there is smaller and stays visible.
+        .chain(overlay.marks.iter().map(|(mark, at, _)| (*mark, place(*at))))
         .collect();
     let places: Vec<[f64; 2]> = marks.iter().map(|(_, at)| *at).collect();
     // Marks may reach over the edge of the map by half.
@@ -318,7 +319,9 @@ fn opaque(pixels: &resvg::tiny_skia::Pixmap) -> Result<Vec<u8>, png::EncodingErr
     let mut encoder = png::Encoder::new(&mut bytes, pixels.width(), pixels.height());
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Balanced);
+    // Even areas and thin lines are smaller without filters.
+    encoder.set_filter(png::Filter::NoFilter);
+    encoder.set_compression(png::Compression::High);
     let colours: Vec<u8> =
         pixels.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     let mut writer = encoder.write_header()?;

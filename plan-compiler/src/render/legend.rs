@@ -47,7 +47,7 @@ const NORTH_EM: [f64; 2] = [3.0, 3.0];
 const ITEM_EM: f64 = 1.65;
 const SYMBOL_EM: f64 = 2.5;
 /// An explanation is never wider.
-const TEXT_EM: f64 = 15.0;
+const TEXT_EM: f64 = 18.0;
 /// Between columns and between rows.
 const GAP_EM: [f64; 2] = [1.2, 0.4];
 

@@ -47,7 +47,7 @@ impl Mark {
             Self::Start => around(24, &[6.5], 0.0),
             Self::Goal => around(10, &[11.0, 4.8], 0.0),
             Self::OtherGoal => around(4, &[6.0], 0.0),
-            Self::End => around(4, &[8.0], 0.125),
+            Self::End => around(4, &[5.5], 0.125),
             Self::GaveWay => around(3, &[8.5], 0.0),
             Self::Interrupted => around(3, &[8.5], 0.5),
             Self::Stop => {

@@ -122,10 +122,7 @@ mod tests {
         assert_eq!(labels(-5.0, 5.0, 300.0), ["-4", "-2", "0", "2", "4 m"]);
         assert_eq!(labels(0.0, 0.5, 300.0), ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5 m"]);
         assert_eq!(labels(441_231.5, 441_331.5, 300.0), ["441250", "441300 m"]);
-        assert_eq!(
-            labels(0.0, 1.0, 5.0),
-            ["0", "1 m"].map(String::from)[..labels(0.0, 1.0, 5.0).len()]
-        );
+        assert_eq!(labels(0.0, 1.0, 5.0), ["0 m"], "where there is no room for more");
         assert!(labels(1e15, 1e15 + 1.0, 300.0).len() <= MOST_TICKS);
     }
 }
