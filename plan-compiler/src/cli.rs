@@ -11,6 +11,7 @@ use plan_compiler::formats::{
 use plan_compiler::map::Unknown;
 use plan_compiler::mission::words::{goal, number, pair};
 use plan_compiler::mission::{self, Goal};
+use plan_compiler::render::{SIZES_PX, Style};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -317,6 +318,12 @@ pub(crate) struct Render {
     /// The file to write: .svg or .png
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: PathBuf,
+    /// The longer side of the picture, 200 to 8000; letters, lines and arrows follow it
+    #[arg(long, value_name = "PIXELS", default_value_t = Style::default().size_px, value_parser = size())]
+    pub(crate) size: u32,
+    /// Leave the arrows of the advice out
+    #[arg(long)]
+    pub(crate) no_arrows: bool,
     /// Draw the exact shapes of this map, which the plans were built from, over the cells
     #[arg(long, value_name = "MAP|MISSION")]
     pub(crate) map: Option<PathBuf>,
@@ -515,6 +522,12 @@ fn length(text: &str) -> Result<f64, String> {
         Some(metres) => format!("write metres, the number alone: {metres}"),
         None => "write a number of metres, for example 0.25".into(),
     })
+}
+
+/// The longer side of a picture.
+fn size() -> impl TypedValueParser<Value = u32> {
+    let (least, most) = (i64::from(*SIZES_PX.start()), i64::from(*SIZES_PX.end()));
+    clap::value_parser!(u32).range(least..=most)
 }
 
 #[cfg(test)]
