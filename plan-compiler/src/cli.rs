@@ -2,10 +2,12 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use math::GeoPoint;
 use plan_compiler::boards::{BOARDS, Board};
 use plan_compiler::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
 use plan_compiler::formats::{
-    Format, OparOptions, ReadOptions, geojson, iplan, movingai, osm, pcf, ros,
+    Format, OparOptions, ReadOptions, TagRule, TagRules, geojson, iplan, movingai, osm, pcf, ros,
+    tags,
 };
 use plan_compiler::map::Unknown;
 use plan_compiler::mission::{self, Goal, GoalAt};
@@ -85,6 +87,7 @@ fn assumptions() -> String {
         movingai::CONVENTIONS,
         geojson::CONVENTIONS,
         osm::CONVENTIONS,
+        tags::CONVENTIONS,
         iplan::CONVENTIONS,
         pcf::CONVENTIONS,
     ];
@@ -351,6 +354,19 @@ pub(crate) struct Reading {
     /// What a type of OPAR's obstructions is, besides 1=building and 2=foliage; repeatable
     #[arg(long = "opar-type", value_name = "N=building|foliage")]
     pub(crate) opar_types: Vec<ObstructionType>,
+    /// Make obstacles of what has this tag, in GeoJSON and OpenStreetMap; repeatable
+    #[arg(long, value_name = "KEY[=VALUE]")]
+    pub(crate) block: Vec<TagRule>,
+    /// Make free ground of what has this tag, in GeoJSON and OpenStreetMap; repeatable
+    #[arg(long, value_name = "KEY[=VALUE]")]
+    pub(crate) free: Vec<TagRule>,
+    /// Let gates that are not locked open the fence that they stand in
+    #[arg(long)]
+    pub(crate) open_gates: bool,
+    /// Where 0,0 of a GeoJSON or OpenStreetMap map is, WGS-84 degrees; otherwise the centre of
+    /// what the file holds
+    #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
+    pub(crate) origin: Option<GeoPoint>,
 }
 
 impl Reading {
@@ -361,7 +377,14 @@ impl Reading {
             order: self.opar_order,
             types: self.opar_types.clone(),
         };
-        ReadOptions { format: self.format, unknown: self.unknown, opar }
+        let (block, free) = (self.block.clone(), self.free.clone());
+        ReadOptions {
+            format: self.format,
+            unknown: self.unknown,
+            opar,
+            tags: TagRules { block, free, open_gates: self.open_gates },
+            origin: self.origin,
+        }
     }
 }
 
@@ -431,6 +454,12 @@ fn goal(text: &str) -> Result<Goal, String> {
 fn pair(text: &str) -> Result<[f64; 2], String> {
     let (x, y) = text.split_once(',').ok_or("two numbers parted by a comma are needed")?;
     Ok([number(x)?, number(y)?])
+}
+
+fn place(text: &str) -> Result<GeoPoint, String> {
+    let [lat, lon] = pair(text)?;
+    let off = "latitudes are -90 to 90 degrees, longitudes -180 to 180; the latitude comes first";
+    GeoPoint::from_degrees(lat, lon).ok_or_else(|| off.into())
 }
 
 /// A finite number; also what a line of standard input is made of.

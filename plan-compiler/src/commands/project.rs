@@ -72,7 +72,7 @@ pub(crate) fn read(
         }
         (_, false) => path.to_owned(),
     };
-    let (map, found) = formats::read(&map_path, &args.reading.options());
+    let (map, found) = formats::read(&map_path, &mission.reading(args.reading.options()));
     let incomplete = plan_compiler::compile::has_errors(&found);
     let named_at = mission.map_place.as_ref().filter(|_| is_mission);
     problems.extend(found.into_iter().map(|problem| match (&problem.place, named_at) {

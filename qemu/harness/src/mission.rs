@@ -94,7 +94,7 @@ impl Scenario {
             mission.plan = Some(asked_for(name));
         }
         mission.parameters.gains = changes.gains.unwrap_or(mission.parameters.gains);
-        let (map, found) = formats::read(&map_path, &ReadOptions::default());
+        let (map, found) = formats::read(&map_path, &mission.reading(ReadOptions::default()));
         problems.extend(found);
         let map = map.filter(|_| !has_errors(problems))?;
         let options = Options::default();

@@ -1,5 +1,6 @@
 //! Map formats through the built binary: a file in, cells and answers out.
 
+mod field;
 mod globe;
 mod grids;
 
