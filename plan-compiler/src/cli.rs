@@ -6,7 +6,8 @@ use math::GeoPoint;
 use plan_compiler::boards::{BOARDS, Board};
 use plan_compiler::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
 use plan_compiler::formats::{
-    Format, OparOptions, ReadOptions, geojson, iplan, movingai, osm, pcf, ros,
+    Format, OparOptions, ReadOptions, TagRule, TagRules, geojson, iplan, movingai, osm, pcf, ros,
+    tags,
 };
 use plan_compiler::map::Unknown;
 use plan_compiler::mission::words::{goal, number, pair};
@@ -93,6 +94,7 @@ fn assumptions() -> String {
         movingai::CONVENTIONS,
         geojson::CONVENTIONS,
         osm::CONVENTIONS,
+        tags::CONVENTIONS,
         iplan::CONVENTIONS,
         pcf::CONVENTIONS,
     ];
@@ -409,6 +411,19 @@ pub(crate) struct Reading {
     /// What a type of OPAR's obstructions is, besides 1=building and 2=foliage; repeatable
     #[arg(long = "opar-type", value_name = "N=building|foliage")]
     pub(crate) opar_types: Vec<ObstructionType>,
+    /// Make obstacles of what has this tag, in GeoJSON and OpenStreetMap; repeatable
+    #[arg(long, value_name = "KEY[=VALUE]")]
+    pub(crate) block: Vec<TagRule>,
+    /// Make free ground of what has this tag, in GeoJSON and OpenStreetMap; repeatable
+    #[arg(long, value_name = "KEY[=VALUE]")]
+    pub(crate) free: Vec<TagRule>,
+    /// Let gates that are not locked open the fence that they stand in
+    #[arg(long)]
+    pub(crate) open_gates: bool,
+    /// Where 0,0 of a GeoJSON or OpenStreetMap map is, WGS-84 degrees; otherwise the centre of
+    /// what the file holds
+    #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
+    pub(crate) origin: Option<GeoPoint>,
 }
 
 impl Reading {
@@ -419,7 +434,14 @@ impl Reading {
             order: self.opar_order,
             types: self.opar_types.clone(),
         };
-        ReadOptions { format: self.format, unknown: self.unknown, opar }
+        let (block, free) = (self.block.clone(), self.free.clone());
+        ReadOptions {
+            format: self.format,
+            unknown: self.unknown,
+            opar,
+            tags: TagRules { block, free, open_gates: self.open_gates },
+            origin: self.origin,
+        }
     }
 }
 
@@ -528,6 +550,12 @@ fn length(text: &str) -> Result<f64, String> {
 fn size() -> impl TypedValueParser<Value = u32> {
     let (least, most) = (i64::from(*SIZES_PX.start()), i64::from(*SIZES_PX.end()));
     clap::value_parser!(u32).range(least..=most)
+}
+
+fn place(text: &str) -> Result<GeoPoint, String> {
+    let [lat, lon] = pair(text)?;
+    let off = "latitudes are -90 to 90 degrees, longitudes -180 to 180; the latitude comes first";
+    GeoPoint::from_degrees(lat, lon).ok_or_else(|| off.into())
 }
 
 #[cfg(test)]

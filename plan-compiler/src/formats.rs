@@ -7,25 +7,31 @@
 mod foreign;
 pub mod geojson;
 mod globe;
+mod holes;
 pub mod iplan;
+mod json;
 mod lines;
 pub mod movingai;
 pub mod opar;
+mod openings;
 pub mod osm;
 pub mod overlay;
+mod packed;
 pub mod pcf;
 pub mod ros;
-mod tags;
+pub mod tags;
 mod turn;
 pub mod utm;
 
 pub use opar::OparOptions;
+pub use tags::{TagRule, TagRules};
 
 use crate::map::{CellMap, Counts, Map, Unknown};
 pub use crate::problem::MAX_PROBLEMS;
 
 use crate::problem::{Problem, Source, limit};
 use crate::source;
+use math::GeoPoint;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -59,7 +65,7 @@ pub enum Format {
 }
 
 /// What a user may say about how to read a map.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// The format, where the file does not tell.
     pub format: Option<Format>,
@@ -67,6 +73,10 @@ pub struct ReadOptions {
     pub unknown: Unknown,
     /// What OPAR files leave open.
     pub opar: OparOptions,
+    /// What tags mean, beyond what they mean by themselves.
+    pub tags: TagRules,
+    /// Where 0,0 is, for formats that give degrees and nothing else.
+    pub origin: Option<GeoPoint>,
 }
 
 impl Format {
@@ -105,7 +115,7 @@ impl Format {
             Self::Movingai => &["map"],
             Self::Iplan => &["dat"],
             Self::Pcf => &["pcf"],
-            Self::Geojson => &["geojson", "json"],
+            Self::Geojson => &["geojson", "json", "geojsonl", "geojsons", "geojsonseq", "ndjson"],
             Self::Osm => &["osm", "pbf"],
         }
     }
@@ -136,8 +146,27 @@ impl Format {
             Self::Movingai => movingai::read(text),
             Self::Iplan => iplan::read(text),
             Self::Pcf => pcf::read(path, text, options),
-            Self::Geojson => geojson::read(text),
-            Self::Osm => osm::read(text),
+            Self::Geojson => geojson::read(text, options),
+            Self::Osm => osm::read(text, options),
+        }
+    }
+
+    /// A warning for each option that says something about tags or the globe to a format that has
+    /// neither.
+    fn refuse_tags(self, options: &ReadOptions, problems: &mut Vec<Problem>) {
+        if matches!(self, Self::Geojson | Self::Osm | Self::Pcf) {
+            return;
+        }
+        let name = self.name();
+        if !options.tags.is_empty() {
+            let message = format!("a {name} has no tags: block, free and open gates do nothing");
+            let mend = "leave them out; they are for GeoJSON and OpenStreetMap";
+            problems.push(Problem::warning(message).mend(mend));
+        }
+        if options.origin.is_some() {
+            let message = format!("a {name} has coordinates of its own: the origin does nothing");
+            let mend = "leave it out; it is for GeoJSON and OpenStreetMap";
+            problems.push(Problem::warning(message).mend(mend));
         }
     }
 
@@ -193,9 +222,13 @@ fn read_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Loaded {
     if let Some(problem) = foreign::refuse(path, &bytes, options.format.is_none()) {
         return refused(problem);
     }
+    let bytes = match packed::unpack(path, bytes) {
+        Ok(bytes) => bytes,
+        Err(problem) => return refused(problem),
+    };
     // The one format that is no text.
     if matches!(options.format, None | Some(Format::Osm)) && osm::is_binary(path, &bytes) {
-        let (map, problems) = osm::read_binary(path, &bytes);
+        let (map, problems) = osm::read_binary(path, &bytes, options);
         return Loaded { map, problems, source: None };
     }
     let (text, mut problems) = match source::decode(path, bytes) {
@@ -209,6 +242,7 @@ fn read_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Loaded {
     };
     let (map, more) = format.read(path, &text, options);
     problems.extend(more);
+    format.refuse_tags(options, &mut problems);
     Loaded { map, source, problems }
 }
 

@@ -10,6 +10,7 @@
 pub mod keys;
 mod masks;
 mod place;
+mod reading;
 mod speeds;
 pub mod words;
 
@@ -17,6 +18,7 @@ pub use masks::Mask;
 pub use place::{geo_uri, is_geo_uri, place_of};
 
 use crate::behaviours;
+use crate::formats::TagRules;
 use crate::map::Point;
 use crate::problem::{MAX_PROBLEMS, Place, Problem, Source};
 use crate::search::Corners;
@@ -45,6 +47,10 @@ pub struct Mission {
     pub corners: Option<Corners>,
     /// Whether closed walls are solid.
     pub fill_walls: Option<bool>,
+    /// What tags of the map mean, beyond what they mean by themselves.
+    pub tags: TagRules,
+    /// Where 0,0 of the map is, for formats that give degrees and nothing else.
+    pub origin: Option<GeoPoint>,
     /// The goals, in the file's order; `None` without a table `[goals]`.
     pub goals: Option<Vec<Goal>>,
     /// Areas that become obstacles, layer by layer, in the file's order.
@@ -272,6 +278,14 @@ impl Reader<'_> {
                 }
             }
             (Kind::Text, Some(Value::String(text))) => self.text(key, text.value(), span),
+            (Kind::Tags { set }, _) => match self.tags(item) {
+                Some(tags) => set(&mut self.mission, tags),
+                None => self.wrong_type(&key.path(), item, span, &expected, &key.example()),
+            },
+            (Kind::Place { set }, _) => match self.place_on_globe(item) {
+                Some(place) => set(&mut self.mission, place),
+                None => self.wrong_type(&key.path(), item, span, &expected, &key.example()),
+            },
             _ => self.wrong_type(&key.path(), item, span, &expected, &key.example()),
         }
     }

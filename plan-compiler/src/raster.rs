@@ -120,13 +120,13 @@ impl Raster {
             .map(|ring| ring.iter().map(|&point| self.in_cells(point)).collect())
             .collect();
         let Some((outer, holes)) = rings.split_first() else { return };
-        let outer = Interior::of(outer, self.grid.rows);
-        let holes: Vec<Interior> =
+        let mut outer = Interior::of(outer, self.grid.rows);
+        let mut holes: Vec<Interior<'_>> =
             holes.iter().map(|hole| Interior::of(hole, self.grid.rows)).collect();
-        for (row, spans) in outer.rows() {
-            let within: Vec<[f64; 2]> =
-                holes.iter().flat_map(|hole| hole.spans(row)).copied().collect();
-            for span in subtract(spans, within) {
+        for row in outer.rows() {
+            let spans = outer.spans(row);
+            let within: Vec<[f64; 2]> = holes.iter_mut().flat_map(|hole| hole.spans(row)).collect();
+            for span in subtract(&spans, within) {
                 self.fill_centres(row, span);
             }
         }
@@ -134,10 +134,10 @@ impl Raster {
 
     fn outside(&mut self, boundary: &[Point]) {
         let ring: Vec<Point> = boundary.iter().map(|&point| self.in_cells(point)).collect();
-        let interior = Interior::of(&ring, self.grid.rows);
+        let mut interior = Interior::of(&ring, self.grid.rows);
         let everywhere = [[-1.0, f64::from(self.grid.columns) + 1.0]];
         for row in 0..self.grid.rows {
-            for span in subtract(&everywhere, interior.spans(row).to_vec()) {
+            for span in subtract(&everywhere, interior.spans(row)) {
                 self.fill_centres(row, span);
             }
         }
@@ -301,38 +301,73 @@ impl Capsule {
 
 /// The inside of a ring at the height of each row's centres, by the non-zero winding rule, so
 /// that an outline which overlaps itself is solid.
-struct Interior {
-    /// Spans from west to east for each row from `first`.
-    spans: Vec<Vec<[f64; 2]>>,
-    first: u32,
+///
+/// Rows are asked for from south to north. Only the edges that cross the row at hand are looked
+/// at, and only its own crossings are held: a ring whose edges all span the map has as many
+/// crossings as edges in every row, and all of them together may be billions.
+struct Interior<'r> {
+    ring: &'r [Point],
+    row_count: u32,
+    /// Edges by the first row whose centre they cross, the southernmost last.
+    waiting: Vec<u32>,
+    /// Edges that cross the row at hand.
+    crossing: Vec<u32>,
+    rows: std::ops::Range<u32>,
 }
 
-impl Interior {
-    fn of(ring: &[Point], row_count: u32) -> Self {
-        let height = |row: usize| row as f64 + 0.5;
+impl<'r> Interior<'r> {
+    fn of(ring: &'r [Point], row_count: u32) -> Self {
+        let mut interior =
+            Self { ring, row_count, waiting: Vec::new(), crossing: Vec::new(), rows: 0..0 };
+        let count = ring.len().min(u32::MAX as usize) as u32;
+        let mut waiting: Vec<u32> =
+            (0..count).filter(|edge| !interior.rows_of(*edge).is_empty()).collect();
+        waiting.sort_unstable_by_key(|edge| std::cmp::Reverse(interior.rows_of(*edge).start));
+        let first = waiting.last().map_or(0, |edge| interior.rows_of(*edge).start);
+        let end = waiting.iter().map(|edge| interior.rows_of(*edge).end).max().unwrap_or(first);
+        (interior.waiting, interior.rows) = (waiting, first..end);
+        interior
+    }
+
+    /// Rows that have an inside.
+    fn rows(&self) -> std::ops::Range<u32> {
+        self.rows.clone()
+    }
+
+    /// The ends of an edge, which is numbered like its first point.
+    fn ends(&self, edge: u32) -> [Point; 2] {
+        let first = edge as usize;
+        let second = if first + 1 < self.ring.len() { first + 1 } else { 0 };
+        [self.ring[first], self.ring[second]]
+    }
+
+    /// The rows whose centres an edge crosses.
+    fn rows_of(&self, edge: u32) -> std::ops::Range<u32> {
         // Rows whose centres are at or above a height.
-        let row_from = |y: f64| wide::ceil(y - 0.5).clamp(0.0, f64::from(row_count)) as usize;
-        let lowest = ring.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
-        let highest = ring.iter().map(|point| point[1]).fold(f64::NEG_INFINITY, f64::max);
-        let (first, end) = (row_from(lowest), row_from(highest));
-        let mut crossings: Vec<Vec<(f64, i32)>> = vec![Vec::new(); end.saturating_sub(first)];
-        for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
-            let turn = if a[1] < b[1] { 1 } else { -1 };
-            for row in row_from(a[1].min(b[1]))..row_from(a[1].max(b[1])) {
-                let x = a[0] + (height(row) - a[1]) * (b[0] - a[0]) / (b[1] - a[1]);
-                crossings[row - first].push((x, turn));
-            }
+        let row_from = |y: f64| wide::ceil(y - 0.5).clamp(0.0, f64::from(self.row_count)) as u32;
+        let [a, b] = self.ends(edge);
+        row_from(a[1].min(b[1]))..row_from(a[1].max(b[1]))
+    }
+
+    /// Spans from west to east; no row may be asked for after one farther north.
+    fn spans(&mut self, row: u32) -> Vec<[f64; 2]> {
+        while let Some(edge) = self.waiting.last().copied()
+            && self.rows_of(edge).start <= row
+        {
+            self.waiting.pop();
+            self.crossing.push(edge);
         }
-        Self { spans: crossings.into_iter().map(wound).collect(), first: first as u32 }
-    }
-
-    fn spans(&self, row: u32) -> &[[f64; 2]] {
-        let index = row.checked_sub(self.first).map(|index| index as usize);
-        index.and_then(|index| self.spans.get(index)).map_or(&[], Vec::as_slice)
-    }
-
-    fn rows(&self) -> impl Iterator<Item = (u32, &[[f64; 2]])> {
-        (self.first..).zip(self.spans.iter().map(Vec::as_slice))
+        let mut crossing = std::mem::take(&mut self.crossing);
+        crossing.retain(|edge| row < self.rows_of(*edge).end);
+        let height = f64::from(row) + 0.5;
+        let crossings = crossing.iter().map(|edge| {
+            let [a, b] = self.ends(*edge);
+            let x = a[0] + (height - a[1]) * (b[0] - a[0]) / (b[1] - a[1]);
+            (x, if a[1] < b[1] { 1 } else { -1 })
+        });
+        let spans = wound(crossings.collect());
+        self.crossing = crossing;
+        spans
     }
 }
 

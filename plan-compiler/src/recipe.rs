@@ -52,6 +52,18 @@ pub(crate) fn write(input: &Input<'_>) -> String {
         let types = reading.opar.types.iter().map(ToString::to_string);
         put("opar_type", Value::Array(types.collect()));
     }
+    for (key, rules) in [("block", &reading.tags.block), ("free", &reading.tags.free)] {
+        if !rules.is_empty() {
+            put(key, Value::Array(rules.iter().map(ToString::to_string).collect()));
+        }
+    }
+    if reading.tags.open_gates {
+        put("open_gates", true.into());
+    }
+    if let Some(origin) = reading.origin {
+        let degrees = [origin.lat_e7, origin.lon_e7].map(|e7| f64::from(e7) / 1e7);
+        put("origin", Value::Array(degrees.into_iter().collect()));
+    }
     if !input.mission.layers.is_empty() {
         let mut table = toml_edit::Table::new();
         for rule in &input.mission.layers {
@@ -83,11 +95,12 @@ fn parse(text: &str) -> Option<Recipe> {
     let types = document.get("opar_type").and_then(Item::as_array);
     let types = types.into_iter().flatten().filter_map(Value::as_str);
     reading.opar.types = types.filter_map(|kind| kind.parse::<ObstructionType>().ok()).collect();
-    // The layers are written as a mission writes them.
-    let layers = text.find("[layers]").map_or("", |at| &text[at..]);
-    let source = Source { name: "the recipe of the plans".into(), text: layers.into() };
-    let source = Arc::new(source);
-    let (Mission { layers, .. }, _) = mission::parse(&source);
+    // Tags, origin and layers are written as a mission writes them; what else is here is no
+    // mistake.
+    let source = Source { name: "the recipe of the plans".into(), text: text.into() };
+    let (Mission { layers, tags, origin, .. }, _) = mission::parse(&Arc::new(source));
+    reading.tags = tags;
+    reading.origin = origin;
     Some(Recipe {
         robot_radius_m: document
             .get("robot_radius")

@@ -112,6 +112,7 @@ fn read_as(
         }
         (_, false) => path.to_owned(),
     };
+    options.reading = mission.reading(options.reading);
     let Loaded { map, source, problems: found } = match bytes.filter(|_| !is_mission) {
         Some(bytes) => formats::load_bytes(&map_path, bytes, &options.reading),
         None => formats::load(&map_path, &options.reading),

@@ -1,9 +1,11 @@
 //! From degrees to the map's metres, for formats that give nothing else.
 //!
-//! The map is the plane about the centre of its bounds, which becomes the point 0,0: WGS-84,
-//! x east, y north, by the arithmetic that the robot uses on its fixes. Bounds that the file
-//! states outrank those of its coordinates: what is drawn later then moves no coordinate.
+//! The map is the plane about an origin, which becomes the point 0,0: WGS-84, x east, y north, by
+//! the arithmetic that the robot uses on its fixes. The origin is what the user or the file says,
+//! else the centre of the map's bounds. Bounds that the file states outrank those of its
+//! coordinates: what is drawn later then moves no coordinate.
 
+use super::tags::Unused;
 use crate::compile::metres;
 use crate::map::{Extent, Map, Point, Reference, Role};
 use crate::problem::Problem;
@@ -14,6 +16,9 @@ use math::geodetic::{Frame, metres_per_degree, offset_m};
 const MARGIN_M: f64 = 10.0;
 /// The plane serves no farther than this from its centre, metres.
 const REACH_M: f64 = Frame::RANGE_M as f64;
+
+/// Beyond this latitude meridians run together so fast that a plane is no map, degrees.
+const MAX_LATITUDE_DEG: f64 = 85.0;
 
 /// A latitude and a longitude, degrees.
 pub(super) type Place = [f64; 2];
@@ -50,7 +55,12 @@ impl Bounds {
         match drawn {
             Some(drawn) if !self.meets(&drawn) => {
                 let message = "all that the file draws lies outside the bounds that it states";
-                let mend = format!("{mend}; check whether latitude and longitude are swapped");
+                let fits = drawn.swapped().is_some_and(|swapped| self.meets(&swapped));
+                let mend = if fits {
+                    "latitude and longitude are swapped in one of both: exchange them there".into()
+                } else {
+                    format!("{mend}; check whether latitude and longitude are swapped")
+                };
                 Err(Problem::error(message).mend(mend))
             }
             _ => Ok(()),
@@ -63,6 +73,40 @@ impl Bounds {
             if axis == 1 { turned(apart) } else { apart }
         };
         (0..2).all(|axis| apart(axis) <= self.size[axis] && -apart(axis) <= other.size[axis])
+    }
+
+    /// The smallest box that holds both.
+    pub(super) fn and(self, other: Self) -> Self {
+        let corners = |bounds: Self| {
+            let ([south, west], [height, width]) = (bounds.south_west, bounds.size);
+            [[south, west], [south + height, west + width]]
+        };
+        let all = [corners(self), corners(other)].concat();
+        Self::around(all.into_iter()).unwrap_or(self)
+    }
+
+    /// Latitude and longitude exchanged, where that is on the globe.
+    fn swapped(&self) -> Option<Self> {
+        let ([south, west], [height, width]) = (self.south_west, self.size);
+        Self::between([west, south], [west + width, south + height])
+    }
+
+    fn middle(&self) -> Place {
+        [self.south_west[0] + self.size[0] / 2.0, turned(self.south_west[1] + self.size[1] / 2.0)]
+    }
+
+    /// A warning where the map lies in the open sea or in Antarctica, and on land if latitude and
+    /// longitude are exchanged.
+    pub(super) fn suspect(&self) -> Option<Problem> {
+        let (here, there) = (self.middle(), self.swapped()?.middle());
+        (is_desert(here) && !is_desert(there)).then(|| {
+            let [lat, lon] = here;
+            Problem::warning(format!(
+                "the map lies at latitude {lat:.4}, longitude {lon:.4}, where no land is: latitude \
+                 and longitude may be swapped"
+            ))
+            .mend("in GeoJSON longitude comes first: [longitude, latitude]")
+        })
     }
 
     /// South, west, north, east, degrees.
@@ -86,6 +130,28 @@ impl Bounds {
         }
         Some(Self { south_west: low, size: [high[0] - low[0], high[1] - low[1]] })
     }
+}
+
+/// Boxes without land that a small robot would see, south, west, north, east, degrees. Not all of
+/// them: those where Europe and the Americas come to lie when latitude and longitude are swapped.
+const DESERTS: [[f64; 4]; 7] = [
+    // Antarctica.
+    [-90.0, -180.0, -60.0, 180.0],
+    // The Indian Ocean off Somalia.
+    [-3.0, 47.0, 2.0, 72.0],
+    [2.0, 51.5, 9.0, 72.0],
+    [9.0, 52.0, 11.5, 72.0],
+    // The South Atlantic.
+    [-50.0, -55.0, -41.0, -12.0],
+    // The Barents Sea.
+    [72.0, 5.0, 74.0, 50.0],
+    [74.7, 5.0, 76.3, 50.0],
+];
+
+fn is_desert([lat, lon]: Place) -> bool {
+    DESERTS.iter().any(|[south, west, north, east]| {
+        (south..=north).contains(&&lat) && (west..=east).contains(&&lon)
+    })
 }
 
 /// The place that makes an extent absurd.
@@ -149,14 +215,48 @@ pub(super) struct Plane {
     extent: Extent,
     /// Where the extent comes from.
     by: String,
+    /// Whether somebody said where 0,0 is.
+    is_fixed: bool,
+}
+
+/// What a file leaves unused, and what of it has a meaning but no place.
+#[derive(Debug, Default)]
+pub(super) struct Passed {
+    /// Means nothing here.
+    pub(super) unused: Unused,
+    /// Means something, and lies nowhere.
+    pub(super) nowhere: Unused,
+    /// Means an area, and is drawn as a point.
+    pub(super) pointlike: Unused,
+}
+
+impl Passed {
+    /// A warning for each kind of trouble. `mend` says how to fetch the file with geometry.
+    pub(super) fn tell(&self, mend: &str, problems: &mut Vec<Problem>) {
+        if self.nowhere.total() > 0 {
+            let list = self.nowhere.list();
+            problems.push(
+                Problem::warning(format!("without coordinates, so not on the map: {list}"))
+                    .mend(mend),
+            );
+        }
+        if self.pointlike.total() > 0 {
+            let list = self.pointlike.list();
+            let message =
+                format!("drawn as a point, which has no outline: {list}; blocks one cell");
+            let mend = format!("{mend}, or give the point a `radius` in metres");
+            problems.push(Problem::warning(message).mend(mend));
+        }
+    }
 }
 
 impl Plane {
-    /// The plane of stated bounds, else of coordinates with a margin. Where bounds are stated, it
-    /// is they who are wrong if there is none.
+    /// The plane of stated bounds, else of coordinates with a margin, about an origin, else about
+    /// the centre. Where bounds are stated, it is they who are wrong if there is none.
     pub(super) fn new(
         stated: Option<Bounds>,
         drawn: impl Iterator<Item = Place>,
+        origin: Option<GeoPoint>,
     ) -> Result<Self, Problem> {
         let around = Bounds::around(drawn);
         let (bounds, margin, by) = match stated {
@@ -172,36 +272,48 @@ impl Plane {
                 }
             },
         };
-        let middle = [0, 1].map(|axis| bounds.south_west[axis] + bounds.size[axis] / 2.0);
-        let reference = GeoPoint::from_degrees(middle[0], turned(middle[1]));
-        let reference = reference.unwrap_or(GeoPoint { lat_e7: 0, lon_e7: 0 });
+        let [lat, lon] = bounds.middle();
+        let middle = GeoPoint::from_degrees(lat, lon).unwrap_or(GeoPoint { lat_e7: 0, lon_e7: 0 });
+        let reference = origin.unwrap_or(middle);
+        refuse_pole(reference)?;
         let (per_lat, per_lon) = metres_per_degree(reference.lat_deg());
         let size = [bounds.size[1] * per_lon, bounds.size[0] * per_lat];
-        if size.iter().any(|side| *side > 2.0 * REACH_M) {
-            let [width, height] = size.map(|side| metres((side / 1e3).ceil()));
-            let reach = metres(REACH_M / 1e3);
-            let (what, mend) = match stated {
-                Some(_) => (
-                    "by the bounds that the file states the map is",
-                    "state the bounds of the part that the robot will drive in, or none",
-                ),
-                None => (
-                    "the map is",
-                    "cut the part out that the robot will drive in; one stray point is enough",
-                ),
-            };
-            return Err(Problem::error(format!(
-                "{what} {width} km x {height} km, but a plan holds for {reach} km around its centre"
-            ))
-            .mend(mend));
-        }
-        let mut plane = Self { reference, extent: Extent { corner: [0.0; 2], size }, by };
+        check_size(size, stated.is_some())?;
+        let mut plane = Self {
+            reference,
+            extent: Extent { corner: [0.0; 2], size },
+            by,
+            is_fixed: origin.is_some(),
+        };
         plane.extent.corner = plane.metres(bounds.south_west);
         for axis in 0..2 {
             plane.extent.corner[axis] -= margin;
             plane.extent.size[axis] += 2.0 * margin;
         }
+        plane.check_reach(&bounds)?;
         Ok(plane)
+    }
+
+    /// An error where a part of the map is too far from an origin that was given.
+    fn check_reach(&self, bounds: &Bounds) -> Result<(), Problem> {
+        let far = (0..2).map(|axis| {
+            let [low, size] = [self.extent.corner[axis], self.extent.size[axis]];
+            low.abs().max((low + size).abs())
+        });
+        let far = far.fold(0.0, f64::max);
+        if !self.is_fixed || far <= REACH_M {
+            return Ok(());
+        }
+        let (far, reach) = (metres((far / 1e3).ceil()), metres(REACH_M / 1e3));
+        let message =
+            format!("the map reaches {far} km from its origin, but a plan holds for {reach} km");
+        let to_swapped = bounds.swapped().map(|swapped| self.metres(swapped.middle()));
+        let is_swapped = to_swapped.is_some_and(|at| at.iter().all(|axis| axis.abs() <= REACH_M));
+        let mend = match is_swapped {
+            true => "latitude and longitude are swapped, in the origin or in the map",
+            false => "check the origin: latitude, then longitude, near what the map draws",
+        };
+        Err(Problem::error(message).mend(mend))
     }
 
     /// The map's metres of a place.
@@ -215,143 +327,93 @@ impl Plane {
         Map { reference: Some(reference), ..Map::empty(self.extent) }
     }
 
-    /// What became of the file: where the map lies, and what it holds.
-    pub(super) fn note(&self, map: &Map, ignored: usize) -> Problem {
+    /// What became of the file: where the map lies, and what it holds. A warning where none of it
+    /// blocks, although something was drawn.
+    pub(super) fn note(&self, map: &Map, unused: &Unused, problems: &mut Vec<Problem>) {
         let [width, height] = self.extent.size.map(|side| metres((side * 10.0).round() / 10.0));
         let (lat, lon) = (self.reference.lat_deg(), self.reference.lon_deg());
         let count = |role: Role| map.features.iter().filter(|one| one.role == role).count();
         let (obstacles, areas, zones) =
             (count(Role::Obstacle), count(Role::Attenuating), count(Role::Zone));
         let points = map.points.len();
-        Problem::note(format!(
-            "the map is {width} m x {height} m, {by}; 0,0 is its centre, latitude {lat}, \
-             longitude {lon}; obstacles: {obstacles}, areas that weaken radio: {areas}, zones: \
-             {zones}, named points: {points}, without a meaning here: {ignored}",
+        let what = if self.is_fixed { "the origin that was given" } else { "its centre" };
+        let not_used = match unused.total() {
+            0 => "0".into(),
+            total => format!("{total} ({})", unused.list()),
+        };
+        if obstacles + areas == 0 && zones + unused.total() > 0 {
+            problems.push(nothing_blocks(map, unused));
+        }
+        let note = Problem::note(format!(
+            "the map is {width} m x {height} m, {by}; 0,0 is {what}, latitude {lat}, longitude \
+             {lon}; obstacles: {obstacles}, areas that weaken radio: {areas}, zones: {zones}, named \
+             points: {points}, not used: {not_used}",
             by = self.by
-        ))
+        ));
+        problems.push(match self.is_fixed {
+            true => note,
+            false => note.mend(format!(
+                "0,0 depends on the file: `origin = [{lat}, {lon}]` in the mission file or --origin \
+                 {lat},{lon} keeps it where it is when the map is drawn anew"
+            )),
+        });
     }
+}
+
+fn nothing_blocks(map: &Map, unused: &Unused) -> Problem {
+    let mut names: Vec<&str> = map.features.iter().map(|zone| zone.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    names.truncate(8);
+    let zones = match names[..] {
+        [] => String::new(),
+        _ => format!("; zones, which only a mission can use: {}", names.join(", ")),
+    };
+    let list = match unused.total() {
+        0 => String::new(),
+        _ => format!("; not used: {}", unused.list()),
+    };
+    Problem::warning(format!("nothing on the map is an obstacle{zones}{list}")).mend(
+        "--block KEY=VALUE, or `block = [\"KEY=VALUE\"]` in the mission file, makes obstacles of what \
+         is listed; `plan-compiler build --help` lists what is one by itself",
+    )
+}
+
+/// An error where a map lies about a pole.
+pub(super) fn refuse_pole(place: GeoPoint) -> Result<(), Problem> {
+    let lat = place.lat_deg();
+    if lat.abs() <= MAX_LATITUDE_DEG {
+        return Ok(());
+    }
+    Err(Problem::error(format!(
+        "the map lies at latitude {lat}, but beyond {MAX_LATITUDE_DEG} degrees a plan is not true: \
+         meridians run together there"
+    ))
+    .mend("draw the map in metres about a point of your own, as an overlay (.ovl) for example"))
+}
+
+/// An error where a map is larger than the plane serves.
+fn check_size(size: [f64; 2], is_stated: bool) -> Result<(), Problem> {
+    if size.iter().all(|side| *side <= 2.0 * REACH_M) {
+        return Ok(());
+    }
+    let [width, height] = size.map(|side| metres((side / 1e3).ceil()));
+    let reach = metres(REACH_M / 1e3);
+    let (what, mend) = match is_stated {
+        true => (
+            "by the bounds that the file states the map is",
+            "state the bounds of the part that the robot will drive in, or none",
+        ),
+        false => (
+            "the map is",
+            "cut the part out that the robot will drive in; one stray point is enough",
+        ),
+    };
+    Err(Problem::error(format!(
+        "{what} {width} km x {height} km, but a plan holds for {reach} km around its centre"
+    ))
+    .mend(mend))
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn check(stated: Option<[Place; 2]>, drawn: &[Place], expected: &str) {
-        let stated = stated.map(|[low, high]| Bounds::between(low, high).expect("bounds"));
-        let got = match Plane::new(stated, drawn.iter().copied()) {
-            Ok(plane) => {
-                let GeoPoint { lat_e7, lon_e7 } = plane.reference;
-                let [corner, size] = [plane.extent.corner, plane.extent.size]
-                    .map(|at| at.map(|at| format!("{at:.2}")).join(","));
-                let drawn: Vec<String> = drawn
-                    .iter()
-                    .map(|place| plane.metres(*place).map(|at| format!(" {at:.2}")).join(","))
-                    .collect();
-                format!("{lat_e7} {lon_e7} {corner} + {size}:{}", drawn.concat())
-            }
-            Err(problem) => problem.message,
-        };
-        assert_eq!(got, expected);
-    }
-
-    #[test]
-    fn the_plane_lies_about_the_centre_of_the_bounds() {
-        check(
-            Some([[51.0, 7.0], [51.001, 7.002]]),
-            &[[51.0005, 7.001]],
-            "510005000 70010000 -70.20,-55.62 + 140.39,111.25: 0.00, 0.00",
-        );
-        check(
-            None,
-            &[[51.0, 7.0], [51.001, 7.002]],
-            "510005000 70010000 -80.20,-65.62 + 160.39,131.25: -70.20, -55.62 70.20, 55.62",
-        );
-        check(None, &[[51.0, 7.0]], "510000000 70000000 -10.00,-10.00 + 20.00,20.00: 0.00, 0.00");
-    }
-
-    #[test]
-    fn the_date_line_is_no_border() {
-        check(
-            None,
-            &[[10.0, 179.9999], [10.0, -179.9999]],
-            "100000000 1800000000 -20.96,-10.00 + 41.93,20.00: -10.96, 0.00 10.96, 0.00",
-        );
-        check(
-            Some([[10.0, 179.9999], [10.0001, -179.9999]]),
-            &[],
-            "100000500 1800000000 -10.96,-5.53 + 21.93,11.06:",
-        );
-    }
-
-    #[test]
-    fn what_is_no_map_of_a_robot_is_refused() {
-        check(None, &[], "the file draws nothing and states no bounds");
-        check(
-            None,
-            &[[51.0, 7.0], [0.0, 0.0]],
-            "the map is 704 km x 5650 km, but a plan holds for 20 km around its centre",
-        );
-        assert_eq!(Bounds::between([51.0, 7.0], [50.0, 7.1]), None);
-        assert_eq!(Bounds::between([51.0, 7.0], [91.0, 7.1]), None);
-    }
-
-    #[test]
-    fn stated_bounds_that_hold_nothing_are_to_blame() {
-        let outside = "all that the file draws lies outside the bounds that it states";
-        // Longitude and latitude swapped; and one that was cut out elsewhere.
-        check(Some([[7.0, 51.0], [7.001, 51.001]]), &[[51.0, 7.0]], outside);
-        check(Some([[51.0, 7.0], [51.001, 7.001]]), &[[51.002, 7.0], [51.002, 7.001]], outside);
-        check(
-            Some([[0.0, 0.0], [1.0, 0.0001]]),
-            &[[0.0, 0.0]],
-            "by the bounds that the file states the map is 1 km x 111 km, but a plan holds for 20 \
-             km around its centre",
-        );
-        let no_area = "the bounds that the file states have no area";
-        check(Some([[51.0, 7.0], [51.0, 7.0]]), &[[51.0, 7.0]], no_area);
-        check(Some([[51.0, 7.0], [51.1, 7.0]]), &[], no_area);
-        // A wood all around has no corner within.
-        check(
-            Some([[51.0, 7.0], [51.001, 7.002]]),
-            &[[50.0, 6.0], [52.0, 8.0]],
-            "510005000 70010000 -70.20,-55.62 + 140.39,111.25: -70267.12, -111303.91 70126.73, \
-             111192.66",
-        );
-    }
-
-    #[test]
-    fn the_place_astray_is_the_one_far_from_most() {
-        let check = |places: &[Place], expected: &str| {
-            let got =
-                Stray::among(places).map(|stray| format!("{} {}", stray.index, stray.label()));
-            assert_eq!(got.unwrap_or_default(), expected);
-        };
-        check(&[], "");
-        let others = "far from the others, which lie about latitude 51, longitude 7";
-        check(&[[51.0, 7.0], [51.0, 7.001], [0.0, 0.0]], &format!("2 {others}"));
-        check(&[[0.0, 0.0], [51.0, 7.0], [51.001, 7.0]], &format!("0 {others}"));
-        check(&[[51.0, 7.0], [15.0, 7.0], [51.0, 7.001]], &format!("1 {others}"));
-        // Of two nobody can tell.
-        check(
-            &[[51.0, 7.0], [0.0, 0.0]],
-            "0 either this or what lies about latitude 0, longitude 0 is astray",
-        );
-        check(
-            &[[0.0, 179.9], [0.0, -179.9], [0.0, 90.0]],
-            "2 far from the others, which lie about latitude 0, longitude 179.9",
-        );
-    }
-
-    #[test]
-    fn the_robot_finds_itself_where_the_map_says() {
-        let places = [[51.48, -0.002], [51.4815, 0.001]];
-        let plane = Plane::new(None, places.into_iter()).expect("a plane");
-        let frame = Frame::new(plane.reference, [0.0; 2], 0.0);
-        for place in places {
-            let fix = GeoPoint::from_degrees(place[0], place[1]).expect("on the globe");
-            let there = frame.to_local(fix).expect("near");
-            let [x, y] = plane.metres(place);
-            assert!((f64::from(there.x) - x).abs() < 0.01 && (f64::from(there.y) - y).abs() < 0.01);
-        }
-    }
-}
+mod tests;

@@ -1,9 +1,9 @@
-//! OpenStreetMap: an extract of its nodes, ways and relations, as XML or as PBF.
+//! OpenStreetMap: an extract of its nodes, ways and relations, as XML, as Overpass's JSON or as PBF.
 //!
 //! Source: the wiki of OpenStreetMap, "OSM XML", "PBF Format", "Relation:multipolygon", "Map
-//! features". Both encodings are read into an [`Extract`], and that into the map; what tags
-//! mean is in `tags`. Areas are closed ways and multipolygon relations, whose ways are joined
-//! to rings; an area's inner rings are its courtyards and clearings.
+//! features". Every encoding is read into an [`Extract`], and that into the map; what tags mean is
+//! in `tags`. Areas are closed ways and multipolygon relations, whose ways are joined to rings; an
+//! area's inner rings are its courtyards and clearings.
 //!
 //! An extract is cut out of the whole, so parts of what it holds lie outside it. That is no
 //! mistake: what is left is drawn, and a warning counts what is missing.
@@ -12,44 +12,56 @@
 //! by the hundred, mostly within buildings, and a blob holds few plans. The tag is ours; who
 //! wants goals in the map itself sets it in a copy of the extract.
 //!
-//! Deliberately absent: history files, changes (.osc), compressed XML, the ground that roads
-//! and paths prefer, gates, which may be shut.
+//! Deliberately absent: changes (.osc), relations within relations, the ground that roads and
+//! paths prefer.
 
+mod extract;
+mod json;
 mod pbf;
 mod rings;
+mod wire;
 mod xml;
 
-use super::globe::{Bounds, Plane, Stray};
-use super::tags::{Meaning, Tags};
+use super::ReadOptions;
+use super::globe::{Passed, Plane, Stray};
+use super::tags::{Judge, Meaning, Tags};
+use super::{holes, openings};
 use crate::compile::has_errors;
 use crate::map::{Feature, Map, NamedPoint, Point, Role, Shape};
 use crate::problem::{Problem, Source};
+use extract::{Extract, Member, Object, Relation, Way};
 use math::GeoPoint;
 use std::collections::{HashMap, HashSet};
-use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
 /// What `--help` says of this format.
 pub const CONVENTIONS: &str = "\
-OSM      (OpenStreetMap, .osm or .osm.pbf) building=* (not no) and barrier=wall, fence, hedge
-         block; multipolygons keep their courtyards. natural=wood and landuse=forest weaken
-         radio. Nodes with a `name` and a tag `goal` are goals. Gates open nothing, and water
-         blocks nothing. 0,0 is the centre of the file's bounds, which are the extent;
-         without bounds, of its nodes, and the extent reaches 10 m farther. What an extract
-         leaves out is counted in a warning.";
+OSM      (OpenStreetMap, .osm, .osm.pbf or Overpass's JSON; also .osm.gz) Tags mean what stands
+         under Tags; multipolygons keep their courtyards. Nodes with a `name` and a tag `goal`
+         are goals. Of several versions of an object the newest counts. 0,0 is the origin
+         (--origin), else the centre of the file's bounds, which are the extent; without bounds,
+         of its nodes, and the extent reaches 10 m farther. What an extract leaves out is counted
+         in a warning.";
 
-/// Whether a text reads like OpenStreetMap's XML.
+/// How to fetch what has an outline.
+const WITH_OUTLINES: &str = "fetch it with outlines: in Overpass end the query with `out geom;`, or \
+                             with `(._;>;); out body;`";
+
+/// Whether a text reads like OpenStreetMap's XML or Overpass's JSON.
 pub fn recognises(text: &str) -> bool {
     // Before it stand at most a declaration and comments.
-    text.trim_start().starts_with('<') && text.contains("<osm")
+    let is_xml = text.trim_start().starts_with('<') && text.contains("<osm");
+    is_xml || json::recognises(text)
 }
 
-/// Reads an extract in XML: the map as far as it could be understood, and every mistake.
-pub fn read(source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
+/// Reads an extract in text: the map as far as it could be understood, and every mistake.
+pub fn read(source: &Arc<Source>, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
     let mut problems = Vec::new();
-    let extract = xml::parse(source, &mut problems);
-    let map = extract.and_then(|extract| draw(&extract, Some(source), &mut problems));
+    let is_json = source.text.trim_start().starts_with('{');
+    let parse = if is_json { json::parse } else { xml::parse };
+    let extract = parse(source, &mut problems);
+    let map = extract.and_then(|extract| draw(&extract, Some(source), options, &mut problems));
     (map, problems)
 }
 
@@ -60,50 +72,15 @@ pub(super) fn is_binary(path: &Path, bytes: &[u8]) -> bool {
 }
 
 /// Reads an extract in the binary encoding, which has no places for an excerpt to show.
-pub(super) fn read_binary(path: &Path, bytes: &[u8]) -> (Option<Map>, Vec<Problem>) {
+pub(super) fn read_binary(
+    path: &Path,
+    bytes: &[u8],
+    options: &ReadOptions,
+) -> (Option<Map>, Vec<Problem>) {
     match pbf::parse(path, bytes) {
-        Ok((extract, mut problems)) => (draw(&extract, None, &mut problems), problems),
+        Ok((extract, mut problems)) => (draw(&extract, None, options, &mut problems), problems),
         Err(problem) => (None, vec![problem]),
     }
-}
-
-/// What a file holds, in its order, whatever its encoding.
-#[derive(Debug, Default, PartialEq)]
-struct Extract {
-    bounds: Option<Bounds>,
-    places: HashMap<i64, GeoPoint>,
-    /// Nodes with tags.
-    nodes: Vec<Object>,
-    ways: Vec<Way>,
-    relations: Vec<Relation>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-struct Object {
-    id: i64,
-    tags: Tags,
-    /// Where it stands in a text; empty in a binary file.
-    span: Range<usize>,
-}
-
-#[derive(Debug, PartialEq)]
-struct Way {
-    object: Object,
-    /// Nodes.
-    refs: Vec<i64>,
-}
-
-#[derive(Debug, PartialEq)]
-struct Relation {
-    object: Object,
-    /// Of its members those that are ways.
-    members: Vec<Member>,
-}
-
-#[derive(Debug, PartialEq)]
-struct Member {
-    way: i64,
-    is_inner: bool,
 }
 
 /// What an extract leaves out, counted.
@@ -120,24 +97,28 @@ struct Missing {
 fn draw(
     extract: &Extract,
     source: Option<&Arc<Source>>,
+    options: &ReadOptions,
     problems: &mut Vec<Problem>,
 ) -> Option<Map> {
-    let plane = match Plane::new(extract.bounds, extract.places.values().map(degrees)) {
+    let places = extract.places.values().map(degrees);
+    let plane = match Plane::new(extract.bounds, places, options.origin) {
         Ok(plane) => plane,
         Err(problem) => {
             problems.push(blame(problem, extract, source));
             return None;
         }
     };
-    let ways = extract.ways.iter().map(|way| (way.object.id, way)).collect();
-    let map = plane.map();
-    let mut drawing = Drawing { extract, plane, ways, map, missing: Missing::default() };
-    let ignored = drawing.draw();
-    drawing.missing.tell(problems);
+    let judge = Judge::new(&options.tags);
+    let mut drawing = Drawing::new(extract, plane, &judge);
+    drawing.draw();
+    let Drawing { missing, passed, plane, map, .. } = drawing;
+    missing.tell(problems);
     if !has_errors(problems) {
-        problems.push(drawing.plane.note(&drawing.map, ignored));
+        passed.tell(WITH_OUTLINES, problems);
+        judge.tell(problems);
+        plane.note(&map, &passed.unused, problems);
     }
-    Some(drawing.map)
+    Some(map)
 }
 
 /// Says of the problem with an extent what makes it one: the bounds, else the node that lies
@@ -167,21 +148,40 @@ fn degrees(place: &GeoPoint) -> [f64; 2] {
     [place.lat_deg(), place.lon_deg()]
 }
 
+/// Outer and inner rings of a relation, as lines of nodes.
+struct Outlines {
+    outer: rings::Joined,
+    inner: rings::Joined,
+}
+
 struct Drawing<'a> {
     extract: &'a Extract,
     plane: Plane,
+    judge: &'a Judge<'a>,
     ways: HashMap<i64, &'a Way>,
+    /// Widths of the openings that nodes make in the lines they stand in, metres.
+    openings: HashMap<i64, f64>,
     map: Map,
     missing: Missing,
+    passed: Passed,
 }
 
 impl<'a> Drawing<'a> {
+    fn new(extract: &'a Extract, plane: Plane, judge: &'a Judge<'a>) -> Self {
+        let ways = extract.ways.iter().map(|way| (way.object.id, way)).collect();
+        let nodes = extract.nodes.iter();
+        let openings = nodes.filter_map(|node| Some((node.id, judge.opening_m(&node.tags)?)));
+        let openings = openings.collect();
+        let map = plane.map();
+        let (missing, passed) = (Missing::default(), Passed::default());
+        Self { extract, plane, judge, ways, openings, map, missing, passed }
+    }
+
     /// Draws everything, and counts the tagged objects that mean nothing to a planner.
-    fn draw(&mut self) -> usize {
+    fn draw(&mut self) {
         let extract = self.extract;
-        let mut ignored = 0;
         for node in &extract.nodes {
-            ignored += usize::from(!self.node(node));
+            self.node(node);
         }
         let mut relations = Vec::new();
         // Ways that an area of the same kind is made of are not areas themselves.
@@ -193,51 +193,73 @@ impl<'a> Drawing<'a> {
                     parts.extend(outer.map(|member| (member.way, meaning.role == Role::Obstacle)));
                     relations.push((relation, meaning));
                 }
-                None => ignored += 1,
+                None => self.pass_over(&relation.object.tags),
             }
         }
         for way in &extract.ways {
-            match way.object.tags.meaning() {
+            match self.judge.meaning(&way.object.tags, false) {
                 Some(meaning) => {
                     let part = (way.object.id, meaning.role == Role::Obstacle);
                     if meaning.is_line || !parts.contains(&part) {
                         self.way(way, &meaning);
                     }
                 }
-                None => ignored += usize::from(!way.object.tags.0.is_empty()),
+                None => self.pass_over(&way.object.tags),
             }
         }
         for (relation, meaning) in relations {
             self.relation(relation, &meaning);
         }
-        ignored
     }
 
-    /// Whether a node means something.
-    fn node(&mut self, node: &Object) -> bool {
-        let Some(at) = self.place(node.id) else { return false };
-        if let Some(meaning) = node.tags.meaning().filter(|meaning| meaning.role == Role::Obstacle)
-        {
-            self.push(Shape::Circle { centre: at, radius: 0.0 }, &meaning, node);
-            return true;
+    fn pass_over(&mut self, tags: &Tags) {
+        if !tags.0.is_empty() {
+            self.passed.unused.add(tags);
         }
-        let Some(name) = node.tags.get("name").filter(|_| node.tags.says("goal")) else {
-            return false;
-        };
-        self.map.points.push(NamedPoint { name: name.into(), at, span: node.span.clone() });
-        true
+    }
+
+    fn node(&mut self, node: &Object) {
+        let Some(at) = self.place(node.id) else { return };
+        let meaning = self.judge.meaning(&node.tags, true);
+        if let Some(meaning) = meaning.filter(|meaning| meaning.role == Role::Obstacle) {
+            if meaning.wants_outline {
+                self.passed.pointlike.add(&node.tags);
+            }
+            self.push(Shape::Circle { centre: at, radius: meaning.radius_m }, &meaning, node);
+            return;
+        }
+        match node.tags.get("name").filter(|_| node.tags.says("goal")) {
+            Some(name) => {
+                let span = node.span.clone();
+                self.map.points.push(NamedPoint { name: name.into(), at, span });
+            }
+            // A gate that is open is on the map: as what is not there.
+            None if self.openings.contains_key(&node.id) => {}
+            None => self.passed.unused.add(&node.tags),
+        }
     }
 
     fn way(&mut self, way: &Way, meaning: &Meaning) {
         let points = self.points(&way.refs);
         if points.is_empty() {
+            self.passed.nowhere.add(&way.object.tags);
             return;
         }
         let is_closed = way.refs.len() > 3 && way.refs.first() == way.refs.last();
         if is_closed && !meaning.is_line {
             self.push(Shape::Polygon(vec![open(points)]), meaning, &way.object);
+            return;
+        }
+        self.missing.open += usize::from(!meaning.is_line);
+        if meaning.is_barrier {
+            let known = way.refs.iter().filter(|node| self.extract.places.contains_key(node));
+            let widths: Vec<Option<f64>> =
+                known.map(|node| self.openings.get(node).copied()).collect();
+            let width = |index: usize| widths.get(index).copied().flatten();
+            for piece in openings::cut(&points, width) {
+                self.push(Shape::Polyline(piece), meaning, &way.object);
+            }
         } else {
-            self.missing.open += usize::from(!meaning.is_line);
             self.push(Shape::Polyline(points), meaning, &way.object);
         }
     }
@@ -248,23 +270,21 @@ impl<'a> Drawing<'a> {
         if tags.get("type") != Some("multipolygon") {
             return None;
         }
-        let mut outer = relation.members.iter().filter(|member| !member.is_inner);
-        let mut of_outer = || self.ways.get(&outer.next()?.way)?.object.tags.meaning();
-        let meaning = if tags.0.len() == 1 { of_outer() } else { tags.meaning() };
+        let outer = relation.members.iter().filter(|member| !member.is_inner);
+        let meaning = if says_nothing(tags) {
+            let mut ways = outer.filter_map(|member| self.ways.get(&member.way));
+            ways.find_map(|way| self.judge.meaning(&way.object.tags, false))
+        } else {
+            self.judge.meaning(tags, false)
+        };
         meaning.filter(|meaning| !meaning.is_line)
     }
 
     fn relation(&mut self, relation: &Relation, meaning: &Meaning) {
-        let absent = relation.members.iter().filter(|part| !self.ways.contains_key(&part.way));
-        let absent = absent.count();
-        self.missing.members += absent;
-        self.missing.relations_cut += usize::from(absent > 0);
-        let rings = |is_inner: bool| {
-            let members = relation.members.iter().filter(|member| member.is_inner == is_inner);
-            let ways = members.filter_map(|member| self.ways.get(&member.way));
-            rings::join(&ways.map(|way| way.refs.as_slice()).collect::<Vec<_>>())
-        };
-        let (outer, inner) = (rings(false), rings(true));
+        let Outlines { outer, inner } = self.outlines(relation);
+        if outer.closed.is_empty() && outer.open.is_empty() {
+            self.passed.nowhere.add(&relation.object.tags);
+        }
         for line in &outer.open {
             let points = self.points(line);
             self.missing.open += 1;
@@ -274,23 +294,47 @@ impl<'a> Drawing<'a> {
         }
         // A hole that does not close is none: that blocks more, not less.
         self.missing.open += inner.open.len();
-        let closed = |ring: &Vec<i64>| self.points_of(ring).0;
-        let holes: Vec<Vec<Point>> = inner.closed.iter().map(closed).collect();
+        let closed = |ring: &Vec<i64>| open(self.points_of(ring).0);
+        let inner = holes::merged(inner.closed.iter().map(closed).collect());
+        let mut fit = rings::Fit::new(&inner);
         for ring in &outer.closed {
-            let ring = self.points(ring);
+            let ring = open(self.points(ring));
             if ring.is_empty() {
                 continue;
             }
-            let within = holes.iter().filter(|hole| rings::holds(&ring, hole));
-            let holes: Vec<Vec<Point>> = within.map(|hole| open(hole.clone())).collect();
-            let shape = Shape::Polygon(std::iter::once(open(ring)).chain(holes).collect());
+            let within = fit.holes_of(&ring).into_iter().map(|hole| inner[hole].clone());
+            let within: Vec<Vec<Point>> = within.collect();
+            let shape = Shape::Polygon(std::iter::once(ring).chain(within).collect());
             self.push(shape, meaning, &relation.object);
         }
+        self.missing.open += fit.undecided;
+    }
+
+    /// The rings of a relation's members, each of which counts once in each role. Nodes in the same
+    /// place are the same node: members that carry their outline have no numbers of nodes.
+    fn outlines(&mut self, relation: &Relation) -> Outlines {
+        let mut seen: HashSet<Member> = HashSet::new();
+        let members = relation.members.iter().filter(|member| seen.insert(**member));
+        let members: Vec<Member> = members.copied().collect();
+        let absent = members.iter().filter(|part| !self.ways.contains_key(&part.way)).count();
+        self.missing.members += absent;
+        self.missing.relations_cut += usize::from(absent > 0);
+        let by_place =
+            |node: &i64| self.extract.places.get(node).map_or(*node, |at| extract::id_of(*at));
+        let rings = |is_inner: bool| {
+            let members = members.iter().filter(|member| member.is_inner == is_inner);
+            let ways = members.filter_map(|member| self.ways.get(&member.way));
+            let lines: Vec<Vec<i64>> =
+                ways.map(|way| way.refs.iter().map(by_place).collect()).collect();
+            rings::join(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>())
+        };
+        Outlines { outer: rings(false), inner: rings(true) }
     }
 
     fn place(&self, node: i64) -> Option<Point> {
-        let place = self.extract.places.get(&node)?;
-        Some(self.plane.metres([place.lat_deg(), place.lon_deg()]))
+        let named = || self.extract.places.get(&node).copied();
+        let place = extract::place_of(node).or_else(named)?;
+        Some(self.plane.metres(degrees(&place)))
     }
 
     /// The places of those nodes that the file holds; the others are counted.
@@ -316,6 +360,16 @@ impl<'a> Drawing<'a> {
             span: object.span.clone(),
         });
     }
+}
+
+/// Whether a relation's own tags do not say what it is, as before 2017.
+fn says_nothing(tags: &Tags) -> bool {
+    let is_bookkeeping = |key: &str| {
+        ["type", "name", "created_by", "fixme", "FIXME"].contains(&key)
+            || key.starts_with("source")
+            || key.starts_with("note")
+    };
+    tags.0.iter().all(|(key, _)| is_bookkeeping(key))
 }
 
 /// A ring without the repetition of its first point: rings close themselves in the model.

@@ -1,7 +1,9 @@
 //! Every key of a mission file: where it stands, what it means and what it may be.
 
 use super::Mission;
+use crate::formats::TagRule;
 use crate::search::Corners;
+use math::GeoPoint;
 use plan_format::limits;
 use plan_format::parameters::{Gains, OnTrouble, Selection, Steering};
 
@@ -57,6 +59,16 @@ pub enum Kind {
     },
     /// Any text.
     Text,
+    /// A list of tags.
+    Tags {
+        /// What it does.
+        set: Set<Vec<TagRule>>,
+    },
+    /// A latitude and a longitude.
+    Place {
+        /// What it does.
+        set: Set<Option<GeoPoint>>,
+    },
 }
 
 impl Key {
@@ -108,6 +120,8 @@ impl Key {
             }
             Kind::Flag { .. } => "true or false".into(),
             Kind::Text => "a text".into(),
+            Kind::Tags { .. } => "a list of texts KEY=VALUE or KEY".into(),
+            Kind::Place { .. } => "[latitude, longitude] in degrees".into(),
         }
     }
 
@@ -121,6 +135,8 @@ impl Key {
     pub fn example(&self) -> String {
         let value = match (&self.kind, self.default) {
             (Kind::Text, _) => "\"NAME\"",
+            (Kind::Tags { .. }, _) => "[\"natural=water\", \"waterway\"]",
+            (Kind::Place { .. }, _) => "[51.4779, -0.0015]",
             (Kind::Number { .. }, "") => "1.0",
             (_, default) => default,
         };
@@ -258,6 +274,34 @@ pub const KEYS: &[Key] = &[
         "Whether the inside of a closed wall is blocked too.",
         |m, v| m.fill_walls = Some(v),
     ),
+    Key {
+        section: "",
+        name: "block",
+        meaning: "Tags of GeoJSON and OpenStreetMap whose objects are obstacles.",
+        default: "",
+        kind: Kind::Tags { set: |m, v| m.tags.block = v },
+    },
+    Key {
+        section: "",
+        name: "free",
+        meaning: "Tags whose objects are free ground, although they block by themselves.",
+        default: "",
+        kind: Kind::Tags { set: |m, v| m.tags.free = v },
+    },
+    flag(
+        "",
+        "open_gates",
+        "false",
+        "Whether gates that are not locked open the fence that they stand in.",
+        |m, v| m.tags.open_gates = v,
+    ),
+    Key {
+        section: "",
+        name: "origin",
+        meaning: "Where 0,0 of a GeoJSON or OpenStreetMap map is; otherwise the centre of what the file holds, which moves when the file is drawn anew.",
+        default: "",
+        kind: Kind::Place { set: |m, v| m.origin = v },
+    },
     word(
         "",
         "selection",

@@ -284,3 +284,20 @@ proptest! {
         }
     }
 }
+
+/// Each of its edges crosses every row: all crossings together would be twenty million.
+#[test]
+fn a_ring_that_runs_to_and_fro_is_held_row_by_row() {
+    let (rows, edges) = (1000, 20_000);
+    let ring: Vec<Point> = (0..edges)
+        .map(|n| [f64::from(n) * 1e-2, if n % 2 == 0 { 0.0 } else { f64::from(rows) }])
+        .collect();
+    let mut interior = Interior::of(&ring, rows);
+    assert_eq!(interior.rows(), 0..rows);
+    for row in (0..rows).step_by(97) {
+        let spans = interior.spans(row);
+        assert!(!spans.is_empty() && spans.len() < ring.len());
+        assert!(interior.crossing.len() + interior.waiting.len() <= ring.len());
+    }
+    assert!(interior.crossing.capacity() <= 2 * ring.len());
+}

@@ -100,7 +100,7 @@ impl Scenario {
             mission.plan = Some(asked_for(name));
         }
         mission.parameters.gains = changes.gains.unwrap_or(mission.parameters.gains);
-        let (map, found) = formats::read(&map_path, &ReadOptions::default());
+        let (map, found) = formats::read(&map_path, &mission.reading(ReadOptions::default()));
         let is_incomplete = has_errors(&found);
         problems.extend(found);
         let map = map.filter(|_| !is_incomplete)?;

@@ -1,6 +1,7 @@
 //! Map formats through the built binary: a file in, cells and answers out.
 
 mod damaged;
+mod field;
 mod field_grids;
 mod globe;
 mod grids;

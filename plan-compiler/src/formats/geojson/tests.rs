@@ -1,5 +1,7 @@
 //! GeoJSON in, map or mistakes out.
 
+mod kinds;
+
 use super::*;
 use crate::formats::dump::outcome;
 use insta::assert_snapshot;
@@ -7,7 +9,7 @@ use proptest::prelude::*;
 
 fn check(text: &str) -> String {
     let source = Arc::new(Source { name: "a.geojson".into(), text: text.into() });
-    outcome(&read(&source))
+    outcome(&read(&source, &ReadOptions::default()))
 }
 
 /// Features in a box that is 200 m by 100 m on the equator, to the decimetre.
@@ -63,7 +65,9 @@ fn every_geometry_is_drawn() {
     assert_snapshot!(check_features(&features.join(",\n")), @r#"
       ☞ the map is 200.4 m x 99.5 m, by the bounds that the file states; 0,0 is its centre, latitude
       │ 0.00045, longitude 0.0009; obstacles: 11, areas that weaken radio: 2, zones: 1, named points:
-      │ 1, without a meaning here: 3
+      │ 1, not used: 3 (building=no 1, name=Shop 1, nothing said 1)
+      help: 0,0 depends on the file: `origin = [0.00045, 0.0009]` in the mission file or --origin
+            0.00045,0.0009 keeps it where it is when the map is drawn anew
 
     extent -100.188,-49.758 + 200.375,99.517
     reference 0.00045 0.0009 at 0,0 heading 0
@@ -90,8 +94,10 @@ fn a_feature_may_stand_alone_and_its_coordinates_make_the_extent() {
     let text = feature("Point", "[7.001, 51.0005]", r#""name": "Gate""#);
     assert_snapshot!(check(&text), @r#"
       ☞ the map is 20 m x 20 m, 10 m around what it draws; 0,0 is its centre, latitude 51.0005,
-      │ longitude 7.001; obstacles: 0, areas that weaken radio: 0, zones: 0, named points: 1, without
-      │ a meaning here: 0
+      │ longitude 7.001; obstacles: 0, areas that weaken radio: 0, zones: 0, named points: 1, not
+      │ used: 0
+      help: 0,0 depends on the file: `origin = [51.0005, 7.001]` in the mission file or --origin
+            51.0005,7.001 keeps it where it is when the map is drawn anew
 
     extent -10,-10 + 20,20
     reference 51.0005 7.001 at 0,0 heading 0
@@ -162,16 +168,6 @@ fn coordinates_that_are_no_degrees_are_told_by_feature_and_place() {
        ╰────
       help: add what is missing, or leave the feature out
 
-      × a ring of features[6] has fewer than four positions
-        ╭─[a.geojson:9:102]
-      8 │ {"type": "Feature", "properties": {"building": true}, "geometry": {"type": "Polygon", "coordinates": []}},
-      9 │ {"type": "Feature", "properties": {"building": true}, "geometry": {"type": "Polygon", "coordinates": [[]]}},
-        ·                                                                                                      ──┬─
-        ·                                                                                                        ╰── it ends here
-     10 │ {"type": "Feature", "properties": {"obstacle": true}, "geometry": {"type": "LineString", "coordinates": [[0, 0]]}}
-        ╰────
-      help: add what is missing, or leave the feature out
-
       × a line of features[7] has fewer than two positions
         ╭─[a.geojson:10:106]
       9 │ {"type": "Feature", "properties": {"building": true}, "geometry": {"type": "Polygon", "coordinates": [[]]}},
@@ -206,19 +202,17 @@ fn features_that_cannot_be_read_are_all_told() {
             .into(),
     ];
     assert_snapshot!(check_features(&features.join(",\n")), @r#"
-      × the geometry of features[0] cannot be read: A position must contain two or more elements, but
-      │ got `1`
-       ╭─[a.geojson:2:51]
+      × the geometry of features[0] cannot be read: a position has two numbers, longitude and latitude
+       ╭─[a.geojson:2:86]
      1 │ {"type": "FeatureCollection", "bbox": [0, 0, 0.0018, 0.0009], "features": [
      2 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [0]}},
-       ·                                                   ▲
-       ·                                                   ╰── here
+       ·                                                                                      ▲
+       ·                                                                                      ╰── here
      3 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": ["a", 0]}},
        ╰────
       help: a geometry has a type and coordinates that are nested as deep as it asks for
 
-      × the geometry of features[1] cannot be read: invalid type: string "a", expected a coordinate
-      │ element (number or array)
+      × the geometry of features[1] cannot be read: invalid type: string "a", expected f64
        ╭─[a.geojson:3:87]
      2 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [0]}},
      3 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": ["a", 0]}},
@@ -226,26 +220,25 @@ fn features_that_cannot_be_read_are_all_told() {
        ·                                                                                       ╰── here
      4 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [[0, 0], [0, 1], [1, 1], [0, 0]]}},
        ╰────
-      help: a geometry has a type and coordinates that are nested as deep as it asks for
+      help: write coordinates as numbers, without quotes
 
-      × the geometry of features[2] cannot be read: Encountered geometry type: `Polygon` with
-      │ unexpected coordinates dimensions: 1
-       ╭─[a.geojson:4:51]
+      × the geometry of features[2] cannot be read: invalid type: integer `0`, expected a position:
+      │ [longitude, latitude]
+       ╭─[a.geojson:4:88]
      3 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": ["a", 0]}},
      4 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [[0, 0], [0, 1], [1, 1], [0, 0]]}},
-       ·                                                   ▲
-       ·                                                   ╰── here
+       ·                                                                                        ▲
+       ·                                                                                        ╰── here
      5 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Circle", "coordinates": [0, 0]}},
        ╰────
       help: a geometry has a type and coordinates that are nested as deep as it asks for
 
-      × the geometry of features[3] cannot be read: unknown variant `Circle`, expected one of `Point`,
-      │ `LineString`, `Polygon`, `MultiPoint`, `MultiLineString`, `MultiPolygon`, `GeometryCollection`
-       ╭─[a.geojson:5:67]
+      × the geometry of features[3] cannot be read: `Circle` is no type of geometry
+       ╭─[a.geojson:5:51]
      4 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [[0, 0], [0, 1], [1, 1], [0, 0]]}},
      5 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Circle", "coordinates": [0, 0]}},
-       ·                                                                   ▲
-       ·                                                                   ╰── here
+       ·                                                   ────────────────────┬────────────────────
+       ·                                                                       ╰── this one
      6 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [0, 1e999]}},
        ╰────
       help: a geometry has a type and coordinates that are nested as deep as it asks for
@@ -278,7 +271,7 @@ fn features_that_cannot_be_read_are_all_told() {
        ╰────
       help: write it in metres
 
-      × the properties of features[8] are no object: invalid type: sequence, expected a map
+      × the properties of features[8] are no object: invalid type: sequence, expected an object
         ╭─[a.geojson:10:35]
       9 │ {"type": "Feature"},
      10 │ {"type": "Feature", "properties": []},
@@ -398,7 +391,7 @@ fn files_that_are_no_maps_are_refused() {
        ·                                      ───────────────────────────────────┬───────────────────────────────────
        ·                                                                         ╰── said here
        ╰────
-      help: convert them: ogr2ogr -t_srs EPSG:4326 -lco RFC7946=YES new.geojson old.geojson
+      help: convert them: ogr2ogr -t_srs EPSG:4326 new.geojson old.geojson
 
     extent -10,-10 + 20,20
     reference 51 7 at 0,0 heading 0
@@ -445,8 +438,7 @@ fn files_that_are_no_maps_are_refused() {
        ·                                       ─────────┬────────
        ·                                                ╰── this bbox
        ╰────
-      help: state the bounds of the part that the robot will drive in, or none; check whether latitude
-            and longitude are swapped
+      help: latitude and longitude are swapped in one of both: exchange them there
 
     no map
     ----

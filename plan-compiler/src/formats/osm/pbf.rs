@@ -1,19 +1,60 @@
 //! OpenStreetMap's binary encoding: protocol buffers in compressed blocks.
+//!
+//! Source: the wiki of OpenStreetMap, "PBF Format"; field numbers are of its `.proto` files. What
+//! unpacks to more than the format allows is refused before it is unpacked, and every object asks
+//! for its memory before it takes any: a small file may hold large ones.
 
-use super::{Extract, Member, Object, Relation, Way};
+use super::extract::{
+    BUDGET_BYTES, Builder, Extract, Member, Object, Relation, TooMuch, Version, Way,
+};
+use super::wire::{Damaged, Packed, Value, fields, zigzag};
 use crate::formats::globe::Bounds;
 use crate::formats::tags::Tags;
 use crate::problem::Problem;
+use flate2::read::ZlibDecoder;
 use math::GeoPoint;
-use osmpbf::{BlobDecode, BlobReader, Element, HeaderBlock, RelMemberType};
-use std::panic::{self, AssertUnwindSafe, catch_unwind};
+use std::io::Read;
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
 
-/// Most nodes of an extract, some 600 MB of memory: a country, far more than a robot drives in.
-const MAX_NODES: usize = 1 << 24;
-/// What the library decodes; a file that needs more cannot be understood.
-const FEATURES: [&str; 2] = ["OsmSchema-V0.6", "DenseNodes"];
+/// What this reader understands; a file that needs more cannot be read.
+const FEATURES: [&[u8]; 4] =
+    [b"OsmSchema-V0.6", b"DenseNodes", b"HistoricalInformation", b"LocationsOnWays"];
+/// As the format limits them, bytes.
+const MAX_HEADER_BYTES: usize = 64 << 10;
+const MAX_BLOCK_BYTES: usize = 32 << 20;
+/// Most that the blocks of a file may unpack to, bytes: several times the largest file.
+const MAX_TOTAL_BYTES: usize = 4 << 30;
+/// Texts of a block, which others have 8,000 objects in.
+const MAX_STRINGS: usize = 1 << 20;
+/// How blocks may be compressed that are not read, by their field.
+const COMPRESSIONS: [(u64, &str); 4] = [(4, "lzma"), (5, "bzip2"), (6, "lz4"), (7, "zstd")];
+
+/// Why a file cannot be read, and how to mend it.
+struct Reason {
+    message: String,
+    mend: &'static str,
+}
+
+impl Reason {
+    fn new(message: impl Into<String>, mend: &'static str) -> Self {
+        Self { message: message.into(), mend }
+    }
+}
+
+const FETCH_AGAIN: &str =
+    "it may be damaged or cut off: fetch it again, or check it with `osmium fileinfo -e`";
+
+impl From<Damaged> for Reason {
+    fn from(_: Damaged) -> Self {
+        Self::new("it is damaged", FETCH_AGAIN)
+    }
+}
+
+impl From<TooMuch> for Reason {
+    fn from(_: TooMuch) -> Self {
+        Self::new(TooMuch::MESSAGE, TooMuch::MEND)
+    }
+}
 
 /// Whether bytes begin with the header that every such file has.
 pub(super) fn recognises(bytes: &[u8]) -> bool {
@@ -23,121 +64,381 @@ pub(super) fn recognises(bytes: &[u8]) -> bool {
 
 /// What an extract holds, and warnings; an error where the file is damaged.
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<(Extract, Vec<Problem>), Problem> {
-    let name = path.display();
-    // The library panics on kinds of members that are not, and in debug builds on sums that
-    // overflow. Only a damaged file holds either; nothing of the extract is used then.
-    let decoded = quietly(|| catch_unwind(AssertUnwindSafe(|| decode(bytes))));
-    decoded.unwrap_or_else(|_| Err("it holds numbers that mean nothing".into())).map_err(|reason| {
-        Problem::error(format!("{name} cannot be read: {reason}")).mend(
-            "it may be damaged or cut off: fetch it again, or check it with `osmium fileinfo -e`",
-        )
-    })
+    parse_within(path, bytes, BUDGET_BYTES)
 }
 
-/// Runs something whose panics are caught and told in our own words. The hook is the whole
-/// program's, so one at a time.
-fn quietly<T>(run: impl FnOnce() -> T) -> T {
-    static TURN: Mutex<()> = Mutex::new(());
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let hook = panic::take_hook();
-    panic::set_hook(Box::new(|_| {}));
-    let result = run();
-    panic::set_hook(hook);
-    result
+/// As [`parse`], with a budget of memory in bytes.
+pub(super) fn parse_within(
+    path: &Path,
+    bytes: &[u8],
+    budget: usize,
+) -> Result<(Extract, Vec<Problem>), Problem> {
+    let mut reader = Reader { builder: Builder::new(budget), off_the_globe: 0, has_header: false };
+    if let Err(Reason { message, mend }) = reader.file(bytes) {
+        let name = path.display();
+        return Err(Problem::error(format!("{name} cannot be read: {message}")).mend(mend));
+    }
+    let count = reader.off_the_globe;
+    let warning = (count > 0)
+        .then(|| Problem::warning(format!("{count} nodes are off the globe; they are left out")));
+    Ok((reader.builder.finish(), warning.into_iter().collect()))
 }
 
-fn decode(bytes: &[u8]) -> Result<(Extract, Vec<Problem>), String> {
-    let mut extract = Extract::default();
-    let mut off_the_globe = 0;
-    let mut has_header = false;
-    for blob in BlobReader::new(bytes) {
-        match blob.map_err(say)?.decode().map_err(say)? {
-            BlobDecode::OsmHeader(header) => {
-                check(&header)?;
-                has_header = true;
-                extract.bounds = extract.bounds.or(bounds(&header));
+struct Reader {
+    builder: Builder,
+    off_the_globe: usize,
+    has_header: bool,
+}
+
+/// What the objects of a block share.
+struct Block<'a> {
+    strings: Vec<&'a str>,
+    /// Nanodegrees.
+    granularity: i64,
+    offset: [i64; 2],
+}
+
+impl Block<'_> {
+    fn text(&self, index: u64) -> Result<&str, Damaged> {
+        usize::try_from(index).ok().and_then(|at| self.strings.get(at)).copied().ok_or(Damaged)
+    }
+
+    /// A place of numbers as the block writes them.
+    fn place(&self, at: [i64; 2]) -> Option<GeoPoint> {
+        let degrees = |axis: usize| {
+            let nano = i128::from(at[axis]) * i128::from(self.granularity);
+            (nano + i128::from(self.offset[axis])) as f64 / 1e9
+        };
+        GeoPoint::from_degrees(degrees(0), degrees(1))
+    }
+}
+
+impl Reader {
+    fn file(&mut self, mut rest: &[u8]) -> Result<(), Reason> {
+        let mut total = 0usize;
+        while !rest.is_empty() {
+            let (kind, blob, after) = blob(rest)?;
+            rest = after;
+            if kind != b"OSMHeader" && kind != b"OSMData" {
+                continue;
             }
-            BlobDecode::OsmData(block) => {
-                block.for_each_element(|element| {
-                    off_the_globe += usize::from(!add(&mut extract, &element));
-                });
+            let block = unpack(blob)?;
+            total = total.saturating_add(block.len());
+            if total > MAX_TOTAL_BYTES {
+                let limit = MAX_TOTAL_BYTES >> 30;
+                let message = format!("its blocks unpack to more than {limit} GiB");
+                return Err(Reason::new(message, TooMuch::MEND));
             }
-            BlobDecode::Unknown(_) => {}
+            match kind {
+                b"OSMHeader" => self.header(&block)?,
+                _ => self.data(&block)?,
+            }
         }
-        if extract.places.len() > MAX_NODES {
-            return Err(format!("it has more than {MAX_NODES} nodes; cut out a smaller part"));
-        }
-    }
-    if !has_header {
-        return Err("it is no OpenStreetMap file".into());
-    }
-    let warning = (off_the_globe > 0).then(|| {
-        Problem::warning(format!("{off_the_globe} nodes are off the globe; they are left out"))
-    });
-    Ok((extract, warning.into_iter().collect()))
-}
-
-fn say(error: osmpbf::Error) -> String {
-    error.to_string()
-}
-
-fn check(header: &HeaderBlock) -> Result<(), String> {
-    let known = |feature: &&String| !FEATURES.contains(&feature.as_str());
-    match header.required_features().iter().find(known) {
-        Some(feature) => Err(format!("it needs a reader that understands {feature}")),
-        None => Ok(()),
-    }
-}
-
-fn bounds(header: &HeaderBlock) -> Option<Bounds> {
-    let bbox = header.bbox()?;
-    // The library gives nanodegrees times 1e-9, which is not the nearest number to them.
-    let corner = |lat: f64, lon: f64| [lat, lon].map(|degrees| (degrees * 1e7).round() / 1e7);
-    Bounds::between(corner(bbox.bottom, bbox.left), corner(bbox.top, bbox.right))
-}
-
-/// Adds an element; whether it is on the globe.
-fn add(extract: &mut Extract, element: &Element<'_>) -> bool {
-    match element {
-        Element::Node(node) => {
-            let at = [node.nano_lat(), node.nano_lon()];
-            return add_node(extract, node.id(), at, tags(node.tags()));
-        }
-        Element::DenseNode(node) => {
-            let at = [node.nano_lat(), node.nano_lon()];
-            return add_node(extract, node.id(), at, tags(node.tags()));
-        }
-        Element::Way(way) => extract.ways.push(Way {
-            object: Object { id: way.id(), tags: tags(way.tags()), span: 0..0 },
-            refs: way.refs().collect(),
-        }),
-        Element::Relation(relation) => {
-            let members = relation.members();
-            let ways = members.filter(|member| member.member_type == RelMemberType::Way);
-            let members = ways.map(|member| Member {
-                way: member.member_id,
-                is_inner: member.role().is_ok_and(|role| role == "inner"),
-            });
-            extract.relations.push(Relation {
-                object: Object { id: relation.id(), tags: tags(relation.tags()), span: 0..0 },
-                members: members.collect(),
-            });
+        match self.has_header {
+            true => Ok(()),
+            false => Err(Reason::new("it is no OpenStreetMap file", FETCH_AGAIN)),
         }
     }
-    true
-}
 
-/// `at` is latitude and longitude in units of 1e-9 degrees.
-fn add_node(extract: &mut Extract, id: i64, at: [i64; 2], tags: Tags) -> bool {
-    let [lat, lon] = at.map(|nano| nano as f64 / 1e9);
-    let Some(place) = GeoPoint::from_degrees(lat, lon) else { return false };
-    extract.places.insert(id, place);
-    if !tags.0.is_empty() {
-        extract.nodes.push(Object { id, tags, span: 0..0 });
+    fn header(&mut self, bytes: &[u8]) -> Result<(), Reason> {
+        self.has_header = true;
+        for field in fields(bytes) {
+            match field? {
+                (1, bbox) => {
+                    if let Some(bounds) = bounds(bbox.bytes()?)? {
+                        self.builder.bounds(bounds);
+                    }
+                }
+                (4, feature) => {
+                    let feature = feature.bytes()?;
+                    if !FEATURES.contains(&feature) {
+                        let feature = String::from_utf8_lossy(feature);
+                        let feature = feature.chars().filter(|c| !c.is_control()).take(40);
+                        let feature: String = feature.collect();
+                        let message = format!("it needs a reader that understands {feature}");
+                        let mend = "write it anew as a plain extract: `osmium cat -o out.osm.pbf`";
+                        return Err(Reason::new(message, mend));
+                    }
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
-    true
+
+    fn data(&mut self, bytes: &[u8]) -> Result<(), Reason> {
+        let mut block = Block { strings: Vec::new(), granularity: 100, offset: [0; 2] };
+        for field in fields(bytes) {
+            match field? {
+                (1, table) => {
+                    for text in fields(table.bytes()?) {
+                        if block.strings.len() >= MAX_STRINGS {
+                            let message = format!("a block has more than {MAX_STRINGS} texts");
+                            return Err(Reason::new(message, FETCH_AGAIN));
+                        }
+                        let (_, text) = text?;
+                        // What is no text matches no tag.
+                        block.strings.push(std::str::from_utf8(text.bytes()?).unwrap_or_default());
+                    }
+                }
+                (17, number) => block.granularity = number.number()? as i64,
+                (19, number) => block.offset[0] = number.number()? as i64,
+                (20, number) => block.offset[1] = number.number()? as i64,
+                _ => {}
+            }
+        }
+        for field in fields(bytes) {
+            let (2, group) = field? else { continue };
+            for object in fields(group.bytes()?) {
+                match object? {
+                    (1, node) => self.plain(&block, node.bytes()?)?,
+                    (2, nodes) => self.dense(&block, nodes.bytes()?)?,
+                    (3, way) => self.way(&block, way.bytes()?)?,
+                    (4, relation) => self.relation(&block, relation.bytes()?)?,
+                    _ => {}
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn add_node(
+        &mut self,
+        version: Version,
+        id: i64,
+        place: Option<GeoPoint>,
+        tags: Tags,
+    ) -> Result<(), Reason> {
+        // What is deleted has no place.
+        let place = place.or(version.is_deleted.then_some(GeoPoint { lat_e7: 0, lon_e7: 0 }));
+        match place {
+            Some(place) => self.builder.node(version, Object { id, tags, span: 0..0 }, place)?,
+            None => self.off_the_globe += 1,
+        }
+        Ok(())
+    }
+
+    fn plain(&mut self, block: &Block<'_>, bytes: &[u8]) -> Result<(), Reason> {
+        let (mut object, mut at) = (Parts::default(), [0; 2]);
+        for field in fields(bytes) {
+            match field? {
+                (1, id) => object.id = zigzag(id.number()?),
+                (8, lat) => at[0] = zigzag(lat.number()?),
+                (9, lon) => at[1] = zigzag(lon.number()?),
+                (number, value) => object.part(number, value)?,
+            }
+        }
+        let tags = object.tags(block, &mut self.builder)?;
+        self.add_node(object.version, object.id, block.place(at), tags)
+    }
+
+    fn dense(&mut self, block: &Block<'_>, bytes: &[u8]) -> Result<(), Reason> {
+        let [mut ids, mut lats, mut lons] = [Packed::default(); 3];
+        let [mut pairs, mut versions, mut visible] = [Packed::default(); 3];
+        for field in fields(bytes) {
+            match field? {
+                (1, list) => ids = list.packed()?,
+                (5, info) => {
+                    for field in fields(info.bytes()?) {
+                        match field? {
+                            (1, list) => versions = list.packed()?,
+                            (6, list) => visible = list.packed()?,
+                            _ => {}
+                        }
+                    }
+                }
+                (8, list) => lats = list.packed()?,
+                (9, list) => lons = list.packed()?,
+                (10, list) => pairs = list.packed()?,
+                _ => {}
+            }
+        }
+        let (mut lats, mut lons) = (lats.deltas(), lons.deltas());
+        for id in ids.deltas() {
+            let (Some(lat), Some(lon)) = (lats.next(), lons.next()) else {
+                return Err(Damaged.into());
+            };
+            let mut tags = Vec::new();
+            while let Some(key) = pairs.next() {
+                let key = block.text(key?)?;
+                if key.is_empty() {
+                    break;
+                }
+                let value = block.text(pairs.next().ok_or(Damaged)??)?;
+                self.builder.take_tag(key, value)?;
+                tags.push((key.to_owned(), value.to_owned()));
+            }
+            let number = versions.next().transpose()?.unwrap_or_default() as u32;
+            let is_deleted = visible.next().transpose()? == Some(0);
+            let place = block.place([lat?, lon?]);
+            self.add_node(Version { number, is_deleted }, id?, place, Tags(tags))?;
+        }
+        Ok(())
+    }
+
+    fn way(&mut self, block: &Block<'_>, bytes: &[u8]) -> Result<(), Reason> {
+        let (mut object, mut refs) = (Parts::default(), Packed::default());
+        let (mut lats, mut lons) = (Packed::default(), Packed::default());
+        for field in fields(bytes) {
+            match field? {
+                (1, id) => object.id = id.number()? as i64,
+                (8, list) => refs = list.packed()?,
+                (9, list) => lats = list.packed()?,
+                (10, list) => lons = list.packed()?,
+                (number, value) => object.part(number, value)?,
+            }
+        }
+        let tags = object.tags(block, &mut self.builder)?;
+        let mut nodes = Vec::new();
+        let (mut lats, mut lons) = (lats.deltas(), lons.deltas());
+        for node in refs.deltas() {
+            let node = node?;
+            self.builder.take_ref()?;
+            nodes.push(node);
+            if let (Some(lat), Some(lon)) = (lats.next(), lons.next())
+                && let Some(place) = block.place([lat?, lon?])
+            {
+                self.builder.place(node, place)?;
+            }
+        }
+        let object_of = Object { id: object.id, tags, span: 0..0 };
+        Ok(self.builder.way(object.version, Way { object: object_of, refs: nodes })?)
+    }
+
+    fn relation(&mut self, block: &Block<'_>, bytes: &[u8]) -> Result<(), Reason> {
+        let (mut object, mut roles) = (Parts::default(), Packed::default());
+        let (mut ids, mut kinds) = (Packed::default(), Packed::default());
+        for field in fields(bytes) {
+            match field? {
+                (1, id) => object.id = id.number()? as i64,
+                (8, list) => roles = list.packed()?,
+                (9, list) => ids = list.packed()?,
+                (10, list) => kinds = list.packed()?,
+                (number, value) => object.part(number, value)?,
+            }
+        }
+        let tags = object.tags(block, &mut self.builder)?;
+        let mut members = Vec::new();
+        for way in ids.deltas() {
+            let (Some(role), Some(kind)) = (roles.next(), kinds.next()) else {
+                return Err(Damaged.into());
+            };
+            let is_inner = block.text(role?)? == "inner";
+            match kind? {
+                1 => {
+                    self.builder.take_member()?;
+                    members.push(Member { way: way?, is_inner });
+                }
+                0 | 2 => {}
+                _ => return Err(Damaged.into()),
+            }
+        }
+        let object_of = Object { id: object.id, tags, span: 0..0 };
+        Ok(self.builder.relation(object.version, Relation { object: object_of, members })?)
+    }
 }
 
-fn tags<'a>(pairs: impl Iterator<Item = (&'a str, &'a str)>) -> Tags {
-    Tags(pairs.map(|(key, value)| (key.to_owned(), value.to_owned())).collect())
+/// What nodes, ways and relations have in common.
+#[derive(Default)]
+struct Parts<'a> {
+    id: i64,
+    keys: Packed<'a>,
+    values: Packed<'a>,
+    version: Version,
+}
+
+impl<'a> Parts<'a> {
+    fn part(&mut self, number: u64, value: Value<'a>) -> Result<(), Damaged> {
+        match number {
+            2 => self.keys = value.packed()?,
+            3 => self.values = value.packed()?,
+            4 => {
+                for field in fields(value.bytes()?) {
+                    match field? {
+                        (1, number) => self.version.number = number.number()? as u32,
+                        (6, visible) => self.version.is_deleted = visible.number()? == 0,
+                        _ => {}
+                    }
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn tags(&self, block: &Block<'_>, builder: &mut Builder) -> Result<Tags, Reason> {
+        let mut tags = Vec::new();
+        for (key, value) in self.keys.zip(self.values) {
+            let (key, value) = (block.text(key?)?, block.text(value?)?);
+            builder.take_tag(key, value)?;
+            tags.push((key.to_owned(), value.to_owned()));
+        }
+        Ok(Tags(tags))
+    }
+}
+
+/// The kind and the bytes of the first block of a file, and what follows it.
+fn blob(bytes: &[u8]) -> Result<(&[u8], &[u8], &[u8]), Reason> {
+    let cut_off = || Reason::new("it ends within a block", FETCH_AGAIN);
+    let (length, rest) = bytes.split_first_chunk::<4>().ok_or_else(cut_off)?;
+    let length = u32::from_be_bytes(*length) as usize;
+    if length > MAX_HEADER_BYTES {
+        return Err(Reason::new("it is no OpenStreetMap file", FETCH_AGAIN));
+    }
+    let (header, rest) = rest.split_at_checked(length).ok_or_else(cut_off)?;
+    let (mut kind, mut size) = (&[][..], 0);
+    for field in fields(header) {
+        match field? {
+            (1, value) => kind = value.bytes()?,
+            (3, value) => size = usize::try_from(value.number()?).unwrap_or(usize::MAX),
+            _ => {}
+        }
+    }
+    let (blob, rest) = rest.split_at_checked(size).ok_or_else(cut_off)?;
+    Ok((kind, blob, rest))
+}
+
+/// The bytes of a block.
+fn unpack(blob: &[u8]) -> Result<Vec<u8>, Reason> {
+    let mut unpacked = Vec::new();
+    for field in fields(blob) {
+        match field? {
+            (1, raw) => unpacked = raw.bytes()?.to_vec(),
+            (3, packed) => {
+                let decoder = ZlibDecoder::new(packed.bytes()?);
+                unpacked.clear();
+                decoder
+                    .take(MAX_BLOCK_BYTES as u64 + 1)
+                    .read_to_end(&mut unpacked)
+                    .map_err(|error| Reason::new(format!("zlib says {error}"), FETCH_AGAIN))?;
+            }
+            (number, _) => {
+                if let Some((_, kind)) = COMPRESSIONS.iter().find(|(field, _)| *field == number) {
+                    let message = format!("it is compressed with {kind}, which is not read");
+                    let mend = "write it anew with zlib: `osmium cat IN.osm.pbf -o out.osm.pbf`";
+                    return Err(Reason::new(message, mend));
+                }
+            }
+        }
+    }
+    if unpacked.len() > MAX_BLOCK_BYTES {
+        let limit = MAX_BLOCK_BYTES >> 20;
+        let message = format!("a block of it unpacks to more than {limit} MiB");
+        return Err(Reason::new(message, FETCH_AGAIN));
+    }
+    Ok(unpacked)
+}
+
+fn bounds(bytes: &[u8]) -> Result<Option<Bounds>, Damaged> {
+    // West, east, north, south, nanodegrees.
+    let mut sides = [0i64; 4];
+    for field in fields(bytes) {
+        let (number, value) = field?;
+        if let Some(side) = sides.get_mut((number as usize).wrapping_sub(1)) {
+            *side = zigzag(value.number()?);
+        }
+    }
+    // To 1e-7 degrees, as XML gives them.
+    let [west, east, north, south] = sides.map(|nano| (nano as f64 / 1e2).round() / 1e7);
+    Ok(Bounds::between([south, west], [north, east]))
 }

@@ -5,7 +5,8 @@
 //! meet, the file's order decides; the filling of polygons bears rings that touch themselves.
 
 use crate::map::Point;
-use geo::{Coord, Intersects, LineString, Polygon};
+use geo::coordinate_position::CoordPos;
+use geo::{Coord, CoordinatePosition, LineString, Polygon};
 use std::collections::HashMap;
 
 /// Lists of nodes.
@@ -80,11 +81,70 @@ fn append(line: &mut Vec<i64>, way: &[i64]) {
     }
 }
 
-/// Whether a ring holds another, its outline included.
-pub(super) fn holds(outer: &[Point], inner: &[Point]) -> bool {
-    let outline = LineString::from_iter(outer.iter().map(|&[x, y]| Coord { x, y }));
-    let polygon = Polygon::new(outline, Vec::new());
-    inner.iter().all(|&[x, y]| polygon.intersects(&Coord { x, y }))
+/// Corners of a hole that are looked at until one lies not on the outline around it.
+const MAX_CORNERS: usize = 256;
+/// Most steps that are spent on finding the holes of one relation's rings.
+const MAX_STEPS: usize = 1 << 30;
+
+/// Finds which holes lie in which rings.
+pub(super) struct Fit<'a> {
+    holes: &'a [Vec<Point>],
+    boxes: Vec<Rect>,
+    steps_left: usize,
+    /// Holes that were left out because there is no end to them: that blocks more, not less.
+    pub(super) undecided: usize,
+}
+
+impl<'a> Fit<'a> {
+    pub(super) fn new(holes: &'a [Vec<Point>]) -> Self {
+        let boxes = holes.iter().map(|hole| rect(hole)).collect();
+        Self { holes, boxes, steps_left: MAX_STEPS, undecided: 0 }
+    }
+
+    /// The numbers of the holes that a ring holds, its outline included.
+    pub(super) fn holes_of(&mut self, ring: &[Point]) -> Vec<usize> {
+        let around = rect(ring);
+        let outline = LineString::from_iter(ring.iter().map(|&[x, y]| Coord { x, y }));
+        let polygon = Polygon::new(outline, Vec::new());
+        let mut held = Vec::new();
+        for (index, (hole, within)) in self.holes.iter().zip(&self.boxes).enumerate() {
+            if self.steps_left == 0 {
+                self.undecided += 1;
+                continue;
+            }
+            self.steps_left -= 1;
+            if hole.is_empty() || !around.contains(within) {
+                continue;
+            }
+            // Rings do not cross, so one corner decides unless it lies on the outline.
+            let corners = hole.iter().take(MAX_CORNERS).map(|&[x, y]| Coord { x, y });
+            let steps = ring.len().saturating_mul(hole.len().min(MAX_CORNERS));
+            self.steps_left = self.steps_left.saturating_sub(steps);
+            let places = corners.map(|corner| polygon.coordinate_position(&corner));
+            let mut decided = places.filter(|place| *place != CoordPos::OnBoundary);
+            if decided.next() != Some(CoordPos::Outside) {
+                held.push(index);
+            }
+        }
+        held
+    }
+}
+
+/// West, south, east, north.
+struct Rect([f64; 4]);
+
+fn rect(ring: &[Point]) -> Rect {
+    let none = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+    Rect(ring.iter().fold(none, |[west, south, east, north], &[x, y]| {
+        [west.min(x), south.min(y), east.max(x), north.max(y)]
+    }))
+}
+
+impl Rect {
+    fn contains(&self, other: &Self) -> bool {
+        let (Self([west, south, east, north]), Self(other)) = (self, other);
+        *west <= other[0] && *south <= other[1] && *east >= other[2] && *north >= other[3]
+    }
 }
 
 #[cfg(test)]
@@ -116,8 +176,26 @@ mod tests {
     #[test]
     fn a_ring_holds_what_lies_in_it_or_on_it() {
         let outer = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
-        assert!(holds(&outer, &[[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]));
-        assert!(holds(&outer, &[[0.0, 0.0], [2.0, 1.0], [2.0, 4.0]]));
-        assert!(!holds(&outer, &[[1.0, 1.0], [5.0, 1.0], [2.0, 2.0]]));
+        let holes = [
+            vec![[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]],
+            vec![[0.0, 0.0], [2.0, 1.0], [2.0, 4.0]],
+            vec![[1.0, 1.0], [5.0, 1.0], [2.0, 2.0]],
+            outer.to_vec(),
+            Vec::new(),
+        ];
+        assert_eq!(Fit::new(&holes).holes_of(&outer), [0, 1, 3]);
+        // A notch: within the box of the ring, and outside the ring.
+        let notched = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 0.5], [0.0, 4.0]];
+        let holes = [vec![[1.5, 3.0], [2.5, 3.0], [2.0, 2.0]]];
+        assert!(Fit::new(&holes).holes_of(&notched).is_empty());
+    }
+
+    #[test]
+    fn rings_without_number_come_to_an_end() {
+        let holes = vec![vec![[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]; 40];
+        let mut fit = Fit { steps_left: 100, ..Fit::new(&holes) };
+        let outer = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+        let held = fit.holes_of(&outer).len();
+        assert_eq!((held, fit.undecided), (8, 32));
     }
 }

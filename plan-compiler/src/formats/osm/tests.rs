@@ -1,5 +1,7 @@
 //! XML in, map or mistakes out; whatever XML can be read must give the same map as PBF.
 
+mod binary;
+mod kinds;
 mod writer;
 
 use super::*;
@@ -13,15 +15,18 @@ fn source(text: &str) -> Arc<Source> {
     Arc::new(Source { name: "a.osm".into(), text: text.into() })
 }
 
+fn read_with(bytes: &[u8]) -> (Option<Map>, Vec<Problem>) {
+    read_binary(Path::new("a.pbf"), bytes, &ReadOptions::default())
+}
+
 /// What is read of a text, after the binary encoding of it was compared.
 fn check_file(text: &str) -> String {
-    let read_text = read(&source(text));
+    let read_text = read(&source(text), &ReadOptions::default());
     let has_error = read_text.1.iter().any(|problem| problem.severity == Severity::Error);
     if let (Some(map), false) = (&read_text.0, has_error) {
         let extract = xml::parse(&source(text), &mut Vec::new()).unwrap();
         for nodes in [Nodes::Dense, Nodes::Plain] {
-            let (binary, problems) =
-                read_binary(Path::new("a.pbf"), &writer::write(&extract, nodes));
+            let (binary, problems) = read_with(&writer::write(&extract, nodes));
             assert_eq!(dump(&binary.expect("a map")), dump(map));
             assert_eq!(drawn(&problems, false), drawn(&read_text.1, false));
         }
@@ -58,7 +63,7 @@ fn what_makes_the_extent_absurd_is_named() {
     };
     let stray = file("");
     let extract = xml::parse(&source(&stray), &mut Vec::new()).unwrap();
-    let binary = read_binary(Path::new("a.pbf"), &writer::write(&extract, Nodes::Dense));
+    let binary = read_with(&writer::write(&extract, Nodes::Dense));
     let bounds = "<bounds minlat=\"50\" minlon=\"7\" maxlat=\"52\" maxlon=\"8\"/>\n";
     let beside = "<bounds minlat=\"7\" minlon=\"51\" maxlat=\"7.1\" maxlon=\"51.1\"/>\n";
     let outcomes = [
@@ -108,8 +113,7 @@ fn what_makes_the_extent_absurd_is_named() {
        ·                              ╰── this
      3 │ <node id="1" lat="51" lon="7"/>
        ╰────
-      help: state the bounds of the part that the robot will drive in, or none; check whether latitude
-            and longitude are swapped
+      help: latitude and longitude are swapped in one of both: exchange them there
 
     no map
     "#);
@@ -157,7 +161,9 @@ fn ways_are_areas_and_walls() {
 
       ☞ the map is 200.4 m x 99.5 m, by the bounds that the file states; 0,0 is its centre, latitude
       │ 0.00045, longitude 0.0009; obstacles: 5, areas that weaken radio: 2, zones: 0, named points:
-      │ 0, without a meaning here: 2
+      │ 0, not used: 2 (building=no 1, highway=service 1)
+      help: 0,0 depends on the file: `origin = [0.00045, 0.0009]` in the mission file or --origin
+            0.00045,0.0009 keeps it where it is when the map is drawn anew
 
     extent -100.188,-49.758 + 200.375,99.517
     reference 0.00045 0.0009 at 0,0 heading 0
@@ -186,9 +192,15 @@ fn nodes_are_goals_where_they_say_so() {
             .into(),
     ];
     assert_snapshot!(check(&objects.concat()), @r#"
+      ⚠ drawn as a point, which has no outline: building=yes 1; blocks one cell
+      help: fetch it with outlines: in Overpass end the query with `out geom;`, or with `(._;>;); out
+            body;`, or give the point a `radius` in metres
+
       ☞ the map is 200.4 m x 99.5 m, by the bounds that the file states; 0,0 is its centre, latitude
       │ 0.00045, longitude 0.0009; obstacles: 1, areas that weaken radio: 0, zones: 0, named points:
-      │ 1, without a meaning here: 3
+      │ 1, not used: 3 (goal=yes 1, name=Pond 1, name=Shop 1)
+      help: 0,0 depends on the file: `origin = [0.00045, 0.0009]` in the mission file or --origin
+            0.00045,0.0009 keeps it where it is when the map is drawn anew
 
     extent -100.188,-49.758 + 200.375,99.517
     reference 0.00045 0.0009 at 0,0 heading 0
@@ -216,7 +228,9 @@ fn relations_are_areas_with_courtyards() {
     assert_snapshot!(check(&objects.concat()), @r#"
       ☞ the map is 200.4 m x 99.5 m, by the bounds that the file states; 0,0 is its centre, latitude
       │ 0.00045, longitude 0.0009; obstacles: 4, areas that weaken radio: 2, zones: 0, named points:
-      │ 0, without a meaning here: 2
+      │ 0, not used: 2 (building=yes 1, landuse=grass 1)
+      help: 0,0 depends on the file: `origin = [0.00045, 0.0009]` in the mission file or --origin
+            0.00045,0.0009 keeps it where it is when the map is drawn anew
 
     extent -100.188,-49.758 + 200.375,99.517
     reference 0.00045 0.0009 at 0,0 heading 0
@@ -239,7 +253,9 @@ fn an_area_whose_outer_way_has_the_tags_keeps_its_courtyard() {
     assert_snapshot!(check(&objects.concat()), @r#"
       ☞ the map is 200.4 m x 99.5 m, by the bounds that the file states; 0,0 is its centre, latitude
       │ 0.00045, longitude 0.0009; obstacles: 1, areas that weaken radio: 0, zones: 0, named points:
-      │ 0, without a meaning here: 0
+      │ 0, not used: 0
+      help: 0,0 depends on the file: `origin = [0.00045, 0.0009]` in the mission file or --origin
+            0.00045,0.0009 keeps it where it is when the map is drawn anew
 
     extent -100.188,-49.758 + 200.375,99.517
     reference 0.00045 0.0009 at 0,0 heading 0
@@ -266,9 +282,15 @@ fn what_an_extract_leaves_out_is_counted() {
       ⚠ outlines that do not close: 1; drawn as walls with free ground behind
       help: cut the extract out with whole objects: `osmium extract --strategy smart`
 
+      ⚠ without coordinates, so not on the map: barrier=wall 1, landuse=forest 1
+      help: fetch it with outlines: in Overpass end the query with `out geom;`, or with `(._;>;); out
+            body;`
+
       ☞ the map is 200.4 m x 99.5 m, by the bounds that the file states; 0,0 is its centre, latitude
       │ 0.00045, longitude 0.0009; obstacles: 2, areas that weaken radio: 0, zones: 0, named points:
-      │ 0, without a meaning here: 0
+      │ 0, not used: 0
+      help: 0,0 depends on the file: `origin = [0.00045, 0.0009]` in the mission file or --origin
+            0.00045,0.0009 keeps it where it is when the map is drawn anew
 
     extent -100.188,-49.758 + 200.375,99.517
     reference 0.00045 0.0009 at 0,0 heading 0
@@ -423,24 +445,45 @@ fn files_that_are_no_maps_are_refused() {
         check_file("<osmChange version=\"0.6\"><osm/></osmChange>"),
         check_file("<osm version=\"0.6\"/>"),
         check_file("<!DOCTYPE x [<!ENTITY a \"b\">]>\n<osm>&a;</osm>"),
-        outcome(&read(&source(
-            "<osm>\n<remark> runtime error: Query timed out </remark>\n\
+        outcome(&read(
+            &source(
+                "<osm>\n<remark> runtime error: Query timed out </remark>\n\
              <node id=\"1\" lat=\"51\" lon=\"7\"/></osm>",
-        ))),
+            ),
+            &ReadOptions::default(),
+        )),
     ];
     assert_snapshot!(outcomes.join("----\n"), @r#"
-      × this is not XML: unexpected end of stream
-       ╭─[a.osm:2:31]
+      × this is not XML: syntax error: attribute value not closed: `"` not found before end of input
+       ╭─[a.osm:2:3]
      1 │ <osm version="0.6">
      2 │   <node id="1" lat="0" lön="0
-       ·                              ▲
-       ·                              ╰── here
+       ·   ▲
+       ·   ╰── here
        ╰────
       help: check whether the file was cut off, and save or fetch it again
 
     no map
     ----
-      × this is not XML: expected 'node' tag, not 'osm'
+      × <node> has no lat
+       ╭─[a.osm:2:2]
+     1 │ <osm>
+     2 │  <node id="1"></osm>
+       ·  ──────┬──────
+       ·        ╰── add lat="..."
+       ╰────
+      help: save or fetch the file again; editors and servers always write it
+
+      × <node> has no lon
+       ╭─[a.osm:2:2]
+     1 │ <osm>
+     2 │  <node id="1"></osm>
+       ·  ──────┬──────
+       ·        ╰── add lon="..."
+       ╰────
+      help: save or fetch the file again; editors and servers always write it
+
+      × this is not XML: ill-formed document: expected `</node>`, but `</osm>` was found
        ╭─[a.osm:2:15]
      1 │ <osm>
      2 │  <node id="1"></osm>
@@ -451,13 +494,14 @@ fn files_that_are_no_maps_are_refused() {
 
     no map
     ----
-      × the file is no extract of OpenStreetMap
+      × the file is a list of changes (.osc), not a map
        ╭─[a.osm:1:1]
      1 │ <osmChange version="0.6"><osm/></osmChange>
-       · ─────────────────────┬─────────────────────
-       ·                      ╰── not <osm>
+       · ────────────┬────────────
+       ·             ╰── not <osm>
        ╰────
-      help: save the data as .osm; changes (.osc) and other files are no maps
+      help: apply it to the extract that it changes: `osmium apply-changes old.osm changes.osc -o
+            new.osm`
 
     no map
     ----
@@ -466,14 +510,8 @@ fn files_that_are_no_maps_are_refused() {
 
     no map
     ----
-      × this is not XML: XML with DTD detected
-       ╭─[a.osm:1:1]
-     1 │ <!DOCTYPE x [<!ENTITY a "b">]>
-       · ▲
-       · ╰── here
-     2 │ <osm>&a;</osm>
-       ╰────
-      help: check whether the file was cut off, and save or fetch it again
+      × the file draws nothing and states no bounds
+      help: check that this is the file you mean
 
     no map
     ----
@@ -481,15 +519,16 @@ fn files_that_are_no_maps_are_refused() {
        ╭─[a.osm:2:1]
      1 │ <osm>
      2 │ <remark> runtime error: Query timed out </remark>
-       · ────────────────────────┬────────────────────────
-       ·                         ╰── the file may not be whole
+       · ────┬───
+       ·     ╰── the file may not be whole
      3 │ <node id="1" lat="51" lon="7"/></osm>
        ╰────
       help: fetch it again, or a smaller part
 
       ☞ the map is 20 m x 20 m, 10 m around what it draws; 0,0 is its centre, latitude 51, longitude
-      │ 7; obstacles: 0, areas that weaken radio: 0, zones: 0, named points: 0, without a meaning
-      │ here: 0
+      │ 7; obstacles: 0, areas that weaken radio: 0, zones: 0, named points: 0, not used: 0
+      help: 0,0 depends on the file: `origin = [51, 7]` in the mission file or --origin 51,7 keeps it
+            where it is when the map is drawn anew
 
     extent -10,-10 + 20,20
     reference 51 7 at 0,0 heading 0
@@ -511,7 +550,7 @@ fn sample() -> Vec<u8> {
 }
 
 fn refusal(bytes: &[u8]) -> String {
-    let (map, problems) = read_binary(Path::new("a.pbf"), bytes);
+    let (map, problems) = read_with(bytes);
     assert!(map.is_none());
     problems.into_iter().map(|problem| problem.message).collect()
 }
@@ -529,13 +568,13 @@ fn damaged_binary_files_are_refused() {
     starts(&good[..good.len() - 1], "");
     starts(b"", "it is no OpenStreetMap file");
     starts(b"\x7fELF\x02\x01\x01\x00", "");
-    // Kinds of members are 0 to 2; the library panics on others.
+    // Kinds of members are 0 to 2.
     let kinds = good.windows(4).rposition(|bytes| bytes == [0x52, 2, 1, 1]).expect("kinds");
     let mut other_kind = good.clone();
     other_kind[kinds + 2] = 7;
-    starts(&other_kind, "it holds numbers that mean nothing");
-    let history = writer::with_feature(&good, "HistoricalInformation");
-    starts(&history, "it needs a reader that understands HistoricalInformation");
+    starts(&other_kind, "it is damaged");
+    let other = writer::with_feature(&good, "OsmSchema-V0.7");
+    starts(&other, "it needs a reader that understands OsmSchema-V0.7");
 }
 
 proptest! {
@@ -545,7 +584,7 @@ proptest! {
         let mut bytes = sample();
         let at = at % bytes.len();
         if cut { bytes.truncate(at) } else { bytes[at] = to }
-        let _ = read_binary(Path::new("a.pbf"), &bytes);
+        let _ = read_with(&bytes);
     }
 
     #[test]
@@ -557,6 +596,6 @@ proptest! {
         );
         let at = at % text.len();
         text.replace_range(at..(at + cut).min(text.len()), &with);
-        let _ = read(&source(&text));
+        let _ = read(&source(&text), &ReadOptions::default());
     }
 }

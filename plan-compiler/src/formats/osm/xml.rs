@@ -1,193 +1,423 @@
 //! OpenStreetMap's XML, as its editors, its servers and Overpass write it.
+//!
+//! The text is read element by element, in one pass and without a tree of it. Elements have few
+//! attributes and are nested little; what has more is no extract and is refused.
 
-use super::{Extract, Member, Object, Relation, Way};
+use super::extract::{
+    BUDGET_BYTES, Builder, Extract, Member, Object, Relation, TooMuch, Version, Way,
+};
+use crate::formats::MAX_PROBLEMS;
 use crate::formats::globe::Bounds;
 use crate::formats::tags::Tags;
 use crate::problem::{Problem, Source};
 use math::GeoPoint;
-use roxmltree::{Document, Node, TextPos};
+use quick_xml::events::Event;
+use quick_xml::events::attributes::{Attribute, Attributes};
+use quick_xml::{Reader as Events, XmlVersion};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::str::FromStr;
 use std::sync::Arc;
 
 /// Most of an element that an excerpt shows, bytes.
 const EXCERPT_BYTES: usize = 80;
+/// Attributes of an element; a node with its history has a dozen.
+const MAX_ATTRIBUTES: usize = 64;
+/// Elements within each other; a relation with the outlines of its members has four.
+const MAX_DEPTH: usize = 64;
+
+const FETCH_AGAIN: &str = "check whether the file was cut off, and save or fetch it again";
 
 /// What an extract holds; `None` where the text is no OSM XML at all.
 pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option<Extract> {
-    let mut reader = Reader { source, problems };
-    let document = match Document::parse(&source.text) {
-        Ok(document) => document,
-        Err(error) => {
-            let at = match error {
-                // For which the library names no place, or where it began.
-                roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode => {
-                    source.text.trim_end().len()
-                }
-                _ => byte(&source.text, error.pos()),
-            };
-            // The library's words end with its own row and column.
-            let reason = error.to_string();
-            let reason = reason.rsplit_once(" at ").map_or(reason.as_str(), |(reason, _)| reason);
-            let mend = "check whether the file was cut off, and save or fetch it again";
-            reader.error(format!("this is not XML: {reason}"), at..at, "here", mend);
-            return None;
-        }
-    };
-    let root = document.root_element();
-    if root.tag_name().name() != "osm" {
-        let mend = "save the data as .osm; changes (.osc) and other files are no maps";
-        let span = reader.start_of(root);
-        reader.error("the file is no extract of OpenStreetMap".into(), span, "not <osm>", mend);
-        return None;
-    }
-    let mut extract = Extract::default();
-    for element in root.children().filter(Node::is_element).filter(|element| !is_deleted(*element))
-    {
-        match element.tag_name().name() {
-            "bounds" => reader.bounds(element, &mut extract),
-            "node" => reader.node(element, &mut extract),
-            "way" => reader.way(element, &mut extract),
-            "relation" => reader.relation(element, &mut extract),
-            "remark" => reader.remark(element),
-            _ => {}
-        }
-    }
-    Some(extract)
+    parse_within(source, problems, BUDGET_BYTES)
+}
+
+/// As [`parse`], with a budget of memory in bytes.
+pub(super) fn parse_within(
+    source: &Arc<Source>,
+    problems: &mut Vec<Problem>,
+    budget: usize,
+) -> Option<Extract> {
+    let builder = Builder::new(budget);
+    let mut reader = Reader { source, problems, builder, current: Current::Other, depth: 0 };
+    reader.file().ok()?;
+    Some(reader.builder.finish())
 }
 
 /// Where the text has an element, of an id or the first of its kind.
 pub(super) fn find(source: &Arc<Source>, kind: &str, id: Option<i64>) -> Option<Range<usize>> {
-    let document = Document::parse(&source.text).ok()?;
-    let is_it = |element: &Node<'_, '_>| {
-        let has_id =
-            |id: i64| element.attribute("id").and_then(|text| text.parse().ok()) == Some(id);
-        element.has_tag_name(kind) && id.is_none_or(has_id)
-    };
-    let element = document.root_element().children().find(is_it)?;
-    Some(start_of(source, element))
+    let mut events = Events::from_str(&source.text);
+    loop {
+        let start = events.buffer_position() as usize;
+        let is_empty = match events.read_event().ok()? {
+            Event::Eof => return None,
+            Event::Start(_) => false,
+            Event::Empty(_) => true,
+            _ => continue,
+        };
+        let element =
+            Element::of(source, start..events.buffer_position() as usize, is_empty).ok()?;
+        let is_it = |id: i64| element.get("id").and_then(|text| text.parse().ok()) == Some(id);
+        if element.name == kind && id.is_none_or(is_it) {
+            return Some(element.span);
+        }
+    }
 }
 
-/// The first line of an element: enough of it for an excerpt.
-fn start_of(source: &Source, element: Node<'_, '_>) -> Range<usize> {
-    let range = element.range();
-    let first = source.text[range.clone()].lines().next().unwrap_or_default();
-    range.start..range.start + first.floor_char_boundary(EXCERPT_BYTES)
+/// The file is refused; why is among the problems.
+struct Refused;
+
+/// An element's start.
+struct Element<'t> {
+    name: &'t str,
+    attributes: Vec<Attribute<'t>>,
+    /// Its first line: enough of it for an excerpt.
+    span: Range<usize>,
 }
 
-/// What an editor keeps until it is uploaded, and what a server says is gone.
-fn is_deleted(element: Node<'_, '_>) -> bool {
-    element.attribute("action") == Some("delete") || element.attribute("visible") == Some("false")
+impl<'t> Element<'t> {
+    /// The element whose tag the text has in a range.
+    fn of(source: &'t Source, tag: Range<usize>, is_empty: bool) -> Result<Self, String> {
+        let first = source.text[tag.clone()].lines().next().unwrap_or_default();
+        let span = tag.start..tag.start + first.floor_char_boundary(EXCERPT_BYTES);
+        // Between `<` and `>` or `/>`.
+        let end = tag.end.saturating_sub(if is_empty { 2 } else { 1 });
+        let inside = source.text.get(tag.start + 1..end).unwrap_or_default();
+        let length = inside.find(|c: char| c.is_ascii_whitespace()).unwrap_or(inside.len());
+        let name = &inside[..length];
+        let mut all = Attributes::new(inside, length);
+        let mut attributes: Vec<Attribute<'t>> = Vec::new();
+        for attribute in all.with_checks(false) {
+            let attribute = attribute.map_err(|error| error.to_string())?;
+            if attributes.iter().any(|known| known.key == attribute.key) {
+                return Err(format!("attribute '{}' stands there twice", attribute.key.0));
+            }
+            if attributes.len() >= MAX_ATTRIBUTES {
+                return Err(format!("an element has more than {MAX_ATTRIBUTES} attributes"));
+            }
+            attributes.push(attribute);
+        }
+        Ok(Self { name, attributes, span })
+    }
+
+    /// The value of an attribute as the text writes it.
+    fn get(&self, name: &str) -> Option<&str> {
+        let attribute = self.attributes.iter().find(|attribute| attribute.key.0 == name)?;
+        Some(attribute.value.as_ref())
+    }
+
+    /// The value of an attribute.
+    fn text(&self, name: &str) -> Option<Cow<'t, str>> {
+        let attribute = self.attributes.iter().find(|attribute| attribute.key.0 == name)?;
+        // What is no reference stays as it is written.
+        let read = attribute.normalized_value(XmlVersion::Explicit1_0);
+        Some(read.unwrap_or_else(|_| attribute.value.clone()))
+    }
+
+    fn version(&self) -> Version {
+        let number = self.get("version").and_then(|text| text.parse().ok()).unwrap_or_default();
+        // What an editor keeps until it is uploaded, and what a server says is gone.
+        let is_deleted =
+            self.get("action") == Some("delete") || self.get("visible") == Some("false");
+        Version { number, is_deleted }
+    }
 }
 
-/// Rows and columns count from 1, columns in characters.
-fn byte(text: &str, at: TextPos) -> usize {
-    let rows = text.split_inclusive('\n').take((at.row as usize).saturating_sub(1));
-    let start: usize = rows.map(str::len).sum();
-    let mut characters = text[start..].char_indices();
-    let offset = characters.nth((at.col as usize).saturating_sub(1)).map(|(offset, _)| offset);
-    offset.map_or(text.len(), |offset| start + offset)
+/// The object whose parts are being read.
+enum Current {
+    Node(Version, Object, Option<GeoPoint>),
+    Way(Version, Way),
+    /// A relation, and the outline of the member that is being read.
+    Relation(Version, Relation, Option<Way>),
+    Remark(String, Range<usize>),
+    Other,
 }
 
 struct Reader<'a> {
     source: &'a Arc<Source>,
     problems: &'a mut Vec<Problem>,
+    builder: Builder,
+    current: Current,
+    depth: usize,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     fn error(&mut self, message: String, span: Range<usize>, label: &str, mend: &str) {
         self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
     }
 
-    fn start_of(&self, element: Node<'_, '_>) -> Range<usize> {
-        start_of(self.source, element)
+    fn file(&mut self) -> Result<(), Refused> {
+        let mut events = Events::from_str(&self.source.text);
+        loop {
+            let start = events.buffer_position() as usize;
+            let event = events.read_event();
+            let tag = start..events.buffer_position() as usize;
+            match event {
+                Ok(Event::Start(_)) => self.open(tag, false)?,
+                Ok(Event::Empty(_)) => {
+                    self.open(tag, true)?;
+                    self.close()?;
+                }
+                Ok(Event::End(_)) => self.close()?,
+                Ok(Event::Text(_)) => {
+                    if let Current::Remark(text, _) = &mut self.current {
+                        *text = self.source.text[tag].trim().to_owned();
+                    }
+                }
+                Ok(Event::Eof) if self.depth > 0 => {
+                    let end = self.source.text.trim_end().len();
+                    let message = "this is not XML: unexpected end of the file".into();
+                    self.error(message, end..end, "here", FETCH_AGAIN);
+                    return Err(Refused);
+                }
+                Ok(Event::Eof) => return Ok(()),
+                Ok(_) => {}
+                Err(error) => {
+                    let at = (events.error_position() as usize).min(self.source.text.len());
+                    let at = self.source.text.floor_char_boundary(at);
+                    self.error(format!("this is not XML: {error}"), at..at, "here", FETCH_AGAIN);
+                    return Err(Refused);
+                }
+            }
+        }
+    }
+
+    fn open(&mut self, tag: Range<usize>, is_empty: bool) -> Result<(), Refused> {
+        let source: &'a Source = self.source;
+        let at = tag.start;
+        let element = Element::of(source, tag, is_empty).map_err(|reason| {
+            self.error(format!("this is not XML: {reason}"), at..at, "here", FETCH_AGAIN);
+            Refused
+        })?;
+        self.depth += 1;
+        if self.depth > MAX_DEPTH {
+            let message = format!("elements are nested deeper than {MAX_DEPTH}");
+            let mend = "no extract is; check that this is the file you mean";
+            self.error(message, element.span, "here", mend);
+            return Err(Refused);
+        }
+        if self.problems.len() > MAX_PROBLEMS {
+            return Err(Refused);
+        }
+        match self.depth {
+            1 => self.root(&element),
+            2 => self.begin(&element),
+            _ => self.part(&element).or_else(|TooMuch| self.too_much(element.span)),
+        }
+    }
+
+    fn too_much(&mut self, span: Range<usize>) -> Result<(), Refused> {
+        self.error(TooMuch::MESSAGE.into(), span, "up to here", TooMuch::MEND);
+        Err(Refused)
+    }
+
+    fn root(&mut self, root: &Element<'_>) -> Result<(), Refused> {
+        let (message, mend) = match root.name {
+            "osm" => return Ok(()),
+            "osmChange" | "osmAugmentedDiff" => (
+                "the file is a list of changes (.osc), not a map",
+                "apply it to the extract that it changes: `osmium apply-changes old.osm changes.osc -o new.osm`",
+            ),
+            name if name.eq_ignore_ascii_case("html") => (
+                "the file is a web page, not an extract of OpenStreetMap",
+                "a server that is busy answers so: open it in a browser to read why, and fetch it again",
+            ),
+            _ => (
+                "the file is no extract of OpenStreetMap",
+                "save the data as .osm; other files are no maps",
+            ),
+        };
+        self.error(message.into(), root.span.clone(), "not <osm>", mend);
+        Err(Refused)
+    }
+
+    /// An element of the file itself.
+    fn begin(&mut self, element: &Element<'_>) -> Result<(), Refused> {
+        let version = element.version();
+        self.current = match element.name {
+            "bounds" => {
+                self.bounds(element);
+                Current::Other
+            }
+            "bound" => {
+                self.bound(element);
+                Current::Other
+            }
+            "remark" => Current::Remark(String::new(), element.span.clone()),
+            "node" => match self.object(element) {
+                // What is deleted has no place.
+                Some(object) if version.is_deleted => {
+                    Current::Node(version, object, Some(GeoPoint { lat_e7: 0, lon_e7: 0 }))
+                }
+                object => {
+                    let place = self.place(element);
+                    object.map_or(Current::Other, |object| Current::Node(version, object, place))
+                }
+            },
+            "way" => self.object(element).map_or(Current::Other, |object| {
+                Current::Way(version, Way { object, refs: Vec::new() })
+            }),
+            "relation" => self.object(element).map_or(Current::Other, |object| {
+                Current::Relation(version, Relation { object, members: Vec::new() }, None)
+            }),
+            _ => Current::Other,
+        };
+        Ok(())
+    }
+
+    /// A part of the current object.
+    fn part(&mut self, element: &Element<'_>) -> Result<(), TooMuch> {
+        let mut current = std::mem::replace(&mut self.current, Current::Other);
+        let object = match &mut current {
+            Current::Node(_, object, _) => Some(object),
+            Current::Way(_, way) => Some(&mut way.object),
+            Current::Relation(_, relation, _) => Some(&mut relation.object),
+            Current::Remark(..) | Current::Other => None,
+        };
+        if let Some(object) = object.filter(|_| self.depth == 3 && element.name == "tag")
+            && let (Some(key), Some(value)) = (element.text("k"), element.text("v"))
+        {
+            self.builder.take_tag(&key, &value)?;
+            object.tags.0.push((key.into_owned(), value.into_owned()));
+        }
+        match (&mut current, element.name, self.depth) {
+            (Current::Way(_, way), "nd", 3) => {
+                if let Some(node) = self.number(element, "ref") {
+                    self.builder.take_ref()?;
+                    way.refs.push(node);
+                    if let Some(place) = place_beside(element) {
+                        self.builder.place(node, place)?;
+                    }
+                }
+            }
+            (Current::Relation(_, relation, outline), "member", 3) => {
+                *outline = None;
+                if element.get("type") == Some("way")
+                    && let Some(way) = self.number(element, "ref")
+                {
+                    self.builder.take_member()?;
+                    let is_inner = element.get("role") == Some("inner");
+                    relation.members.push(Member { way, is_inner });
+                    let object = Object { id: way, tags: Tags::default(), span: 0..0 };
+                    *outline = Some(Way { object, refs: Vec::new() });
+                }
+            }
+            (Current::Relation(_, _, Some(outline)), "nd", 4) => {
+                self.builder.take_ref()?;
+                outline.refs.push(self.builder.unnamed(place_beside(element))?);
+            }
+            _ => {}
+        }
+        self.current = current;
+        Ok(())
+    }
+
+    fn close(&mut self) -> Result<(), Refused> {
+        self.depth = self.depth.saturating_sub(1);
+        if let (2, Current::Relation(_, _, outline)) = (self.depth, &mut self.current)
+            && let Some(way) = outline.take().filter(|way| !way.refs.is_empty())
+        {
+            let done = self.builder.way(Version::default(), way);
+            return done.or_else(|TooMuch| self.too_much(0..0));
+        }
+        if self.depth != 1 {
+            return Ok(());
+        }
+        let done = match std::mem::replace(&mut self.current, Current::Other) {
+            Current::Node(version, object, Some(place)) => {
+                self.builder.node(version, object, place)
+            }
+            Current::Way(version, way) => self.builder.way(version, way),
+            Current::Relation(version, relation, _) => self.builder.relation(version, relation),
+            Current::Remark(text, span) => {
+                self.remark(&text, span);
+                Ok(())
+            }
+            Current::Node(_, _, None) | Current::Other => Ok(()),
+        };
+        done.or_else(|TooMuch| self.too_much(0..0))
     }
 
     /// A number that an element must have.
-    fn number<T: FromStr>(&mut self, element: Node<'_, '_>, name: &str) -> Option<T> {
-        let kind = element.tag_name().name();
-        let Some(attribute) = element.attribute_node(name) else {
-            let span = self.start_of(element);
+    fn number<T: FromStr>(&mut self, element: &Element<'_>, name: &str) -> Option<T> {
+        let kind = element.name;
+        let Some(text) = element.get(name) else {
             let label = format!("add {name}=\"...\"");
             let mend = "save or fetch the file again; editors and servers always write it";
-            self.error(format!("<{kind}> has no {name}"), span, &label, mend);
+            self.error(format!("<{kind}> has no {name}"), element.span.clone(), &label, mend);
             return None;
         };
-        let number = attribute.value().trim().parse().ok();
+        let number = text.trim().parse().ok();
         if number.is_none() {
+            let start = text.as_ptr() as usize - self.source.text.as_ptr() as usize;
+            let span = start..start + text.floor_char_boundary(EXCERPT_BYTES);
             let message = format!("the {name} of <{kind}> is not a number");
-            let mend = "numbers are written as 12 or 51.0123456";
-            self.error(message, attribute.range_value(), "this", mend);
+            self.error(message, span, "this", "numbers are written as 12 or 51.0123456");
         }
         number
     }
 
-    fn object(&mut self, element: Node<'_, '_>) -> Option<Object> {
+    fn object(&mut self, element: &Element<'_>) -> Option<Object> {
         let id = self.number(element, "id")?;
-        let tags = element.children().filter(|child| child.has_tag_name("tag"));
-        let tags = tags.filter_map(|tag| {
-            Some((tag.attribute("k")?.to_owned(), tag.attribute("v")?.to_owned()))
-        });
-        Some(Object { id, tags: Tags(tags.collect()), span: self.start_of(element) })
+        Some(Object { id, tags: Tags::default(), span: element.span.clone() })
     }
 
-    fn bounds(&mut self, element: Node<'_, '_>, extract: &mut Extract) {
+    fn place(&mut self, element: &Element<'_>) -> Option<GeoPoint> {
+        let (lat, lon) = (self.number(element, "lat"), self.number(element, "lon"));
+        let place = GeoPoint::from_degrees(lat?, lon?);
+        if place.is_none() {
+            let id = element.get("id").unwrap_or_default();
+            let mend = "latitudes are -90 to 90 degrees, longitudes -180 to 180";
+            let message = format!("node {id} is off the globe");
+            self.error(message, element.span.clone(), "this node", mend);
+        }
+        place
+    }
+
+    fn bounds(&mut self, element: &Element<'_>) {
         let mut side = |name: &str| self.number::<f64>(element, name);
         let sides = [side("minlat"), side("minlon"), side("maxlat"), side("maxlon")];
-        let [Some(south), Some(west), Some(north), Some(east)] = sides else { return };
-        let bounds = Bounds::between([south, west].map(to_e7), [north, east].map(to_e7));
-        if bounds.is_none() {
-            let span = self.start_of(element);
-            let mend = "minlat and minlon are its south-west corner, in degrees";
-            self.error("the bounds are no box on the globe".into(), span, "these", mend);
-        }
-        extract.bounds = extract.bounds.or(bounds);
-    }
-
-    fn node(&mut self, element: Node<'_, '_>, extract: &mut Extract) {
-        let object = self.object(element);
-        let (lat, lon) = (self.number(element, "lat"), self.number(element, "lon"));
-        let (Some(object), Some(lat), Some(lon)) = (object, lat, lon) else { return };
-        let Some(place) = GeoPoint::from_degrees(lat, lon) else {
-            let span = self.start_of(element);
-            let mend = "latitudes are -90 to 90 degrees, longitudes -180 to 180";
-            self.error(format!("node {} is off the globe", object.id), span, "this node", mend);
-            return;
-        };
-        extract.places.insert(object.id, place);
-        if !object.tags.0.is_empty() {
-            extract.nodes.push(object);
+        if let [Some(south), Some(west), Some(north), Some(east)] = sides {
+            self.add_bounds([south, west, north, east], element);
         }
     }
 
-    fn way(&mut self, element: Node<'_, '_>, extract: &mut Extract) {
-        let Some(object) = self.object(element) else { return };
-        let nodes = element.children().filter(|child| child.has_tag_name("nd"));
-        let refs = nodes.filter_map(|node| self.number(node, "ref")).collect();
-        extract.ways.push(Way { object, refs });
+    /// As osmosis writes them: `box="south,west,north,east"`.
+    fn bound(&mut self, element: &Element<'_>) {
+        let sides = element.get("box").unwrap_or_default().split(',');
+        let sides: Vec<f64> = sides.filter_map(|side| side.trim().parse().ok()).collect();
+        if let Ok(sides) = <[f64; 4]>::try_from(sides) {
+            self.add_bounds(sides, element);
+        }
     }
 
-    fn relation(&mut self, element: Node<'_, '_>, extract: &mut Extract) {
-        let Some(object) = self.object(element) else { return };
-        let members = element.children().filter(|child| child.has_tag_name("member"));
-        let members = members.filter(|member| member.attribute("type") == Some("way"));
-        let members = members.filter_map(|member| {
-            let is_inner = member.attribute("role") == Some("inner");
-            Some(Member { way: self.number(member, "ref")?, is_inner })
-        });
-        let members = members.collect();
-        extract.relations.push(Relation { object, members });
+    fn add_bounds(&mut self, sides: [f64; 4], element: &Element<'_>) {
+        let [south, west, north, east] = sides.map(to_e7);
+        match Bounds::between([south, west], [north, east]) {
+            Some(bounds) => self.builder.bounds(bounds),
+            None => {
+                let span = element.span.clone();
+                let mend = "minlat and minlon are its south-west corner, in degrees";
+                self.error("the bounds are no box on the globe".into(), span, "these", mend);
+            }
+        }
     }
 
     /// A server's own word on why its answer is not whole.
-    fn remark(&mut self, element: Node<'_, '_>) {
-        let (text, span) = (element.text().unwrap_or_default().trim(), self.start_of(element));
+    fn remark(&mut self, text: &str, span: Range<usize>) {
         self.problems.push(
             Problem::warning(format!("the server remarks: {text}"))
                 .at(self.source, span, "the file may not be whole")
                 .mend("fetch it again, or a smaller part"),
         );
     }
+}
+
+/// The place that a reference to a node gives beside its number.
+fn place_beside(element: &Element<'_>) -> Option<GeoPoint> {
+    let number = |name: &str| element.get(name)?.trim().parse().ok();
+    GeoPoint::from_degrees(number("lat")?, number("lon")?)
 }
 
 /// As exact as the binary encoding, degrees.

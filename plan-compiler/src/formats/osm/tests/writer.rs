@@ -13,10 +13,10 @@ pub(super) enum Nodes {
 
 /// Bytes of a message.
 #[derive(Clone, Default)]
-struct Message(Vec<u8>);
+pub(super) struct Message(pub(super) Vec<u8>);
 
 impl Message {
-    fn varint(&mut self, mut value: u64) {
+    pub(super) fn varint(&mut self, mut value: u64) {
         while value >= 0x80 {
             self.0.push(value as u8 | 0x80);
             value >>= 7;
@@ -24,20 +24,20 @@ impl Message {
         self.0.push(value as u8);
     }
 
-    fn number(mut self, field: u64, value: u64) -> Self {
+    pub(super) fn number(mut self, field: u64, value: u64) -> Self {
         self.varint(field << 3);
         self.varint(value);
         self
     }
 
-    fn bytes(mut self, field: u64, bytes: &[u8]) -> Self {
+    pub(super) fn bytes(mut self, field: u64, bytes: &[u8]) -> Self {
         self.varint(field << 3 | 2);
         self.varint(bytes.len() as u64);
         self.0.extend_from_slice(bytes);
         self
     }
 
-    fn packed(self, field: u64, values: impl IntoIterator<Item = u64>) -> Self {
+    pub(super) fn packed(self, field: u64, values: impl IntoIterator<Item = u64>) -> Self {
         let mut list = Self::default();
         values.into_iter().for_each(|value| list.varint(value));
         self.bytes(field, &list.0)
@@ -45,12 +45,12 @@ impl Message {
 }
 
 /// Signed numbers with small ones first.
-fn zigzag(value: i64) -> u64 {
+pub(super) fn zigzag(value: i64) -> u64 {
     ((value << 1) ^ (value >> 63)) as u64
 }
 
 /// Each number as its difference from the one before.
-fn deltas(values: impl IntoIterator<Item = i64>) -> Vec<u64> {
+pub(super) fn deltas(values: impl IntoIterator<Item = i64>) -> Vec<u64> {
     let mut before = 0;
     values.into_iter().map(|value| zigzag(value - std::mem::replace(&mut before, value))).collect()
 }
@@ -76,9 +76,31 @@ impl Strings {
 }
 
 fn blob(kind: &str, message: &Message) -> Vec<u8> {
-    let blob = Message::default().bytes(1, &message.0);
+    block(kind, &Message::default().bytes(1, &message.0))
+}
+
+/// A block of a file, however it is compressed.
+pub(super) fn block(kind: &str, blob: &Message) -> Vec<u8> {
     let header = Message::default().bytes(1, kind.as_bytes()).number(3, blob.0.len() as u64);
     [&(header.0.len() as u32).to_be_bytes()[..], &header.0, &blob.0].concat()
+}
+
+/// A file of one group of objects, whose texts are these.
+pub(super) fn file(strings: &[&str], group: &Message) -> Vec<u8> {
+    let block = data(strings, group);
+    [header(), blob("OSMData", &block)].concat()
+}
+
+/// The header of a file without bounds.
+pub(super) fn header() -> Vec<u8> {
+    blob("OSMHeader", &Message::default().bytes(4, b"OsmSchema-V0.6").bytes(4, b"DenseNodes"))
+}
+
+/// A block of data, uncompressed.
+pub(super) fn data(strings: &[&str], group: &Message) -> Message {
+    let table = strings.iter();
+    let table = table.fold(Message::default(), |table, text| table.bytes(1, text.as_bytes()));
+    Message::default().bytes(1, &table.0).bytes(2, &group.0)
 }
 
 /// The file of an extract.

@@ -1,0 +1,83 @@
+//! What a user says about tags, by key and value.
+
+use crate::problem::{Place, Problem};
+use std::fmt;
+use std::str::FromStr;
+
+/// A tag that a user speaks of: `natural=water`, or `waterway` for every value of a key.
+#[derive(Clone, Debug)]
+pub struct TagRule {
+    /// The key; compared without regard to case.
+    pub key: String,
+    /// The value; `None` for any.
+    pub value: Option<String>,
+    /// Where it stands in a mission file; `None` for one of the command line.
+    pub place: Option<Place>,
+}
+
+/// What shall block and what shall not, whatever its tags mean by themselves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TagRules {
+    /// Obstacles.
+    pub block: Vec<TagRule>,
+    /// Free ground.
+    pub free: Vec<TagRule>,
+    /// Whether gates that do not say that they are locked open the barrier that they stand in.
+    pub open_gates: bool,
+}
+
+impl TagRules {
+    /// Whether nothing is said.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Every rule, and whether it blocks.
+    pub(super) fn all(&self) -> impl Iterator<Item = (bool, &TagRule)> {
+        let block = self.block.iter().map(|rule| (true, rule));
+        block.chain(self.free.iter().map(|rule| (false, rule)))
+    }
+}
+
+impl TagRule {
+    pub(super) fn matches(&self, key: &str, value: &str) -> bool {
+        let is_value = |wanted: &String| wanted.eq_ignore_ascii_case(value);
+        self.key.eq_ignore_ascii_case(key) && self.value.as_ref().is_none_or(is_value)
+    }
+
+    pub(super) fn point_at(&self, problem: Problem) -> Problem {
+        match &self.place {
+            Some(place) => problem.at(&place.source, place.span.clone(), "asked for here"),
+            None => problem,
+        }
+    }
+}
+
+/// Where it was said does not matter to what it says.
+impl PartialEq for TagRule {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.key, &self.value) == (&other.key, &other.value)
+    }
+}
+
+impl FromStr for TagRule {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (key, value) = match text.split_once('=') {
+            Some((key, value)) => (key.trim(), Some(value.trim())),
+            None => (text.trim(), None),
+        };
+        if key.is_empty() || value == Some("") || key.contains('*') {
+            return Err("write KEY=VALUE or KEY, for example natural=water or waterway".into());
+        }
+        let value = value.filter(|value| *value != "*").map(str::to_owned);
+        Ok(Self { key: key.to_owned(), value, place: None })
+    }
+}
+
+impl fmt::Display for TagRule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.key, self.value.as_deref().unwrap_or("*"))
+    }
+}
