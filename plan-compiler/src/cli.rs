@@ -20,7 +20,7 @@ Examples:
   plan-compiler build tests/maps/campus.opar -o campus.bin
       Compiles a map. Its named points become goals; campus.mission.toml beside it is
       found by itself. The maps here are those of the project's folder.
-  plan-compiler build tests/maps/yard.osm --goal gate=-17.5,17.5 --goal shed=14.5,14 --resolution 0.5
+  plan-compiler build tests/maps/yard.osm --goal gate=-17.5,17.5 --goal shed=14,14 --resolution 0.5
       Compiles for two goals of your own, in cells of half a metre.
   plan-compiler build tests/maps/yard.osm --goal gate=geo:51.00036,7.00018 -o gate.bin
       The same for a goal by latitude and longitude.

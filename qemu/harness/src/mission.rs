@@ -187,7 +187,7 @@ impl Scenario {
         let vehicle = self.plan().parameters().vehicle;
         let chassis = Chassis { radius_m: vehicle.radius_m.into(), ..Chassis::default() };
         if !world.is_clear(start.position, chassis.radius_m) {
-            let nearest = world.pushed_clear(start.position, chassis.radius_m).flatten();
+            let nearest = near_clear(world, start.position, chassis.radius_m);
             let elsewhere = nearest.map_or_else(
                 || "start elsewhere: --start X,Y".to_owned(),
                 |at| format!("a clear place near it: --start {:.2},{:.2}", at[0], at[1]),
@@ -203,6 +203,20 @@ impl Scenario {
             None => run,
         })
     }
+}
+
+/// A place near another one where a body is clear of obstacles, of those on rings about it.
+fn near_clear(world: &World, about: Point, radius_m: f64) -> Option<Point> {
+    const RINGS: u32 = 200;
+    const RING_M: f64 = 0.25;
+    let steps = [-1.0, 0.0, 1.0];
+    let directions = steps.iter().flat_map(|x| steps.iter().map(move |y| [*x, *y]));
+    (1..=RINGS).find_map(|ring| {
+        let reach_m = f64::from(ring) * RING_M;
+        let mut places =
+            directions.clone().map(|step| [0, 1].map(|axis| about[axis] + reach_m * step[axis]));
+        places.find(|&place| world.is_clear(place, radius_m))
+    })
 }
 
 /// Length of a layer's route from a place to the goal, metres; `None` where there is none.

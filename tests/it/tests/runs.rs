@@ -7,13 +7,13 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
-/// A meadow with a wall in the middle and a shut box in the east.
+/// A meadow with a wall round a corner that opens to the west and a shut box in the east.
 const MEADOW: &str = "\
 MISSION-AREA 60 40
 ORIGIN 0 0
 GLOBAL_REF_POINT 51.5 -0.1
 CONTROL MEASURES:
-WALL w1 30 5 30 30
+WALL w1 20 10 30 10 30 30 20 30
 WALL w2 45 5 55 5 55 15 45 15 45 5
 PP gate 50 30
 ";
@@ -71,7 +71,7 @@ fn outcomes_have_names_and_exit_statuses() {
     assert!(reached["turn_rad"].as_f64().unwrap() > 0.5, "{reached}");
     assert!(reached["reasons"]["Driving"].as_u64().unwrap() > 100, "{reached}");
     assert_eq!(reached["trace_hash"].as_str().map(str::len), Some(16));
-    outcome(at, "meadow.ovl --start 10,20 --gains 100:0", "trapped", 1);
+    outcome(at, "meadow.ovl --start 25,20 --gains 100:0", "trapped", 1);
     let stranded = outcome(at, "meadow.ovl --start 50,10", "no-route", 1);
     assert!(stranded["time_s"].as_f64().unwrap() < 30.0, "{stranded}");
     let lost = outcome(at, "meadow.ovl --start=-5,10", "off-map", 1);

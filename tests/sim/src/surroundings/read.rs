@@ -368,8 +368,8 @@ mod tests {
              [fields.b]\nchannel = 3\nwithin = 1\nstrips = []\n",
         );
         let expected = [
-            "`start` is missing",
             "`strat` is not a key of a world",
+            "`start` is missing",
             "`heading` must be a number from -10 to 10",
             "`time_limit` must be a number from 0.05 to 604800",
             "`truth` is not a key of a world",
