@@ -9,6 +9,7 @@ use plan_compiler::formats::{
 };
 use plan_compiler::map::Unknown;
 use plan_compiler::mission::{self, Goal, GoalAt};
+use plan_compiler::render::{SIZES_PX, Style};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -266,6 +267,12 @@ pub(crate) struct Render {
     /// The file to write: .svg or .png
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: PathBuf,
+    /// The longer side of the picture, 200 to 8000; letters, lines and arrows follow it
+    #[arg(long, value_name = "PIXELS", default_value_t = Style::default().size_px, value_parser = size())]
+    pub(crate) size: u32,
+    /// Leave the arrows of the advice out
+    #[arg(long)]
+    pub(crate) no_arrows: bool,
     /// Draw the exact shapes of this map over the cells
     #[arg(long, value_name = "MAP")]
     pub(crate) map: Option<PathBuf>,
@@ -426,6 +433,12 @@ fn goal(text: &str) -> Result<Goal, String> {
     let name = mission::tidy_name(name)?.to_owned();
     let at = pair(at).map_err(|reason| format!("{reason}; {example}"))?;
     Ok(Goal { name, at: GoalAt::Position(at), layers: None, place: None })
+}
+
+/// The longer side of a picture.
+fn size() -> impl TypedValueParser<Value = u32> {
+    let (least, most) = (i64::from(*SIZES_PX.start()), i64::from(*SIZES_PX.end()));
+    clap::value_parser!(u32).range(least..=most)
 }
 
 fn pair(text: &str) -> Result<[f64; 2], String> {

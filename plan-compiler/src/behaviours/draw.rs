@@ -1,7 +1,7 @@
 //! Behaviours and their plans as graphs: DOT for other tools, and a picture of our own (H41).
 //!
 //! Drawn is what the blob holds, so that a mission file and a blob give the same picture. Layout
-//! and letters are our own: neither Graphviz nor a font needs to be found.
+//! and font are our own: neither Graphviz nor a font needs to be found.
 
 mod dot;
 mod picture;

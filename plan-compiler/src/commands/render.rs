@@ -5,7 +5,7 @@ use crate::cli::Render;
 use plan_compiler::compile::{has_errors, metres, pair};
 use plan_compiler::map::{Feature, Point};
 use plan_compiler::problem::Problem;
-use plan_compiler::render::{Overlay, Panel, png, side_by_side};
+use plan_compiler::render::{Mark, Overlay, Panel, Piece, Style, lacking, png, side_by_side};
 use plan_compiler::route::{self, NoRoute, Route};
 use plan_compiler::{formats, output};
 use plan_format::{Layer, ParallelPlan, Plan};
@@ -29,21 +29,44 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
         Some(start) => routes(&plan, &drawn, start, quiet)?,
         None => Vec::new(),
     };
-    let mut panels = Vec::new();
-    for (index, &(parallel, layer)) in drawn.iter().enumerate() {
-        let route = routes.get(index).and_then(Option::as_ref);
-        let route = route.map_or(&[][..], |route| &route.points);
-        let overlay =
-            Overlay { features: &features, start: args.route, route, ..Overlay::default() };
-        panels.push(Panel { parallel, layer, overlay });
+    let pieces: Vec<Option<Piece<'_>>> =
+        routes.iter().map(|route| route.as_ref().map(piece)).collect();
+    let marks: Vec<Vec<(Mark, Point, &str)>> =
+        routes.iter().map(|route| marks(args.route, route.as_ref())).collect();
+    let panels = drawn.iter().enumerate().map(|(index, &(parallel, layer))| {
+        let routes = pieces.get(index).map_or(&[][..], Option::as_slice);
+        let marks = marks.get(index).map_or(&[][..], Vec::as_slice);
+        let overlay = Overlay { features: &features, routes, marks, ..Overlay::default() };
+        Panel { parallel, layer, overlay }
+    });
+    let panels: Vec<Panel<'_>> = panels.collect();
+    let style = Style { size_px: args.size, has_arrows: !args.no_arrows };
+    let svg = side_by_side(&plan, &panels, style);
+    let lacking = lacking(&plan);
+    if as_png && !lacking.is_empty() {
+        let message = format!("the font of pictures lacks {lacking}: a PNG shows boxes instead");
+        tell(&[Problem::warning(message).mend("an .svg shows them in the reader's fonts")], quiet);
     }
-    let svg = side_by_side(&plan, &panels);
     let bytes = if as_png {
         png(&svg).map_err(|reason| Problem::error(format!("cannot draw the PNG: {reason}")))?
     } else {
         svg.into_bytes()
     };
     Ok(output::write_file(&args.output, |out| out.write_all(&bytes))?)
+}
+
+/// A route as it is drawn.
+fn piece(route: &Route) -> Piece<'_> {
+    Piece { name: "route that follows the advice", style: 0, points: &route.points }
+}
+
+/// Where a route starts and ends, or that there is none.
+fn marks(start: Option<Point>, route: Option<&Route>) -> Vec<(Mark, Point, &'static str)> {
+    let start = start.map(|start| match route {
+        Some(_) => (Mark::Start, start, "start"),
+        None => (Mark::Stop, start, "start without a route"),
+    });
+    start.into_iter().collect()
 }
 
 /// The layers to draw.

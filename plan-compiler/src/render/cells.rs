@@ -1,160 +1,186 @@
-//! Cells as few rectangles: sampled, sorted into bands of cost, joined.
+//! Cells as an image: sampled, sorted into bands of cost, and drawn in few colours.
+//!
+//! An image's size is bounded by the picture's, however large the map is.
 
-use super::round_number_below;
+use super::palette::{self, BLOCKED, HATCH, PAPER};
+use super::scale::round_number_above;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use plan_format::grid::cost_metres;
 use plan_format::{Answer, Cell, Grid, Layer};
-use std::fmt::Write;
-use svg::node::element::{Group, Path};
+use rayon::prelude::*;
+use std::io::Write;
+use std::ops::Range;
+use svg::node::element::Image;
 
-/// Bands of cost, at most: more cannot be told apart.
-const MAX_BANDS: usize = 24;
-/// Colours of cost, from the goal to the farthest cell, between which bands are mixed.
-const RAMP: [[f64; 3]; 4] =
-    [[255.0, 250.0, 220.0], [203.0, 232.0, 196.0], [134.0, 192.0, 206.0], [86.0, 130.0, 184.0]];
+/// Bands of cost, at most: more colours cannot be told apart.
+pub(super) const MAX_BANDS: usize = 12;
 
-/// What a sample is drawn as: a band of cost from 0, or one of these.
-type Class = u8;
-const NO_ROUTE: Class = u8::MAX - 1;
-const BLOCKED: Class = u8::MAX;
+/// A sample that must not be entered.
+const IS_BLOCKED: u32 = u32::MAX;
+/// A sample without a route.
+const NO_ROUTE: u32 = u32::MAX - 1;
 
 /// A layer at the picture's resolution.
 pub(super) struct Sampled {
     columns: u32,
     rows: u32,
-    cells_per_sample: u32,
-    classes: Vec<Class>,
-    bands: usize,
-    band_m: f64,
+    /// Costs, or one of the two above; row 0 in the south.
+    costs: Vec<u32>,
+    resolution_m: f64,
+}
+
+/// How wide the bands of cost are, and how many there are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bands {
+    pub(super) width_m: f64,
+    pub(super) count: usize,
+}
+
+impl Bands {
+    /// Few bands, of a round width, that reach to a cost.
+    pub(super) fn to(farthest_m: f64) -> Self {
+        let width_m = round_number_above(farthest_m / MAX_BANDS as f64);
+        let count = ((farthest_m / width_m) as usize + 1).min(MAX_BANDS);
+        Self { width_m, count }
+    }
+
+    fn of(&self, cost_m: f64) -> usize {
+        ((cost_m / self.width_m) as usize).min(self.count - 1)
+    }
 }
 
 impl Sampled {
-    /// Samples squares of `step` cells. A square is blocked if any of its cells is, so that
-    /// thin walls stay; otherwise it costs what the first of its cells with a route does.
-    pub(super) fn new(grid: &Grid, layer: &Layer<'_>, step: u32) -> Self {
-        let (columns, rows) = (grid.columns.div_ceil(step), grid.rows.div_ceil(step));
-        let mut costs = Vec::with_capacity(columns as usize * rows as usize);
-        for row in 0..rows {
-            for column in 0..columns {
-                costs.push(sample(layer, Cell::new(column * step, row * step), step));
-            }
-        }
-        let farthest = costs.iter().filter_map(|cost| cost.ok()).max().unwrap_or(0);
-        let farthest_m = cost_metres(farthest, grid.resolution_m).max(grid.resolution_m);
-        // Round numbers are at most 2.5 times apart, so there are at least ten bands.
-        let band_m = 2.5 * farthest_m / MAX_BANDS as f64;
-        let band_m = round_number_below(band_m);
-        let class = |cost: &Result<u32, Class>| match *cost {
-            Ok(cost) => (cost_metres(cost, grid.resolution_m) / band_m) as Class,
-            Err(class) => class,
-        };
-        let bands = (farthest_m / band_m) as usize + 1;
-        let classes = costs.iter().map(class).collect();
-        Self { columns, rows, cells_per_sample: step, classes, bands, band_m }
-    }
-
-    /// Width of a band, metres.
-    pub(super) fn band_m(&self) -> f64 {
-        self.band_m
-    }
-
-    /// One path a class.
-    pub(super) fn draw(&self, no_route: &str, blocked: &str) -> Group {
-        let mut paths = vec![String::new(); usize::from(Class::MAX) + 1];
-        self.join(|class, [x, y, width, height]| {
-            let path = &mut paths[usize::from(class)];
-            let _ = write!(path, "M{x} {y}h{width}v{height}h-{width}z");
-        });
-        // Without smoothing there are no seams between neighbours.
-        let mut group = Group::new().set("shape-rendering", "crispEdges");
-        for (class, path) in paths.into_iter().enumerate().filter(|(_, path)| !path.is_empty()) {
-            let colour = match class as Class {
-                NO_ROUTE => no_route.to_owned(),
-                BLOCKED => blocked.to_owned(),
-                _ => mixed(class as f64 / self.bands.max(2) as f64, class % 2 == 1),
+    /// At most so many columns and rows of samples, each of a block of cells.
+    pub(super) fn new(grid: &Grid, layer: &Layer<'_>, most: [u32; 2]) -> Self {
+        let (columns, rows) = (grid.columns.min(most[0]), grid.rows.min(most[1]));
+        let row_of_samples = |row: u32| {
+            let rows = block(row, rows, grid.rows);
+            let cost = |column, row| match layer.look_up(Cell::new(column, row)) {
+                Answer::Blocked { .. } => IS_BLOCKED,
+                Answer::Move { cost, .. } => cost.min(NO_ROUTE - 1),
+                Answer::Goal => 0,
+                Answer::NoRoute | Answer::OffMap => NO_ROUTE,
             };
-            group = group.add(Path::new().set("d", path).set("fill", colour));
-        }
-        group
+            (0..columns)
+                .map(move |column| merged(block(column, columns, grid.columns), rows.clone(), cost))
+        };
+        let costs = (0..rows).into_par_iter().flat_map_iter(row_of_samples).collect();
+        Self { columns, rows, costs, resolution_m: grid.resolution_m }
     }
 
-    /// Calls `emit` with the column, row, width and height in cells of rectangles that cover
-    /// all samples, each of one class: runs of a row, grown over rows with the same run.
-    fn join(&self, mut emit: impl FnMut(Class, [u32; 4])) {
-        let mut open: Vec<Run> = Vec::new();
-        for row in 0..=self.rows {
-            let runs = self.runs(row);
-            let mut grown = Vec::with_capacity(runs.len());
-            let mut above = open.iter().peekable();
-            for run in runs {
-                while above.next_if(|old| old.start < run.start).is_some() {}
-                let same = above.peek().filter(|old| {
-                    (old.start, old.end, old.class) == (run.start, run.end, run.class)
-                });
-                grown.push(Run { first_row: same.map_or(row, |old| old.first_row), ..run });
-            }
-            for old in &open {
-                if grown.binary_search_by_key(&old.start, |run| run.start).map_or(true, |at| {
-                    (grown[at].first_row, grown[at].end) != (old.first_row, old.end)
-                }) {
-                    let step = self.cells_per_sample;
-                    let (width, height) = (old.end - old.start, row - old.first_row);
-                    emit(old.class, [old.start, old.first_row, width, height].map(|n| n * step));
+    /// The same with at most so many columns and rows.
+    fn coarser(&self, most: [u32; 2]) -> Self {
+        let (columns, rows) = (self.columns.min(most[0]), self.rows.min(most[1]));
+        let cost = |column: u32, row: u32| {
+            self.costs[row as usize * self.columns as usize + column as usize]
+        };
+        let row_of_samples = |row: u32| {
+            let rows = block(row, rows, self.rows);
+            (0..columns)
+                .map(move |column| merged(block(column, columns, self.columns), rows.clone(), cost))
+        };
+        let costs = (0..rows).flat_map(row_of_samples).collect();
+        Self { columns, rows, costs, resolution_m: self.resolution_m }
+    }
+
+    /// The highest cost, metres; none where no cell has a route.
+    pub(super) fn farthest_m(&self) -> Option<f64> {
+        let costs = self.costs.iter().filter(|&&cost| cost < NO_ROUTE);
+        costs.max().map(|&cost| cost_metres(cost, self.resolution_m))
+    }
+
+    /// Whether there are cells of a kind.
+    pub(super) fn has_blocked(&self) -> bool {
+        self.costs.contains(&IS_BLOCKED)
+    }
+
+    pub(super) fn has_cells_without_route(&self) -> bool {
+        self.costs.contains(&NO_ROUTE)
+    }
+
+    /// The image, of whole pixels; hatching repeats after a number of them.
+    pub(super) fn draw(&self, bands: Bands, size: [u32; 2], hatch_px: u32) -> Image {
+        let png = self.coarser(size).png(bands, size, hatch_px).unwrap_or_default();
+        Image::new()
+            .set("width", size[0])
+            .set("height", size[1])
+            // Cells keep their edges when the picture is enlarged; viewers know the one or the other.
+            .set("image-rendering", "optimizeSpeed")
+            .set("style", "image-rendering:pixelated")
+            .set("href", format!("data:image/png;base64,{}", BASE64_STANDARD.encode(png)))
+    }
+
+    fn png(
+        &self,
+        bands: Bands,
+        [width, height]: [u32; 2],
+        hatch_px: u32,
+    ) -> Result<Vec<u8>, png::EncodingError> {
+        // Colours of the bands, then paper, hatching and what is blocked.
+        let mut colours: Vec<u8> =
+            (0..bands.count).flat_map(|index| palette::band(index, bands.count)).collect();
+        colours.extend([PAPER, HATCH, BLOCKED].into_iter().flat_map(palette::rgb));
+        let paper = bands.count as u8;
+        let index_of = |cost: u32| match cost {
+            IS_BLOCKED => paper + 2,
+            NO_ROUTE => paper,
+            cost => bands.of(cost_metres(cost, self.resolution_m)) as u8,
+        };
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_color(png::ColorType::Indexed);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_palette(colours);
+        encoder.set_compression(png::Compression::Balanced);
+        // Lines repeat, so that their differences are mostly zeros; a compression sets it anew.
+        encoder.set_filter(png::Filter::Up);
+        let mut writer = encoder.write_header()?;
+        let mut stream = writer.stream_writer()?;
+        let mut line = vec![0; width as usize];
+        for y in 0..height {
+            let row = middle(height - 1 - y, height, self.rows) as usize;
+            let samples = &self.costs[row * self.columns as usize..][..self.columns as usize];
+            for (x, pixel) in (0..).zip(&mut line) {
+                *pixel = index_of(samples[middle(x, width, self.columns) as usize]);
+                if *pixel == paper && (x + y) % hatch_px < hatch_px.div_ceil(5) {
+                    *pixel = paper + 1;
                 }
             }
-            open = grown;
+            stream.write_all(&line)?;
         }
-    }
-
-    /// The runs of equal samples of a row; none beyond the last row.
-    fn runs(&self, row: u32) -> Vec<Run> {
-        let columns = self.columns as usize;
-        let row_start = row as usize * columns;
-        let samples = self.classes.get(row_start..row_start + columns).unwrap_or_default();
-        let mut start = 0;
-        let runs = samples.chunk_by(|a, b| a == b).map(|run| {
-            let from = start;
-            start += run.len() as u32;
-            Run { start: from, end: start, class: run[0], first_row: row }
-        });
-        runs.collect()
+        stream.finish()?;
+        writer.finish()?;
+        Ok(bytes)
     }
 }
 
-/// Equal samples side by side, since a row.
-#[derive(Clone, Copy)]
-struct Run {
-    start: u32,
-    end: u32,
-    class: Class,
-    first_row: u32,
+/// The cells of a sample of so many.
+fn block(index: u32, samples: u32, cells: u32) -> Range<u32> {
+    let edge = |index: u32| (u64::from(index) * u64::from(cells) / u64::from(samples)) as u32;
+    edge(index)..edge(index + 1)
 }
 
-/// The cost of a square of cells, or how it is drawn without one.
-fn sample(layer: &Layer<'_>, corner: Cell, step: u32) -> Result<u32, Class> {
-    let mut found = Err(NO_ROUTE);
-    for row in corner.row..corner.row + step {
-        for column in corner.column..corner.column + step {
-            match layer.look_up(Cell::new(column, row)) {
-                Answer::Blocked { .. } => return Err(BLOCKED),
-                Answer::Move { cost, .. } => found = found.or(Ok(cost)),
-                Answer::Goal => found = Ok(0),
-                Answer::NoRoute | Answer::OffMap => {}
+/// The sample under the middle of a pixel of so many.
+fn middle(pixel: u32, pixels: u32, samples: u32) -> u32 {
+    ((2 * u64::from(pixel) + 1) * u64::from(samples) / (2 * u64::from(pixels))) as u32
+}
+
+/// What a block is drawn as: blocked if any of it is, so that thin walls stay; otherwise the goal
+/// or the first cost in it.
+fn merged(columns: Range<u32>, rows: Range<u32>, cost: impl Fn(u32, u32) -> u32) -> u32 {
+    let mut found = NO_ROUTE;
+    for row in rows {
+        for column in columns.clone() {
+            match cost(column, row) {
+                IS_BLOCKED => return IS_BLOCKED,
+                0 => found = 0,
+                cost if found == NO_ROUTE => found = cost,
+                _ => {}
             }
         }
     }
     found
-}
-
-/// The ramp's colour at 0 to 1. Every other band is a little darker, so that its edges show.
-fn mixed(at: f64, darker: bool) -> String {
-    let shade = if darker { 0.96 } else { 1.0 };
-    let scaled = at.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
-    let below = (scaled as usize).min(RAMP.len() - 2);
-    let part = scaled - below as f64;
-    let channel = |c: usize| {
-        ((RAMP[below][c] + (RAMP[below + 1][c] - RAMP[below][c]) * part) * shade).round() as u8
-    };
-    format!("#{:02x}{:02x}{:02x}", channel(0), channel(1), channel(2))
 }
 
 #[cfg(test)]
@@ -162,49 +188,36 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rectangles_cover_every_sample_once() {
-        let columns = 13;
-        // A pattern with blocks, stripes and noise.
-        let classes: Vec<Class> = (0..columns * 11)
-            .map(|i| {
-                let (x, y) = (i % columns, i / columns);
-                if x < 4 {
-                    1
-                } else if y % 3 == 0 {
-                    2
-                } else {
-                    (x * 7 + y * 5) as Class % 3
-                }
-            })
-            .collect();
-        let sampled = Sampled {
-            columns,
-            rows: 11,
-            cells_per_sample: 1,
-            classes: classes.clone(),
-            bands: 3,
-            band_m: 1.0,
-        };
-        let mut covered = vec![0; classes.len()];
-        let mut rectangles = 0;
-        sampled.join(|class, [x, y, width, height]| {
-            rectangles += 1;
-            for row in y..y + height {
-                for column in x..x + width {
-                    let index = (row * columns + column) as usize;
-                    assert_eq!(classes[index], class);
-                    covered[index] += 1;
-                }
-            }
-        });
-        assert!(covered.iter().all(|&times| times == 1));
-        assert!(rectangles < classes.len());
+    fn blocks_cover_every_cell_once() {
+        for (samples, cells) in [(1, 1), (3, 10), (7, 7), (1000, 4096), (5, 6)] {
+            let blocks: Vec<_> = (0..samples).map(|index| block(index, samples, cells)).collect();
+            assert_eq!((blocks[0].start, blocks[samples as usize - 1].end), (0, cells));
+            assert!(blocks.windows(2).all(|pair| pair[0].end == pair[1].start));
+            assert!(blocks.iter().all(|block| !block.is_empty()));
+        }
     }
 
     #[test]
-    fn the_ramp_begins_and_ends_with_its_colours() {
-        assert_eq!(mixed(0.0, false), "#fffadc");
-        assert_eq!(mixed(1.0, false), "#5682b8");
-        assert_eq!(mixed(7.0, true), "#537db1");
+    fn an_image_has_its_cells_upright_and_hatches_what_has_no_route() {
+        let costs = vec![0, 5741, 57410, NO_ROUTE, IS_BLOCKED, 5741];
+        let sampled = Sampled { columns: 3, rows: 2, costs, resolution_m: 1.0 };
+        let bands = Bands::to(10.0);
+        assert_eq!(bands, Bands { width_m: 1.0, count: 11 });
+        let bytes = sampled.png(bands, [30, 20], 5).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        let at = |x: usize, y: usize| pixels[y * 30 + x];
+        assert_eq!([at(0, 19), at(10, 10), at(29, 19)], [0, 1, 10], "the southern row");
+        assert_eq!([at(15, 5), at(29, 0)], [13, 1], "the northern row");
+        assert_eq!([at(0, 0), at(1, 0), at(4, 1), at(9, 9)], [12, 11, 12, 11], "hatched");
+    }
+
+    #[test]
+    fn bands_are_round_and_few() {
+        for (farthest, width, count) in [(1.0, 0.1, 11), (240.0, 20.0, 12), (241.0, 50.0, 5)] {
+            assert_eq!(Bands::to(farthest), Bands { width_m: width, count }, "{farthest}");
+        }
+        assert_eq!(Bands::to(100.0).of(1e9), Bands::to(100.0).count - 1);
     }
 }

@@ -4,22 +4,17 @@
 //! edge runs in a lane of its own where it would cross another, protection intervals below.
 
 use super::{Drawn, LABELS};
-use crate::render::label::{advance_px, label};
+use crate::render::document;
+use crate::render::palette::{FAINT, INK, INTERVAL, PANEL, SHADES};
+use crate::render::text::{self, Anchor, CAPITALS_EM};
 use plan_format::mission::{Label, Production, Symbol};
-use svg::Document;
 use svg::node::element::{Circle, Group, Path, Rectangle, Title};
 
-const INK: &str = "#1d1f23";
-const FAINT: &str = "#767b85";
-const PANEL: &str = "#f6f5f1";
 const RIM: &str = "#c9c5ba";
 const ACTION: &str = "#d9e6f2";
 const FRAME: &str = "#f5dfae";
-const INTERVAL: &str = "#b3341f";
-/// Labels from NB to PB.
-const SHADES: [&str; 7] =
-    ["#eef0f2", "#e3e8d9", "#dbe3b8", "#f0dd94", "#f3bf73", "#ec9655", "#dd6440"];
-
+/// Size of all letters.
+const FONT_PX: f64 = 15.0;
 const MARGIN_PX: f64 = 20.0;
 const LINE_PX: f64 = 22.0;
 /// From one lane to the next.
@@ -65,13 +60,7 @@ pub fn picture(drawn: &Drawn<'_>) -> String {
         });
     }
     let (width, height) = (page.right + MARGIN_PX, page.bottom);
-    Document::new()
-        .set("viewBox", (0, 0, width, height))
-        .set("width", width)
-        .set("height", height)
-        .add(Rectangle::new().set("width", width).set("height", height).set("fill", "#ffffff"))
-        .add(page.group)
-        .to_string()
+    document([width.ceil(), height.ceil()], "").add(page.group).to_string()
 }
 
 /// Panels one below the other.
@@ -122,7 +111,8 @@ impl Panel {
     }
 
     fn text(&mut self, x: f64, y: f64, text: &str, colour: &str) {
-        self.add(label(x, y, text, colour));
+        let baseline = y + CAPITALS_EM * FONT_PX;
+        self.add(text::line([x, baseline], text, FONT_PX, Anchor::Start).set("fill", colour));
         self.right = self.right.max(x + width_px(text));
     }
 
@@ -145,6 +135,7 @@ impl Panel {
         for (column, text) in LABELS.iter().enumerate() {
             self.text(left + column as f64 * CELL_PX + 7.0, self.y, text, FAINT);
         }
+        self.right = self.right.max(left + LABELS.len() as f64 * CELL_PX);
         self.y += LINE_PX - 4.0;
         for (name, labels) in rows {
             self.text(Self::LEFT, self.y + 5.0, name, INK);
@@ -231,7 +222,7 @@ impl Panel {
             .set("fill", if is_frame { FRAME } else { ACTION })
             .set("stroke", INK)
             .set("stroke-width", if is_frame { 2 } else { 1 })
-            .add(Title::new(details));
+            .add(Title::new(text::clean(details)));
         self.add(ground);
         self.text(x - width / 2.0 + 8.0, y - 6.0, text, INK);
     }
@@ -270,7 +261,7 @@ fn lanes(spans: &[(u8, u8)]) -> Vec<u8> {
 }
 
 fn width_px(text: &str) -> f64 {
-    advance_px() * text.chars().count() as f64
+    text::width_px(&text::clean(text), FONT_PX)
 }
 
 fn stroke(path: String, colour: &str, width: f64) -> Path {
