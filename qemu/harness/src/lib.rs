@@ -14,6 +14,7 @@
 pub mod counts;
 pub mod machine;
 pub mod mission;
+pub mod picture;
 pub mod pilot;
 pub mod setup;
 

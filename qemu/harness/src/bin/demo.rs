@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use harness::mission::{Changes, Scenario, Start, way_m};
-use harness::{Build, Machine, QemuPilot, setup};
+use harness::{Build, Machine, QemuPilot, picture, setup};
 use indicatif::{ProgressBar, ProgressStyle};
 use plan_compiler::{output, render};
 use sim::{HostPilot, Outcome, Pilot, Point, Run, SensorSettings, SensorSuite};
@@ -118,14 +118,18 @@ fn summarise(outcome: &Outcome, is_same: bool) {
 
 /// Draws map, the field that was followed, and the way, as SVG and PNG; returns the path of the PNG.
 fn draw(scenario: &Scenario, outcome: &Outcome) -> Result<PathBuf, String> {
+    let routes = [render::Piece { name: "driven route", style: 0, points: &outcome.route }];
+    let mut marks = vec![(render::Mark::Start, START, "start")];
+    marks.extend(picture::end(outcome, &outcome.route));
     let overlay = render::Overlay {
         features: &scenario.map.features,
-        start: Some(START),
-        route: &outcome.route,
+        routes: &routes,
+        marks: &marks,
         ..render::Overlay::default()
     };
     let layer = scenario.layer_from(START).ok_or("there is no route to draw")?;
-    let svg = render::picture(&scenario.plan(), &scenario.parallel_plan(), &layer, &overlay);
+    let (plan, parallel) = (scenario.plan(), scenario.parallel_plan());
+    let svg = render::picture(&plan, &parallel, &layer, &overlay, render::Style::default());
     let png = render::png(&svg)?;
     let folder = setup::target_folder().join("demo");
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;

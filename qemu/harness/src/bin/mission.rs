@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use harness::mission::{Changes, PRESETS, Scenario, Start};
-use harness::{Build, Machine, QemuPilot, Report};
+use harness::{Build, Machine, QemuPilot, Report, picture};
+use plan_compiler::output;
 use plan_compiler::trace::Trace;
-use plan_compiler::trace::story::{self, Story};
-use plan_compiler::{output, render};
+use plan_compiler::trace::story;
 use plan_format::parameters::Gains;
 use robot_io::{CommandRecord, Percepts, SensorRecord};
 use sim::{HostPilot, Outcome, Pilot, PilotError, Point, SensorSettings};
@@ -115,66 +115,13 @@ fn on_the_host(
         println!("{:>8.2} s  {}", turn.time_s, turn.text);
     }
     if let Some(path) = &arguments.picture {
-        draw(scenario, start, &way, &story, path)?;
+        picture::draw(scenario, start, &way, &story, &outcome, path)?;
     }
     if let Some(path) = &arguments.trace {
         let trace = Trace { blob: scenario.blob.clone(), percepts, hash: outcome.trace_hash };
         write(path, &trace.to_bytes())?;
     }
     Ok(outcome)
-}
-
-/// Colours of a way: of the first behaviour, of the second, and so on; the last where none has the
-/// robot.
-const COLOURS: [&str; 6] = ["#d9480f", "#1971c2", "#2f9e44", "#9c36b5", "#f08c00", "#868e96"];
-/// Colours of interruptions: at a point of the plan, and at once.
-const INTERRUPTIONS: [&str; 2] = ["#2b8a3e", "#c92a2a"];
-
-/// Draws the map and the way, in a colour for each behaviour, with a disc for each interruption.
-fn draw(
-    scenario: &Scenario,
-    start: &Start,
-    way: &[Point],
-    story: &Story,
-    path: &Path,
-) -> Result<(), String> {
-    let mut pieces: Vec<(&str, Vec<Point>)> = Vec::new();
-    for (&at, &engaged) in way.iter().zip(&story.engaged) {
-        let behaviour = engaged.trailing_zeros() as usize;
-        let colour = COLOURS[behaviour.min(COLOURS.len() - 1)];
-        match pieces.last_mut() {
-            Some((last, points)) if *last == colour => points.push(at),
-            // Pieces meet.
-            last => {
-                let before = last.and_then(|(_, points)| points.last().copied());
-                pieces.push((colour, before.into_iter().chain([at]).collect()));
-            }
-        }
-    }
-    let marks: Vec<(&str, Point)> = story
-        .turns
-        .iter()
-        .filter_map(|turn| {
-            let colour = INTERRUPTIONS[usize::from(turn.interrupted_at_once?)];
-            Some((colour, *way.get(turn.tick)?))
-        })
-        .collect();
-    let overlay = render::Overlay {
-        features: &scenario.map.features,
-        start: Some(start.position),
-        pieces: &pieces,
-        marks: &marks,
-        ..render::Overlay::default()
-    };
-    let parallel = scenario.parallel_plan();
-    let layer = scenario.layer_from(start.position).or_else(|| parallel.layer(0));
-    let layer = layer.ok_or("there is no layer to draw")?;
-    let svg = render::picture(&scenario.plan(), &parallel, &layer, &overlay);
-    match path.extension().and_then(|extension| extension.to_str()) {
-        Some("svg") => write(path, svg.as_bytes()),
-        Some("png") => write(path, &render::png(&svg)?),
-        _ => Err(format!("{}: a picture is .svg or .png", path.display())),
-    }
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {

@@ -1,0 +1,132 @@
+//! The picture of a mission: map, advice and the route, in a colour for each behaviour.
+
+use std::path::Path;
+
+use plan_compiler::output;
+use plan_compiler::render::{self, Mark, NO_BEHAVIOUR, Overlay, Piece, Style};
+use plan_compiler::trace::story::Story;
+use plan_format::Plan;
+use sim::{Outcome, Point};
+
+use crate::mission::{Scenario, Start};
+
+/// What was driven by one behaviour without a break.
+struct Stretch {
+    behaviour: usize,
+    points: Vec<Point>,
+}
+
+/// Draws the map and the route, each behaviour's part in its colour and dashes, with a mark where it
+/// started, where it ended, and for each interruption.
+pub fn draw(
+    scenario: &Scenario,
+    start: &Start,
+    route: &[Point],
+    story: &Story,
+    outcome: &Outcome,
+    path: &Path,
+) -> Result<(), String> {
+    let plan = scenario.plan();
+    let stretches = stretches(route, &story.engaged);
+    let names: Vec<String> =
+        stretches.iter().map(|stretch| name(&plan, stretch.behaviour)).collect();
+    let has_behaviours = !plan.mission().behaviours().is_empty();
+    let pieces = stretches.iter().zip(&names).map(|(stretch, name)| Piece {
+        name,
+        style: if has_behaviours { stretch.behaviour } else { 0 },
+        points: &stretch.points,
+    });
+    let pieces: Vec<Piece<'_>> = pieces.collect();
+    let interruptions = story.turns.iter().filter_map(|turn| {
+        let at = *route.get(turn.tick)?;
+        Some(match turn.interrupted_at_once? {
+            false => (Mark::GaveWay, at, "gave way at a point of its plan"),
+            true => (Mark::Interrupted, at, "interrupted at once"),
+        })
+    });
+    let mut marks = vec![(Mark::Start, start.position, "start")];
+    marks.extend(interruptions);
+    marks.extend(end(outcome, route));
+    let features = &scenario.map.features;
+    let overlay = Overlay { features, routes: &pieces, marks: &marks, ..Overlay::default() };
+    let parallel = scenario.parallel_plan();
+    let layer = scenario.layer_from(start.position).or_else(|| parallel.layer(0));
+    let layer = layer.ok_or("there is no layer to draw")?;
+    let svg = render::picture(&plan, &parallel, &layer, &overlay, Style::default());
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("svg") => write(path, svg.as_bytes()),
+        Some("png") => write(path, &render::png(&svg)?),
+        _ => Err(format!("{}: a picture is .svg or .png", path.display())),
+    }
+}
+
+/// Where a route ended, and whether as it should.
+pub fn end(outcome: &Outcome, route: &[Point]) -> Option<(Mark, Point, &'static str)> {
+    let last = *route.last()?;
+    Some(match outcome.reached() {
+        true => (Mark::End, last, "end"),
+        false => (Mark::Stop, last, "stopped before the end"),
+    })
+}
+
+/// The route in parts, each of one behaviour.
+fn stretches(route: &[Point], engaged: &[u16]) -> Vec<Stretch> {
+    let mut stretches: Vec<Stretch> = Vec::new();
+    for (&at, &engaged) in route.iter().zip(engaged) {
+        let behaviour = if engaged == 0 { NO_BEHAVIOUR } else { engaged.trailing_zeros() as usize };
+        match stretches.last_mut() {
+            Some(last) if last.behaviour == behaviour => last.points.push(at),
+            // Parts meet.
+            last => {
+                let before = last.and_then(|last| last.points.last().copied());
+                stretches
+                    .push(Stretch { behaviour, points: before.into_iter().chain([at]).collect() });
+            }
+        }
+    }
+    stretches
+}
+
+/// What the legend calls a behaviour's part of the route.
+fn name(plan: &Plan<'_>, behaviour: usize) -> String {
+    let mission = plan.mission();
+    match mission.behaviours().get(behaviour) {
+        Some(behaviour) => mission.name(behaviour.name).to_owned(),
+        None if mission.behaviours().is_empty() => "driven route".to_owned(),
+        None => "no behaviour".to_owned(),
+    }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    output::write_file(path, |out| out.write_all(bytes)).map_err(|problem| problem.message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_a_route_meet() {
+        let route: Vec<Point> = (0..6).map(|x| [f64::from(x), 0.0]).collect();
+        let parts = stretches(&route, &[0, 2, 2, 3, 4, 4]);
+        let found: Vec<(usize, f64, f64)> = parts
+            .iter()
+            .map(|part| (part.behaviour, part.points[0][0], part.points[part.points.len() - 1][0]))
+            .collect();
+        let expected = [(NO_BEHAVIOUR, 0.0, 0.0), (1, 0.0, 2.0), (0, 2.0, 3.0), (2, 3.0, 5.0)];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn a_route_that_does_not_arrive_ends_in_a_cross() {
+        let route = [[0.0, 0.0], [3.0, 4.0]];
+        let trapped = Outcome { ending: Some(sim::Ending::Trapped), ..Outcome::default() };
+        assert_eq!(
+            end(&trapped, &route).map(|(mark, at, _)| (mark, at)),
+            Some((Mark::Stop, [3.0, 4.0]))
+        );
+        let reached = Outcome { ending: Some(sim::Ending::Reached), ..Outcome::default() };
+        assert_eq!(end(&reached, &route).map(|(mark, ..)| mark), Some(Mark::End));
+        assert_eq!(end(&reached, &[]), None);
+    }
+}
