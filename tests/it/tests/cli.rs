@@ -6,6 +6,7 @@
 
 mod maps;
 mod people;
+mod pictures;
 
 use serde_json::Value;
 use std::fs;
@@ -521,27 +522,6 @@ fn npy(path: &Path, kind: &str) -> Vec<u8> {
         assert!(header.contains(part), "{header}");
     }
     bytes[128..].to_vec()
-}
-
-#[test]
-fn pictures_are_drawn_and_small() {
-    let run = Run::yard();
-    run.done("build yard.ovl");
-    run.done("render plans.bin --layer gate/comms -o plan.svg --map yard.ovl");
-    run.done("render plans.bin --layer gate/comms -o plan.png");
-    let svg = fs::read_to_string(run.path("plan.svg")).unwrap();
-    assert!(svg.contains("gate/comms"), "{svg}");
-    let png = fs::read(run.path("plan.png")).unwrap();
-    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
-    let side = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
-    // 40 x 30 cells of 30 pixels, margins and footer.
-    assert_eq!((side(16), side(20)), (40 * 30 + 32, 30 * 30 + 32 + 64));
-    // A picture of a large map is not larger.
-    let large = YARD.replace("40 30", "1600 1500");
-    fs::write(run.path("large.ovl"), large).unwrap();
-    run.done("build large.ovl");
-    run.done("render plans.bin --layer gate/comms -o large.svg");
-    assert!(fs::metadata(run.path("large.svg")).unwrap().len() < 2_000_000);
 }
 
 #[test]
