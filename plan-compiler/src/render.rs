@@ -319,9 +319,9 @@ fn opaque(pixels: &resvg::tiny_skia::Pixmap) -> Result<Vec<u8>, png::EncodingErr
     let mut encoder = png::Encoder::new(&mut bytes, pixels.width(), pixels.height());
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    // Even areas and thin lines are smaller without filters.
-    encoder.set_filter(png::Filter::NoFilter);
     encoder.set_compression(png::Compression::High);
+    // Even areas and thin lines are smaller without filters, which a compression sets anew.
+    encoder.set_filter(png::Filter::NoFilter);
     let colours: Vec<u8> =
         pixels.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     let mut writer = encoder.write_header()?;

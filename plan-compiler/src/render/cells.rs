@@ -132,9 +132,9 @@ impl Sampled {
         encoder.set_color(png::ColorType::Indexed);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_palette(colours);
-        // Lines repeat, so that their differences are mostly zeros.
-        encoder.set_filter(png::Filter::Up);
         encoder.set_compression(png::Compression::Balanced);
+        // Lines repeat, so that their differences are mostly zeros; a compression sets it anew.
+        encoder.set_filter(png::Filter::Up);
         let mut writer = encoder.write_header()?;
         let mut stream = writer.stream_writer()?;
         let mut line = vec![0; width as usize];
