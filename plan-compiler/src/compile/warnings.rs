@@ -68,7 +68,8 @@ pub(super) fn nearly_blocked(
             let counts = cells.turned_from.unwrap_or_else(|| cells.counts());
             let unknown = if cells.unknown_as == Unknown::Free { counts.unknown } else { 0 };
             let own = (counts.free + unknown) as f64;
-            let share = free * grid.resolution_m.powi(2) / (own * cells.resolution_m.powi(2));
+            let sides = grid.resolution_m / cells.resolution_m;
+            let share = free * sides * sides / own;
             (own > 0.0 && share < LITTLE_LEFT).then(|| {
                 format!(
                     "of the area that the map says is free {} is left: obstacles{grown} block every \
