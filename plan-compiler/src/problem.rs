@@ -167,6 +167,15 @@ impl miette::Diagnostic for Drawn {
     }
 }
 
+/// Text that quotes what may be a word without end.
+fn short(text: &str) -> Cow<'_, str> {
+    const MAX_BYTES: usize = 2000;
+    if text.len() <= MAX_BYTES {
+        return Cow::Borrowed(text);
+    }
+    Cow::Owned(format!("{} ...", &text[..text.floor_char_boundary(MAX_BYTES)]))
+}
+
 /// All problems as text for a person, in the order given; of a flood only the first, and how many
 /// are left out. No control character of what they quote is in it.
 pub fn draw(problems: &[Problem], colour: bool) -> String {
@@ -188,9 +197,9 @@ pub fn draw(problems: &[Problem], colour: bool) -> String {
         let label = problem.place.as_ref().map(|place| place.label.as_str());
         let drawn = Drawn {
             severity: problem.severity,
-            message: safe_line(&problem.message).into_owned(),
-            mend: problem.mend.as_deref().map(|mend| safe(mend).into_owned()),
-            label: label.filter(|label| !label.is_empty()).map(|label| safe(label).into_owned()),
+            message: safe_line(&short(&problem.message)).into_owned(),
+            mend: problem.mend.as_deref().map(|mend| safe(&short(mend)).into_owned()),
+            label: label.filter(|label| !label.is_empty()).map(|l| safe(&short(l)).into_owned()),
             excerpt,
         };
         // Writing to a string does not fail.
@@ -270,6 +279,16 @@ mod tests {
         // The mark stands under the letter, whatever was replaced before it.
         let column = |line: &str, mark: char| line.chars().position(|c| c == mark).unwrap();
         assert_eq!(column(line, 'x'), column(below, '┬'), "{drawn}");
+    }
+
+    #[test]
+    fn a_word_without_end_is_cut() {
+        let word = "\u{fc}".repeat(1_000_000);
+        let source = Arc::new(Source { name: "a.ovl".into(), text: word.clone() });
+        let problem = Problem::error(format!("{word} is not a keyword"))
+            .at(&source, 0..word.len(), word.clone())
+            .mend(word.clone());
+        assert!(draw(&[problem], false).len() < 20_000);
     }
 
     proptest! {

@@ -46,11 +46,11 @@ impl Project {
     }
 }
 
-/// Reads a map and its mission; `None` where the map cannot be relied on. `bytes` are those of a map
-/// that has been read already: a pipe can be read no second time.
+/// Reads a map and its mission; `None` where the map cannot be relied on. `bytes` are those of the
+/// file at `path` if it has been read already: a pipe can be read no second time.
 pub(crate) fn read(
     path: &Path,
-    bytes: Option<Vec<u8>>,
+    mut bytes: Option<Vec<u8>>,
     goals: &[Goal],
     args: &MapOptions,
     problems: &mut Vec<Problem>,
@@ -76,7 +76,7 @@ pub(crate) fn read_for(
 }
 
 fn read_as(
-    (path, bytes): (&Path, Option<Vec<u8>>),
+    (path, mut bytes): (&Path, Option<Vec<u8>>),
     mut options: Options,
     mission_given: Option<&Path>,
     recipe: Option<Recipe>,
@@ -92,7 +92,8 @@ fn read_as(
         Some(given) => Some(given.to_owned()),
         None => beside(),
     };
-    let mission = mission_path.as_deref().map(|path| read_mission(path, problems));
+    let mission_bytes = if is_mission { bytes.take() } else { None };
+    let mission = mission_path.as_deref().map(|path| read_mission(path, mission_bytes, problems));
     let mut mission = match mission {
         Some(None) if is_mission => return Ok(None),
         mission => mission.flatten().unwrap_or_default(),
@@ -113,7 +114,7 @@ fn read_as(
         (_, false) => path.to_owned(),
     };
     options.reading = mission.reading(options.reading);
-    let Loaded { map, source, problems: found } = match bytes.filter(|_| !is_mission) {
+    let Loaded { map, source, problems: found } = match bytes {
         Some(bytes) => formats::load_bytes(&map_path, bytes, &options.reading),
         None => formats::load(&map_path, &options.reading),
     };
@@ -137,8 +138,16 @@ fn read_as(
     }))
 }
 
-fn read_mission(path: &Path, problems: &mut Vec<Problem>) -> Option<Mission> {
-    match source::read_text(path) {
+fn read_mission(
+    path: &Path,
+    bytes: Option<Vec<u8>>,
+    problems: &mut Vec<Problem>,
+) -> Option<Mission> {
+    let text = match bytes {
+        Some(bytes) => source::decode(path, bytes),
+        None => source::read_text(path),
+    };
+    match text {
         Ok((text, found)) => {
             let (mission, mistakes) = mission::parse(&text);
             problems.extend(found.into_iter().chain(mistakes));

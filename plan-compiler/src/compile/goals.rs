@@ -12,7 +12,7 @@ use plan_format::{Cell, Grid, limits};
 use std::collections::{BTreeMap, HashSet};
 
 /// Of a flood of mistakes only the first are told with what was meant, which takes time to find.
-pub(super) const ADVISED: usize = 100;
+pub(super) const ADVISED: usize = 300;
 
 /// A goal on the grid.
 pub(super) struct Placed {

@@ -2,6 +2,7 @@
 
 use super::{Input, metres};
 use crate::bitmap::Bitmap;
+use crate::map::Unknown;
 use crate::problem::Problem;
 use plan_format::{Counts, Grid};
 
@@ -63,8 +64,12 @@ pub(super) fn nearly_blocked(
     let message = match &input.map.cells {
         // Of such a file it is known how much was free before.
         Some(cells) => {
-            let own = all_cells(cells.columns(), cells.rows()) - cells.blocked().count() as f64;
-            let share = free * grid.resolution_m.powi(2) / (own * cells.resolution_m.powi(2));
+            // Beside a turned image there is nothing that the file says.
+            let counts = cells.turned_from.unwrap_or_else(|| cells.counts());
+            let unknown = if cells.unknown_as == Unknown::Free { counts.unknown } else { 0 };
+            let own = (counts.free + unknown) as f64;
+            let sides = grid.resolution_m / cells.resolution_m;
+            let share = free * sides * sides / own;
             (own > 0.0 && share < LITTLE_LEFT).then(|| {
                 format!(
                     "of the area that the map says is free {} is left: obstacles{grown} block every \
@@ -86,10 +91,6 @@ pub(super) fn nearly_blocked(
          render` shows what is left"
     };
     message.map(|message| Problem::warning(message).mend(mend))
-}
-
-fn all_cells(columns: u32, rows: u32) -> f64 {
-    f64::from(columns) * f64::from(rows)
 }
 
 /// A warning about a goal that hardly any free cell has a route to, in the first layer of its plan

@@ -5,7 +5,7 @@
 
 use super::grammar::{Form, Part, Section, form_of, is_inner_word, nearest_keyword};
 use super::lexer::{Kind, Lexed, Token};
-use crate::problem::{Problem, Source};
+use crate::problem::{MAX_PROBLEMS, Problem, Source};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -210,7 +210,10 @@ impl Parser<'_> {
         let problem = match token.kind {
             Kind::Broken | Kind::Colon => None,
             Kind::Word => {
-                let mend = match nearest_keyword(word) {
+                // Of a flood of mistakes the last are not shown, and looking takes time.
+                let is_shown = self.problems.len() < MAX_PROBLEMS;
+                let meant = if is_shown { nearest_keyword(word) } else { None };
+                let mend = match meant {
                     Some(keyword) => format!("did you mean {keyword}?"),
                     None => "remove it, or put -- in front to make it a comment".into(),
                 };
