@@ -144,7 +144,7 @@ pub fn sense(plan: &Plan<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
         }
     }
     track.heading_rad = compass_rad.or(track.heading_rad);
-    let position = position(track, &plan.parameters().fixes, percepts.receiver);
+    let position = position(track, &plan.parameters().fixes, percepts);
     Sensed { position, heading_rad: track.heading_rad }
 }
 
@@ -166,11 +166,11 @@ fn course(fix: &Fix, frame: &Frame, is_astern: bool) -> Option<f32> {
     (vector::length(velocity) > COURSE_SPEED_MPS).then(|| vector::angle(ahead))
 }
 
-fn position(track: &Track, policy: &FixPolicy, receiver: Receiver) -> Result<Vec2, Reason> {
+fn position(track: &Track, policy: &FixPolicy, percepts: &Percepts) -> Result<Vec2, Reason> {
     match &track.anchor {
         Some(anchor) if !track.is_stale(anchor.time_us, policy) => Ok(track.position_m.into()),
         Some(_) => Err(track.refusal.unwrap_or(Reason::StaleFix)),
-        None => Err(track.refusal.unwrap_or(no_fix(receiver))),
+        None => Err(track.refusal.unwrap_or_else(|| no_fix(percepts.receiver))),
     }
 }
 

@@ -122,9 +122,10 @@ impl Decoder {
             Source::NmeaAgain { last_ms } => !is_long_ago(last_ms, now_ms),
             Source::Nmea | Source::Ubx { .. } => true,
         };
-        self.source = match is_believed {
-            true => Source::Ubx { last_ms: now_ms },
-            false => Source::NmeaAgain { last_ms: now_ms },
+        self.source = if is_believed {
+            Source::Ubx { last_ms: now_ms }
+        } else {
+            Source::NmeaAgain { last_ms: now_ms }
         };
         is_believed
     }

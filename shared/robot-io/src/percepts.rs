@@ -13,8 +13,6 @@ pub struct Percepts {
     pub time_us: u64,
     /// The latest solution of the GPS receiver, new or not; `None` before the first.
     pub fix: Option<Fix>,
-    /// What the bytes of the GPS receiver add up to.
-    pub receiver: Receiver,
     /// Heading from a compass or IMU, radians counter-clockwise from true east.
     pub heading_rad: Option<f32>,
     /// Speed ahead from odometry, m/s; negative astern.
@@ -28,6 +26,8 @@ pub struct Percepts {
     pub inputs: [Option<f32>; MAX_CHANNELS],
     /// What the human in charge says.
     pub operator: Operator,
+    /// What the bytes of the GPS receiver add up to.
+    pub receiver: Receiver,
 }
 
 /// Which input channel carries what.
@@ -108,7 +108,6 @@ impl Percepts {
         Self {
             time_us: self.time_us,
             fix: self.fix,
-            receiver: self.receiver,
             heading_rad: finite(self.heading_rad).map(scalar::wrap_angle),
             speed_mps: finite(self.speed_mps),
             turn_rate_radps: finite(self.turn_rate_radps),
@@ -121,6 +120,7 @@ impl Percepts {
                 }),
                 ..self.operator
             },
+            receiver: self.receiver,
         }
     }
 }
