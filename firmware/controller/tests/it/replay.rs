@@ -6,7 +6,7 @@ use math::{GeoPoint, Vec2};
 use plan_format::parameters::{Gains, OnTrouble, Selection, Steering};
 use plan_format::{Parameters, Plan};
 use proptest::prelude::*;
-use robot_io::{Commands, Fix, Manual, Operator, Percepts, RangeReading, TraceHash};
+use robot_io::{Commands, Fix, Manual, Operator, Percepts, RangeReading, Receiver, TraceHash};
 
 /// Any number there is, the wrong ones too.
 fn number() -> impl Strategy<Value = f32> {
@@ -67,8 +67,20 @@ fn step() -> impl Strategy<Value = (i64, Percepts)> {
     let sensors =
         (prop::option::of(number()), prop::option::of(number()), prop::option::of(number()));
     let ranges = prop::collection::vec(reading, 0..=16);
-    (elapsed_us, prop::option::of(fix()), sensors, ranges, operator()).prop_map(
-        |(elapsed_us, fix, (heading_rad, speed_mps, turn_rate_radps), ranges, operator)| {
+    let receiver = prop::sample::select(vec![
+        Receiver::Silent,
+        Receiver::Unreadable,
+        Receiver::NoFix,
+        Receiver::Sound,
+    ]);
+    (elapsed_us, (prop::option::of(fix()), receiver), sensors, ranges, operator()).prop_map(
+        |(
+            elapsed_us,
+            (fix, receiver),
+            (heading_rad, speed_mps, turn_rate_radps),
+            ranges,
+            operator,
+        )| {
             // The age is kept in the time stamp until the clock is known.
             let fix = fix.map(|(age_us, fix)| Fix { time_us: age_us as u64, ..fix });
             let percepts = Percepts {
@@ -80,6 +92,7 @@ fn step() -> impl Strategy<Value = (i64, Percepts)> {
                 ranges: ranges.into_iter().collect(),
                 inputs: Default::default(),
                 operator,
+                receiver,
             };
             (elapsed_us, percepts)
         },
