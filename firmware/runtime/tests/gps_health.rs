@@ -81,6 +81,9 @@ fn sentence(body: &str, second: usize) -> String {
     format!("${body}*{checksum:02X}\r\n")
 }
 
+/// Makes the bytes of a second.
+type Second<'a> = dyn Fn(usize) -> Vec<u8> + 'a;
+
 /// Sentences once a second.
 fn nmea<'a>(bodies: &'a [&'a str]) -> impl Fn(usize) -> Vec<u8> + Copy + 'a {
     move |second| bodies.iter().map(|body| sentence(body, second)).collect::<String>().into_bytes()
@@ -198,7 +201,7 @@ fn the_verdict_follows_what_the_receiver_does() {
     let (void, alone, foreign) = (nmea(&[VOID_RMC, GGA]), nmea(&[GGA]), nmea(&[GSV]));
     let noise = |_| vec![0x80; 200];
     let silence = |_| Vec::new();
-    let phases: [(&dyn Fn(usize) -> Vec<u8>, Receiver); 7] = [
+    let phases: [(&Second<'_>, Receiver); 7] = [
         (&good, Receiver::Sound),
         (&void, Receiver::NoFix),
         (&good, Receiver::Sound),
