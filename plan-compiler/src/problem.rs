@@ -88,6 +88,9 @@ impl Problem {
         span: Range<usize>,
         label: impl Into<String>,
     ) -> Self {
+        // Libraries count bytes, and may point into a character.
+        let start = source.text.floor_char_boundary(span.start);
+        let span = start..source.text.ceil_char_boundary(span.end).max(start);
         self.place = Some(Place { source: Arc::clone(source), span, label: label.into() });
         self
     }

@@ -8,7 +8,7 @@ use embassy_nrf::{bind_interrupts, peripherals};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use panic_probe as _;
 use plan_format::Plan;
-use runtime::{Fallback, FixSlot, OperatorSlot, Silence, Telemetry, time};
+use runtime::{Fallback, FixSlot, OperatorSlot, Robot, Silence, Telemetry, time};
 use static_cell::ConstStaticCell;
 
 use crate::robot::Rover;
@@ -44,10 +44,6 @@ bind_interrupts!(struct Interrupts {
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let p = embassy_nrf::init(embassy_nrf::config::Config::default());
-    // Without a sound blob this rover stands still and takes manual commands only. Looking
-    // through a whole region takes a while, so it comes before the watchdog is woken.
-    let loaded = runtime::load(plan_region(), &Fallback::default());
-
     // The drivers use these buffers by DMA for as long as the program runs.
     static GPS_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
     static GPS_TX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
@@ -81,7 +77,12 @@ async fn main(spawner: Spawner) {
         LINK_TX.take(),
     );
     let motors = [p.P1_03.into(), p.P1_04.into(), p.P1_05.into(), p.P1_06.into()];
-    let rover = Rover::new(p.PWM0, motors, p.P0_11.into(), p.P0_13.into(), p.WDT);
+    // The motors stand still and the watchdog is awake before anything is looked at that came from
+    // outside. Looking through a blob takes up to seconds and feeds it on the way; where that hangs,
+    // the watchdog resets the rover, which then begins anew, at a stand.
+    let mut rover = Rover::new(p.PWM0, motors, p.P0_11.into(), p.P0_13.into(), p.WDT);
+    // Without a sound blob this rover stands still and takes manual commands only.
+    let loaded = runtime::load_paced(plan_region(), &Fallback::default(), || rover.feed_watchdog());
 
     // The receiver is not configured, so nothing is sent to it.
     let (gps, _) = gps.split();

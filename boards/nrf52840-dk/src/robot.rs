@@ -15,7 +15,9 @@ use crate::board::{OPERATOR, TELEMETRY};
 const BODY: Differential = Differential { track_m: 0.4, full_speed_mps: 2.0 };
 /// PWM steps: the 16 MHz clock divided by them gives 20 kHz, which nobody hears.
 const FULL_DUTY: u16 = 800;
-/// The watchdog bites when five ticks are missed, in periods of 32,768 Hz. The reset floats
+/// The watchdog bites when five ticks are missed, or when the check of the blob has not gone on for
+/// as long: between two of its beats lie at most some three million instructions, a twentieth of
+/// a second. In periods of 32,768 Hz. The reset floats
 /// the motor pins, which a motor driver reads as: coast.
 const WATCHDOG_PERIODS: u32 = 32_768 / 4;
 

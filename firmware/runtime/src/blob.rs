@@ -29,7 +29,14 @@ pub struct Loaded<'a> {
 
 /// Validates the blob in `region`, once; after that no look-up can fail.
 pub fn load<'a>(region: &'a [u8], fallback: &Fallback) -> Loaded<'a> {
-    match Plan::parse(region) {
+    load_paced(region, fallback, || ())
+}
+
+/// As [`load`], for a robot whose watchdog is awake: `beat` is called while the work goes on, and
+/// feeds it. The work is bounded by the blob's length, and so are the calls, so a blob cannot keep
+/// the robot from starting; a processor that hangs in it is reset when the next beat is late.
+pub fn load_paced<'a>(region: &'a [u8], fallback: &Fallback, beat: impl FnMut()) -> Loaded<'a> {
+    match Plan::parse_paced(region, beat) {
         Ok(plan) => {
             info!("plan loaded");
             Loaded { plan, refusal: None }

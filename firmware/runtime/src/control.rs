@@ -35,8 +35,8 @@ pub trait Robot {
     /// Carries out the commands of one tick. The record around them is the tick's telemetry.
     async fn act(&mut self, record: &CommandRecord);
 
-    /// Called when a tick is complete, and only then: a watchdog that is fed here bites when
-    /// any part of the loop hangs.
+    /// Called when a tick is complete, and before the first tick only while the blob is checked
+    /// ([`crate::load_paced`]): a watchdog that is fed here bites when any part of either hangs.
     fn feed_watchdog(&mut self) {}
 }
 

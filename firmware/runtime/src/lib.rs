@@ -32,7 +32,7 @@ pub mod lockstep;
 #[cfg(target_os = "none")]
 pub mod time;
 
-pub use blob::{Fallback, Loaded, load};
+pub use blob::{Fallback, Loaded, load, load_paced};
 pub use control::{Robot, TICK_PERIOD_US, control_task};
 pub use gps::{FixSlot, gps_task};
 pub use link::{OperatorSlot, Silence, Telemetry, operator_task, telemetry_task};

@@ -12,8 +12,10 @@
 //! because every window that a descriptor names was. Nothing has to be proved cell by cell.
 
 use crate::bytes::Words;
+use crate::error::BlobError;
 use crate::grid::{Cell, DIAGONAL_STEP, STRAIGHT_STEP};
 use crate::limits;
+use crate::work::Work;
 
 /// Side of a superblock, cells, as a power of two.
 pub(crate) const SUPERBLOCK_SHIFT: u32 = 5;
@@ -93,6 +95,10 @@ impl Place {
         self.0 & 63
     }
 }
+
+/// The most entries that the windows of a superblock reach.
+const MAX_ENTRIES: u32 = BASES as u32 - 1 + class_entries(INDEX_4);
+const _: () = assert!(1 + BLOCKS as u32 + MAX_ENTRIES <= limits::MAX_CHECKS_PER_WORD);
 
 const _: () = assert!(
     (limits::MAX_SIDE_CELLS >> SUPERBLOCK_SHIFT).pow(2) <= 1 << (u32::BITS - 10),
@@ -226,20 +232,29 @@ impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
         superblocks: u32,
         own_allowed: bool,
         is_entry: impl Fn(u32) -> bool,
-    ) -> bool {
-        (0..superblocks).all(|index| self.validate_one(index, own_allowed, &is_entry).is_some())
+        work: &mut Work<impl FnMut()>,
+    ) -> Result<(), BlobError> {
+        work.spend(superblocks)?;
+        let table = self.section.range(self.table, superblocks).ok_or(BlobError::Cells)?;
+        for &word in table {
+            let first = u32::from_le_bytes(word);
+            if first & UNIFORM == 0 {
+                let entries = self.entries(first, own_allowed).ok_or(BlobError::Cells)?;
+                work.spend(BLOCKS as u32 + entries)?;
+                let mut all = 0..entries;
+                if !all.all(|index| self.entry(first, index).is_some_and(&is_entry)) {
+                    return Err(BlobError::Cells);
+                }
+            } else if !is_entry(first & !UNIFORM) {
+                return Err(BlobError::Cells);
+            }
+        }
+        Ok(())
     }
 
-    fn validate_one(
-        &self,
-        superblock: u32,
-        own_allowed: bool,
-        is_entry: impl Fn(u32) -> bool,
-    ) -> Option<()> {
-        let first = self.section.get(self.table.checked_add(superblock)?)?;
-        if first & UNIFORM != 0 {
-            return is_entry(first & !UNIFORM).then_some(());
-        }
+    /// How many entries of its palette a superblock's windows reach; `None` where a block does
+    /// not lie within the section or is of a class that the plane does not have.
+    fn entries(&self, first: u32, own_allowed: bool) -> Option<u32> {
         let mut entries = 0;
         for block in 0..BLOCKS as u32 {
             let descriptor = self.descriptor(first, block)?;
@@ -261,7 +276,7 @@ impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
                 entries = entries.max(descriptor.base() + class_entries(class));
             }
         }
-        (0..entries).all(|index| self.entry(first, index).is_some_and(&is_entry)).then_some(())
+        Some(entries)
     }
 }
 

@@ -34,6 +34,11 @@ impl<'a> Words<'a> {
         rest.is_empty().then_some(Self(words))
     }
 
+    /// Number of words.
+    pub(crate) fn len(self) -> usize {
+        self.0.len()
+    }
+
     /// A word; `None` past the end.
     #[inline(always)]
     pub(crate) fn get(self, index: u32) -> Option<u32> {

@@ -49,6 +49,8 @@ pub enum BlobError {
         /// Why.
         error: MissionError,
     },
+    /// checking it would take longer than its size allows: its tables lie on one another
+    Work,
 }
 
 impl BlobError {
@@ -74,6 +76,7 @@ impl BlobError {
             Self::Goal => 17,
             Self::Cells => 18,
             Self::Mission { .. } => 19,
+            Self::Work => 20,
         }
     }
 
@@ -100,6 +103,9 @@ impl BlobError {
             Self::Goal => "a goal is off the map",
             Self::Cells => "the cells of a layer are malformed",
             Self::Mission { .. } => "the mission is malformed",
+            Self::Work => {
+                "checking it would take longer than its size allows: its tables lie on one another"
+            }
         }
     }
 }

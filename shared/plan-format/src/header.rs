@@ -24,8 +24,9 @@ pub(crate) struct Sealed<'a> {
     pub(crate) payload: &'a [u8],
 }
 
-/// Checks the header and the checksum of the blob at the start of a region.
-pub(crate) fn open(region: &[u8]) -> Result<Sealed<'_>, BlobError> {
+/// Checks the header and the checksum of the blob at the start of a region, with a beat now and
+/// then while it takes time.
+pub(crate) fn open(region: &[u8], beat: impl FnMut()) -> Result<Sealed<'_>, BlobError> {
     let magic: [u8; 8] = match array_at(region, 0) {
         Some(magic) => magic,
         None if region.is_empty() => return Err(BlobError::Absent),
@@ -54,7 +55,7 @@ pub(crate) fn open(region: &[u8]) -> Result<Sealed<'_>, BlobError> {
     let blob = region.get(..length).ok_or(BlobError::Truncated)?;
     let payload = blob.get(HEADER_BYTES..).ok_or(BlobError::Truncated)?;
     let sealed = blob.get(..CHECKSUM_AT).ok_or(BlobError::Truncated)?;
-    if crc32(&[sealed, payload]) != checksum {
+    if crc32(&[sealed, payload], beat) != checksum {
         return Err(BlobError::Checksum);
     }
     // After the checksum, so that a damaged hash reads as damage.
@@ -77,7 +78,7 @@ pub(crate) fn seal(payload: &[u8]) -> Option<Vec<u8>> {
     blob.extend_from_slice(&(HEADER_BYTES as u16).to_le_bytes());
     blob.extend_from_slice(&(length as u32).to_le_bytes());
     blob.extend_from_slice(&SCHEMA_HASH);
-    let checksum = crc32(&[&blob, payload]);
+    let checksum = crc32(&[&blob, payload], || ());
     blob.extend_from_slice(&checksum.to_le_bytes());
     blob.extend_from_slice(payload);
     Some(blob)
@@ -87,12 +88,15 @@ pub(crate) fn seal(payload: &[u8]) -> Option<Vec<u8>> {
 ///
 /// Own code because the tables of the `crc` crate keep a panic path that fails the
 /// panic-free link; a byte-wise table takes about eight instructions a byte.
-pub(crate) fn crc32(parts: &[&[u8]]) -> u32 {
+pub(crate) fn crc32(parts: &[&[u8]], mut beat: impl FnMut()) -> u32 {
     let mut crc = u32::MAX;
     for part in parts {
-        for &byte in *part {
-            // The index is below 256, the table's length, so the bounds check is elided.
-            crc = CRC_TABLE[usize::from(crc as u8 ^ byte)] ^ (crc >> 8);
+        for piece in part.chunks(limits::CHECKSUM_BYTES_PER_BEAT) {
+            for &byte in piece {
+                // The index is below 256, the table's length, so the bounds check is elided.
+                crc = CRC_TABLE[usize::from(crc as u8 ^ byte)] ^ (crc >> 8);
+            }
+            beat();
         }
     }
     !crc
@@ -120,6 +124,6 @@ mod tests {
 
     #[test]
     fn checksum_is_the_catalogued_one() {
-        assert_eq!(crc32(&[b"1234", b"56789"]), 0xcbf4_3926);
+        assert_eq!(crc32(&[b"1234", b"56789"], || ()), 0xcbf4_3926);
     }
 }

@@ -8,9 +8,10 @@
 
 use crate::blocks::{Own, Place, Plane, Stored, superblocks};
 use crate::bytes::{WORD_BYTES, Words};
-use crate::directory::{Counts, NameAt};
+use crate::directory::{Counts, LayerRecord, NameAt};
 use crate::error::BlobError;
 use crate::grid::{Cell, Direction, octile};
+use crate::work::Work;
 
 /// What a layer says about a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,6 +94,39 @@ pub struct Layer<'a> {
     pub(crate) counts: Counts,
     pub(crate) names: &'a [u8],
     pub(crate) name: NameAt,
+}
+
+/// What of a layer no earlier layer has proved.
+#[derive(Clone, Copy)]
+pub(crate) struct Open {
+    /// Plane `terrain`.
+    pub(crate) terrain: bool,
+    /// The roots.
+    pub(crate) roots: bool,
+    /// Plane `routes`, and the fewest roots of any layer that shares it.
+    pub(crate) routes_of_roots: Option<u32>,
+}
+
+impl Open {
+    /// What the layer of a number has to prove, of all layer records of a blob.
+    pub(crate) fn of(number: usize, record: &LayerRecord, layers: &[u8]) -> Self {
+        let (mut terrain, mut roots, mut routes) = (true, true, true);
+        let mut fewest = record.root_count;
+        let records = (0..layers.len() / LayerRecord::BYTES).map_while(|index| {
+            LayerRecord::get(layers, index).map(|record| (index < number, record))
+        });
+        for (is_earlier, other) in records {
+            if other.routes == record.routes {
+                fewest = fewest.min(other.root_count);
+                routes &= !is_earlier;
+            }
+            if is_earlier {
+                terrain &= other.terrain != record.terrain;
+                roots &= (other.roots, other.root_count) != (record.roots, record.root_count);
+            }
+        }
+        Self { terrain, roots, routes_of_roots: routes.then_some(fewest.into()) }
+    }
 }
 
 /// What stands in the planes about a cell.
@@ -217,26 +251,43 @@ impl<'a> Layer<'a> {
         Some(Root { cell: self.root_cell(number)?, cost })
     }
 
-    /// Proves once that no look-up can fail.
-    pub(crate) fn validate(&self) -> Result<(), BlobError> {
+    /// Proves once that no look-up can fail. What `open` does not name was proved with an earlier
+    /// layer.
+    pub(crate) fn validate(
+        &self,
+        open: Open,
+        work: &mut Work<impl FnMut()>,
+    ) -> Result<(), BlobError> {
         let count = superblocks(self.columns) * superblocks(self.rows);
-        let roots = self.section.range(self.roots, self.root_count * ROOT_WORDS);
-        let roots_fit = roots.is_some_and(|roots| {
-            roots.iter().step_by(ROOT_WORDS as usize).all(|root| {
-                let [x0, x1, y0, y1]: [u8; WORD_BYTES] = *root;
-                u32::from(u16::from_le_bytes([x0, x1])) < self.columns
-                    && u32::from(u16::from_le_bytes([y0, y1])) < self.rows
-            })
-        });
-        let is_route = |entry: u32| entry == NO_ROUTE_ENTRY || entry >> 1 < self.root_count;
         let counted = u64::from(self.counts.free)
             + u64::from(self.counts.blocked)
             + u64::from(self.counts.unreachable);
-        let sound = roots_fit
-            && counted == u64::from(self.columns) * u64::from(self.rows)
-            && self.terrain().validate(count, false, |terrain| terrain <= LAST_TERRAIN)
-            && self.routes().validate(count, true, is_route);
-        if sound { Ok(()) } else { Err(BlobError::Cells) }
+        if counted != u64::from(self.columns) * u64::from(self.rows) {
+            return Err(BlobError::Cells);
+        }
+        if open.roots {
+            work.spend(self.root_count)?;
+            self.validate_roots().ok_or(BlobError::Cells)?;
+        }
+        if open.terrain {
+            self.terrain().validate(count, false, |terrain| terrain <= LAST_TERRAIN, work)?;
+        }
+        if let Some(roots) = open.routes_of_roots {
+            let is_route = |entry: u32| entry == NO_ROUTE_ENTRY || entry >> 1 < roots;
+            self.routes().validate(count, true, is_route, work)?;
+        }
+        Ok(())
+    }
+
+    fn validate_roots(&self) -> Option<()> {
+        let roots = self.section.range(self.roots, self.root_count * ROOT_WORDS)?;
+        let mut roots = roots.iter().step_by(ROOT_WORDS as usize);
+        let fit = roots.all(|root| {
+            let [x0, x1, y0, y1]: [u8; WORD_BYTES] = *root;
+            u32::from(u16::from_le_bytes([x0, x1])) < self.columns
+                && u32::from(u16::from_le_bytes([y0, y1])) < self.rows
+        });
+        fit.then_some(())
     }
 }
 

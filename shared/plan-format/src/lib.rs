@@ -22,6 +22,7 @@ pub mod mission;
 mod pack;
 pub mod parameters;
 mod plan;
+mod work;
 #[cfg(feature = "std")]
 mod write;
 

@@ -11,6 +11,16 @@ pub const MAX_NAME_BYTES: usize = 32;
 pub const MAX_SIDE_CELLS: u32 = 16_384;
 /// Bytes of a whole blob.
 pub const MAX_BLOB_BYTES: usize = 64 << 20;
+/// Layers in one blob.
+pub const MAX_BLOB_LAYERS: usize = MAX_PLANS * MAX_LAYERS;
+/// Checks that validating the cells may take for each of their words: a bit more than the most
+/// that a word of a table leads to (a superblock's 16 blocks and 79 entries). So time at boot is
+/// bounded by the blob's bytes, and only tables that lie on one another exceed it.
+pub const MAX_CHECKS_PER_WORD: u32 = 100;
+/// Checks from one beat of [`crate::Plan::parse_paced`] to the next, about.
+pub const CHECKS_PER_BEAT: u32 = 1 << 16;
+/// Bytes under the checksum from one beat to the next.
+pub const CHECKSUM_BYTES_PER_BEAT: usize = 1 << 16;
 /// Smallest and largest side of a cell, metres.
 pub const RESOLUTION_RANGE_M: (f64, f64) = (0.001, 1_000.0);
 /// Farthest coordinate of the grid from the map's origin, metres. Single-precision
@@ -63,6 +73,7 @@ const _: () = assert!(MAX_FACTS == u64::BITS as usize);
 const _: () = assert!(MAX_VERTICES <= u32::BITS as usize);
 const _: () = assert!(MAX_COMPONENTS <= u32::BITS as usize, "sets of components are u32");
 const _: () = assert!(MAX_BEHAVIOURS <= u16::BITS as usize, "sets of behaviours are u16");
-const _: () = assert!(MAX_PLANS * MAX_LAYERS <= u16::MAX as usize);
+const _: () = assert!(MAX_BLOB_LAYERS <= u16::MAX as usize);
+const _: () = assert!((MAX_BLOB_BYTES / 4) as u64 * MAX_CHECKS_PER_WORD as u64 <= u32::MAX as u64);
 const _: () = assert!(MAX_NAME_BYTES <= u8::MAX as usize);
 const _: () = assert!(MAX_SIDE_CELLS <= 1 << 14, "a cell index must fit 28 bits");

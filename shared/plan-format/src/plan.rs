@@ -4,9 +4,10 @@ use crate::bytes::Words;
 use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
 use crate::error::BlobError;
 use crate::grid::{Cell, Grid};
-use crate::layer::Layer;
+use crate::layer::{Layer, Open};
 use crate::mission::{ActionKind, Mission, MissionError, Source};
 use crate::parameters::Parameters;
+use crate::work::Work;
 use crate::{header, limits};
 use math::{Frame, Vec2};
 
@@ -68,7 +69,14 @@ impl<'a> Plan<'a> {
     /// A region of flash is larger than its blob: what follows the length that the header
     /// names is ignored. For a file, where nothing may follow, see [`Plan::parse_exact`].
     pub fn parse(region: &'a [u8]) -> Result<Self, BlobError> {
-        let sealed = header::open(region)?;
+        Self::parse_paced(region, || ())
+    }
+
+    /// As [`Plan::parse`], with a call of `beat` now and then, for a watchdog that is awake
+    /// already. What lies between two beats is bounded, and so is their number: by the length of
+    /// the blob ([`limits::MAX_CHECKS_PER_WORD`]).
+    pub fn parse_paced(region: &'a [u8], mut beat: impl FnMut()) -> Result<Self, BlobError> {
+        let sealed = header::open(region, &mut beat)?;
         let (directory, rest) = postcard::take_from_bytes::<Directory<'a>>(sealed.payload)
             .map_err(|_| BlobError::Directory)?;
         if !rest.is_empty() {
@@ -82,7 +90,7 @@ impl<'a> Plan<'a> {
         if origin.is_some_and(|origin| !origin.is_valid()) {
             return Err(BlobError::Origin);
         }
-        sections.validate(&directory.grid)?;
+        sections.validate(&directory.grid, &mut Work::new(beat))?;
         let parameters = directory.parameters;
         let chosen = usize::from(parameters.plan);
         if parameters.check().is_some() || chosen > 0 && chosen >= sections.plan_count() {
@@ -233,7 +241,11 @@ impl<'a> Sections<'a> {
     }
 
     /// Proves once that every plan, layer and name can be read and is within its limits.
-    fn validate(&self, grid: &Grid) -> Result<(), BlobError> {
+    fn validate(&self, grid: &Grid, work: &mut Work<impl FnMut()>) -> Result<(), BlobError> {
+        if self.layers.len() > limits::MAX_BLOB_LAYERS * LayerRecord::BYTES {
+            return Err(BlobError::Layers);
+        }
+        work.allow(self.cells.len());
         let plans = self.plan_count();
         if plans > limits::MAX_PLANS || self.plans.len() != plans * PlanRecord::BYTES {
             return Err(BlobError::Plans);
@@ -255,7 +267,7 @@ impl<'a> Sections<'a> {
             }
             let plan = self.plan(index).ok_or(BlobError::Name)?;
             for layer in 0..count {
-                plan.validate_layer(layer)?;
+                plan.validate_layer(layer, work)?;
             }
         }
         let all = next_layer * LayerRecord::BYTES == self.layers.len();
@@ -349,11 +361,13 @@ impl<'a> ParallelPlan<'a> {
         LayerRecord::get(self.sections.layers, first.checked_add(index)?)
     }
 
-    fn validate_layer(&self, index: usize) -> Result<(), BlobError> {
+    fn validate_layer(&self, index: usize, work: &mut Work<impl FnMut()>) -> Result<(), BlobError> {
         let record = self.layer_record(index).ok_or(BlobError::Layers)?;
         let earlier = (0..index)
             .map(|other| self.layer_record(other).and_then(|r| r.name.get(self.sections.names)));
         self.sections.check_name(record.name, earlier)?;
-        self.layer(index).ok_or(BlobError::Cells)?.validate()
+        let number = usize::from(self.record.first_layer) + index;
+        let open = Open::of(number, &record, self.sections.layers);
+        self.layer(index).ok_or(BlobError::Cells)?.validate(open, work)
     }
 }

@@ -1,5 +1,6 @@
 //! The blob at its border: what is written is read, what is damaged is refused.
 
+mod hostile;
 mod sizes;
 
 use plan_format::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED, is_blocked};

@@ -37,6 +37,19 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("guest", &["controller", "math", "plan-format", "robot-io", "runtime"]),
     ("sim", &["math", "plan-compiler", "plan-format", "robot-io", "runtime"]),
     ("soak", &["behaviour", "controller", "math", "monitor", "plan-format", "robot-io"]),
+    (
+        "fuzz",
+        &[
+            "controller",
+            "math",
+            "plan-compiler",
+            "plan-format",
+            "robot-io",
+            "runtime",
+            "sim",
+            "soak",
+        ],
+    ),
     ("harness", &["math", "plan-compiler", "plan-format", "robot-io", "runtime", "sim", "soak"]),
     (
         "it",
@@ -50,6 +63,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "robot-io",
             "runtime",
             "sim",
+            "soak",
         ],
     ),
 ];

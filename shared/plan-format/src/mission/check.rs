@@ -64,6 +64,11 @@ fn spans<T: Record>(table: Table<'_, T>, first: u16, count: u8) -> Checked {
     require(end <= table.len(), MissionError::Reference)
 }
 
+/// All that records name together is within the limit of the table that they name it from.
+fn named(counts: impl Iterator<Item = u8>, limit: usize) -> Checked {
+    require(counts.map(usize::from).sum::<usize>() <= limit, MissionError::TooLarge)
+}
+
 fn finite(numbers: &[f32]) -> Checked {
     require(numbers.iter().all(|number| number.is_finite()), MissionError::Number)
 }
@@ -116,6 +121,8 @@ fn inputs_and_rules(mission: &Mission<'_>) -> Checked {
     for rule in mission.rules().iter() {
         exists(mission.inputs(), rule.input)?;
     }
+    // Limits hold for what is named, too: a row that many rule bases share is work for each.
+    named(mission.rule_bases().iter().map(|base| base.count), limits::MAX_RULES)?;
     for (index, base) in mission.rule_bases().iter().enumerate() {
         require(base.count > 0, MissionError::Number)?;
         spans(mission.rules(), base.first, base.count)?;
@@ -176,6 +183,7 @@ fn components(mission: &Mission<'_>) -> Checked {
             _ => {}
         }
     }
+    named(mission.frames().iter().map(|frame| frame.count), limits::MAX_PRODUCTIONS)?;
     for frame in mission.frames().iter() {
         exists(mission.descriptions(), frame.description)?;
         require(frame.count > 0, MissionError::Reference)?;
@@ -187,6 +195,9 @@ fn components(mission: &Mission<'_>) -> Checked {
 }
 
 fn graphs(mission: &Mission<'_>) -> Checked {
+    let productions = || mission.productions().iter();
+    named(productions().map(|production| production.edges), limits::MAX_EDGES)?;
+    named(productions().map(|production| production.intervals), limits::MAX_INTERVALS)?;
     for production in mission.productions().iter() {
         if let Some(rules) = production.rules {
             exists(mission.rule_bases(), rules)?;

@@ -293,6 +293,12 @@ mod tests {
         assert_eq!(refused(&|d| d.inputs[0].source = Source::Rules(0)), MissionError::Reference);
         let name = Name { offset: 500, length: 2 };
         assert_eq!(refused(&|d| d.actions[0].name = name), MissionError::Name);
+        // Three rows that 64 rule bases share are 192 rows to evaluate.
+        let shared = |d: &mut MissionDraft| {
+            d.rules = vec![d.rules[0]; 3];
+            d.rule_bases = vec![RuleBase { count: 3, ..d.rule_bases[0] }; 64];
+        };
+        assert_eq!(refused(&shared), MissionError::TooLarge);
         let many = |d: &mut MissionDraft| d.behaviours = vec![d.behaviours[0]; 17];
         assert_eq!(refused(&many), MissionError::TooLarge);
     }

@@ -1,0 +1,213 @@
+//! Bytes that reach a robot: its blob, its receiver, its links, what it recorded.
+
+use crate::mutate::Random;
+use controller::State;
+use embassy_futures::block_on;
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use math::Vec2;
+use plan_compiler::trace::{Trace, story};
+use plan_format::{Cell, Layer, Plan, limits};
+use robot_io::frame::{self, Downlink, Uplink};
+use robot_io::limits::{COMMAND_RECORD_BYTES, SENSOR_RECORD_BYTES};
+use robot_io::{
+    CommandRecord, Commands, Fix, Manual, Operator, Percepts, RangeReading, SensorRecord,
+};
+use runtime::{OperatorSlot, Silence};
+use std::sync::OnceLock;
+
+/// Bytes of a blob's header.
+const HEADER_BYTES: usize = 28;
+/// Cells that are asked for, all layers together; of more, every so many.
+const MAX_CELLS_ASKED: u64 = 1 << 16;
+/// Ticks that a blob is driven by.
+const BLOB_TICKS: u64 = 1_000;
+/// Ticks of a recorded mission that are driven again.
+const MAX_TICKS: usize = 2_000;
+
+/// A blob as it is, and with its header and checksum mended; then every look-up and 1,000 ticks.
+pub(crate) fn blob(bytes: &[u8]) {
+    let _ = (Plan::parse(bytes).is_ok(), Plan::parse_exact(bytes).is_ok());
+    let blob = mended(bytes);
+    let mut beats = 0;
+    let parsed = Plan::parse_paced(&blob, || beats += 1);
+    let checks = blob.len() / 4 * limits::MAX_CHECKS_PER_WORD as usize;
+    assert!(beats <= checks / limits::CHECKS_PER_BEAT as usize + 4, "{beats} beats");
+    if let Ok(plan) = parsed {
+        ask(&plan);
+        drive(&plan, bytes, BLOB_TICKS);
+    }
+}
+
+/// The header of this build's blobs, which other bytes get.
+fn header() -> &'static [u8] {
+    static HEADER: OnceLock<Vec<u8>> = OnceLock::new();
+    HEADER.get_or_init(|| {
+        let blob = soak::fixtures::blob(soak::fixtures::endless_loop()).expect("a sound blob");
+        blob[..HEADER_BYTES].to_vec()
+    })
+}
+
+/// Bytes as the payload of a blob, or a blob with what it claims of itself made true.
+fn mended(bytes: &[u8]) -> Vec<u8> {
+    let payload = bytes.strip_prefix(&plan_format::MAGIC);
+    let payload = payload.map_or(bytes, |rest| rest.get(HEADER_BYTES - 8..).unwrap_or_default());
+    let mut blob = [header(), payload].concat();
+    let length = blob.len() as u32;
+    blob[12..16].copy_from_slice(&length.to_le_bytes());
+    let crc = crc32(blob[..24].iter().chain(&blob[28..]));
+    blob[24..28].copy_from_slice(&crc.to_le_bytes());
+    blob
+}
+
+/// A number for some bytes.
+pub fn checksum(bytes: &[u8]) -> u32 {
+    crc32(bytes.iter())
+}
+
+/// CRC-32 by its slow definition.
+fn crc32<'b>(bytes: impl Iterator<Item = &'b u8>) -> u32 {
+    !bytes.fold(u32::MAX, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| {
+            if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 }
+        })
+    })
+}
+
+/// Everything that a plan can be asked for.
+fn ask(plan: &Plan<'_>) {
+    let plans = || (0..plan.plan_count()).filter_map(|index| plan.parallel_plan(index));
+    let layers: Vec<Layer<'_>> = plans()
+        .flat_map(|parallel| (0..parallel.layer_count()).filter_map(move |i| parallel.layer(i)))
+        .collect();
+    for parallel in plans() {
+        assert_eq!(plan.find(parallel.name()).map(|found| found.goal_m()), Some(parallel.goal_m()));
+    }
+    let (columns, rows) = (u64::from(plan.grid().columns), u64::from(plan.grid().rows));
+    let cells = columns * rows;
+    let stride = (cells * layers.len() as u64 / MAX_CELLS_ASKED).max(1);
+    for layer in &layers {
+        assert!(!layer.name().is_empty());
+        for index in (0..cells).step_by(stride as usize) {
+            let cell = Cell::new((index % columns) as u32, (index / columns) as u32);
+            let _ = (layer.look_up(cell), layer.step(cell));
+        }
+        let _ = layer.look_up(Cell::new(u32::MAX, u32::MAX));
+    }
+}
+
+/// Drives a robot that perceives by chance, the same chance for the same bytes.
+pub(crate) fn drive(plan: &Plan<'_>, bytes: &[u8], ticks: u64) {
+    let mut random = Random::new(checksum(bytes).into());
+    let mut state = State::new(plan);
+    let mut time_us = 0;
+    for _ in 0..ticks {
+        time_us += random.below(100_000) as u64;
+        let percepts = percepts(plan, time_us, &mut random).sanitised();
+        sound(&controller::tick(plan, &mut state, &percepts));
+    }
+}
+
+fn sound(commands: &Commands) {
+    assert!(commands.speed_mps.is_finite() && commands.turn_rate_radps.is_finite(), "{commands:?}");
+}
+
+fn percepts(plan: &Plan<'_>, time_us: u64, random: &mut Random) -> Percepts {
+    let grid = plan.grid();
+    let mut along = |corner: f64, cells: u32| {
+        let reach = f64::from(cells) * grid.resolution_m;
+        (corner + reach * f64::from(random.unit() * 1.1 - 0.05)) as f32
+    };
+    let at = Vec2::new(along(grid.corner_m[0], grid.columns), along(grid.corner_m[1], grid.rows));
+    let fix = plan.frame().map(|frame| Fix {
+        time_us,
+        is_valid: random.below(20) > 0,
+        place: frame.to_geodetic(at),
+        accuracy_mm: random.below(8_000) as u32,
+        velocity_mmps: (random.below(2) > 0).then_some([500, -700]),
+    });
+    let mut number = || match random.below(30) {
+        0 => None,
+        1 => Some(f32::from_bits(random.next() as u32)),
+        _ => Some(random.unit() * 2.0 - 0.5),
+    };
+    let (heading_rad, speed_mps, turn_rate_radps) = (number(), number(), number());
+    let inputs = [(); robot_io::limits::MAX_CHANNELS].map(|()| number());
+    let manual = Manual { speed_mps: 1.0, turn_rate_radps: f32::NAN };
+    let operator = Operator {
+        is_armed: random.below(50) > 0,
+        is_emergency_stop: random.below(100) == 0,
+        manual: (random.below(100) == 0).then_some(manual),
+    };
+    let ranges = (0..random.below(5)).map(|_| RangeReading {
+        bearing_rad: random.unit() * 7.0 - 3.5,
+        distance_m: random.unit() * 6.0,
+    });
+    let ranges = ranges.collect();
+    Percepts { time_us, fix, heading_rad, speed_mps, turn_rate_radps, ranges, inputs, operator }
+}
+
+/// A receiver's bytes through the drivers.
+pub(crate) fn gps(bytes: &[u8]) {
+    let mut decoder = runtime::gps::Decoder::default();
+    for solution in bytes.iter().filter_map(|&byte| decoder.push(byte)) {
+        assert!(!solution.is_valid || solution.place.is_valid(), "{solution:?}");
+    }
+}
+
+/// Frames up and down, and the task that listens.
+pub(crate) fn link(bytes: &[u8]) {
+    let (mut up, mut down) = (frame::Decoder::default(), frame::Decoder::default());
+    for &byte in bytes {
+        let said: Option<Uplink> = up.push(byte);
+        if let Some(said) = said {
+            assert!(frame::encode(&said).is_some(), "what was said can be said again");
+        }
+        let told: Option<Downlink> = down.push(byte);
+        if let Some(told) = told {
+            assert!(frame::encode(&told).is_some(), "what was told can be told again");
+        }
+    }
+    let slot = OperatorSlot::<NoopRawMutex>::new(Silence::Allows);
+    block_on(runtime::operator_task(bytes, &slot, || 7));
+    let _ = slot.at(u64::MAX);
+}
+
+/// A world that says what records say.
+struct Records<'b>(std::slice::Chunks<'b, u8>);
+
+impl runtime::lockstep::Link for Records<'_> {
+    fn receive(&mut self) -> Option<SensorRecord> {
+        self.0.by_ref().find_map(SensorRecord::from_bytes)
+    }
+
+    fn send(&mut self, record: &CommandRecord) {
+        sound(&record.commands);
+        let bytes = record.to_bytes().expect("a record fits");
+        assert_eq!(CommandRecord::from_bytes(&bytes), Some(*record));
+    }
+}
+
+/// Records on a pipe, through the whole robot.
+pub(crate) fn lockstep(bytes: &[u8]) {
+    static BLOB: OnceLock<Vec<u8>> = OnceLock::new();
+    for bytes in bytes.chunks(COMMAND_RECORD_BYTES) {
+        let _ = CommandRecord::from_bytes(bytes);
+    }
+    let blob =
+        BLOB.get_or_init(|| soak::fixtures::blob(soak::fixtures::sixteen()).expect("a sound blob"));
+    let plan = Plan::parse(blob).expect("a sound blob");
+    runtime::lockstep::run(plan, Records(bytes.chunks(SENSOR_RECORD_BYTES)));
+}
+
+/// A recorded mission: its plans, its ticks again, and its story.
+pub(crate) fn trace(bytes: &[u8]) {
+    let Ok(mut trace) = Trace::from_bytes(bytes) else { return };
+    trace.percepts.truncate(MAX_TICKS);
+    assert!(Trace::from_bytes(&trace.to_bytes()).is_ok());
+    let blob = mended(&trace.blob);
+    let Ok(plan) = Plan::parse_exact(&blob) else { return };
+    let _ = trace.replayed_hash(&plan);
+    for turn in story::of(&plan, &trace.percepts).turns {
+        assert!(turn.tick < trace.percepts.len());
+    }
+}

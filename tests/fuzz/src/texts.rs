@@ -1,0 +1,106 @@
+//! Texts that people write beside maps: missions, worlds, graphs, command lines.
+
+use crate::cli::Cli;
+use crate::maps::{say, yard};
+use crate::robot;
+use clap::Parser;
+use plan_compiler::behaviours::draw::{Drawn, dot, picture};
+use plan_compiler::behaviours::{self, Plans, graph_text};
+use plan_compiler::compile::{Input, Options, compile, has_errors};
+use plan_compiler::map::Map;
+use plan_compiler::problem::Source;
+use plan_compiler::{mission, source};
+use plan_format::Plan;
+use plan_format::mission::Mission;
+use robot_io::{Commands, Reason};
+use sim::Surroundings;
+use std::ffi::OsString;
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+/// Ticks that a mission is driven for.
+const MISSION_TICKS: u64 = 100;
+
+/// Read, looked through, drawn, compiled for a map, driven.
+pub(crate) fn mission(bytes: &[u8]) {
+    static YARD: OnceLock<(Map, Arc<Source>)> = OnceLock::new();
+    let Ok((text, _)) = source::decode(Path::new("yard.mission.toml"), bytes.to_vec()) else {
+        return;
+    };
+    let (read, mut problems) = mission::parse(&text);
+    say(&problems);
+    if has_errors(&problems) {
+        return;
+    }
+    if let Some(draft) = behaviours::compile(&read.behaviours, &Plans::Any, &mut problems) {
+        let section = draft.write().expect("what compiles can be written");
+        let mission = Mission::parse(&section).expect("what was written is read");
+        let drawn = Drawn { mission, plans: &[] };
+        assert!(!dot(&drawn).is_empty() && !picture(&drawn).is_empty());
+    }
+    let (map, source) = YARD.get_or_init(yard);
+    // Bounded whatever the mission asks for.
+    let options = Options { resolution_m: Some(2.0), ..Options::default() };
+    let input = Input { map, source: Some(source), mission: &read, options: &options };
+    let mut problems = Vec::new();
+    let blob = compile(&input, &|_, _| (), &mut problems);
+    say(&problems);
+    match blob {
+        None => assert!(has_errors(&problems), "no blob, and no error that says why"),
+        Some(blob) => {
+            let plan = Plan::parse_exact(&blob).expect("what was written is read");
+            robot::drive(&plan, bytes, MISSION_TICKS);
+        }
+    }
+}
+
+/// The text of a production's graph.
+pub(crate) fn graph(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    match graph_text::parse(text) {
+        Ok(graph) => {
+            let last = graph.vertices.saturating_sub(1);
+            assert!(graph.leads(0, last), "the exit is reached from the entry");
+        }
+        Err(mistakes) => {
+            assert!(!mistakes.is_empty());
+            for mistake in mistakes {
+                // The place must be one that an excerpt can show.
+                assert!(text.get(mistake.span.clone()).is_some(), "{mistake:?}");
+            }
+        }
+    }
+}
+
+/// A world file, and what a robot does to that world.
+pub(crate) fn world(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let Ok(mut world) = text.parse::<Surroundings>() else { return };
+    for step in 0..100 {
+        let inputs = world.inputs();
+        let commands = Commands { outputs: step as u16, ..Commands::stop(Reason::Driving) };
+        let [x, y] = world.start;
+        world.step([x + f64::from(step), y], 1.0, &commands, 0.05);
+        assert_eq!(inputs.len(), world.inputs().len());
+    }
+    let _ = (world.is_done(Reason::Idle), world.summary());
+}
+
+/// Words on the command line, one a line.
+pub(crate) fn command_line(bytes: &[u8]) {
+    let words = bytes.split(|&byte| byte == b'\n').map(word);
+    match Cli::try_parse_from(std::iter::once("plan-compiler".into()).chain(words)) {
+        Ok(_) => {}
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+#[cfg(unix)]
+fn word(bytes: &[u8]) -> OsString {
+    std::os::unix::ffi::OsStringExt::from_vec(bytes.to_vec())
+}
+
+#[cfg(not(unix))]
+fn word(bytes: &[u8]) -> OsString {
+    String::from_utf8_lossy(bytes).into_owned().into()
+}

@@ -1,0 +1,102 @@
+//! No reader of text or bytes is without a fuzz target: whoever writes one says here which.
+
+use fuzz::Target;
+use std::path::Path;
+
+/// Files with functions that read what comes from outside, and the target that reaches them.
+const READERS: &[(&str, &str)] = &[
+    ("firmware/runtime/src/blob.rs", "blob"),
+    ("firmware/runtime/src/gps.rs", "gps"),
+    ("plan-compiler/src/behaviours/graph_text.rs", "graph"),
+    ("plan-compiler/src/behaviours/language.rs", "mission"),
+    ("plan-compiler/src/cli.rs", "command_line"),
+    ("plan-compiler/src/formats.rs", "any_map"),
+    ("plan-compiler/src/formats/geojson.rs", "geojson"),
+    ("plan-compiler/src/formats/iplan.rs", "iplan"),
+    ("plan-compiler/src/formats/movingai.rs", "movingai"),
+    ("plan-compiler/src/formats/opar.rs", "opar"),
+    ("plan-compiler/src/formats/opar/options.rs", "command_line"),
+    ("plan-compiler/src/formats/osm.rs", "osm_xml"),
+    ("plan-compiler/src/formats/osm.rs", "osm_pbf"),
+    ("plan-compiler/src/formats/overlay.rs", "overlay"),
+    ("plan-compiler/src/formats/pcf.rs", "pcf"),
+    ("plan-compiler/src/formats/ros.rs", "ros_image"),
+    ("plan-compiler/src/formats/ros.rs", "ros_yaml"),
+    ("plan-compiler/src/mission.rs", "mission"),
+    ("plan-compiler/src/source.rs", "any_map"),
+    ("plan-compiler/src/trace.rs", "trace"),
+    ("shared/plan-format/src/mission/mod.rs", "blob"),
+    ("shared/plan-format/src/plan.rs", "blob"),
+    ("shared/robot-io/src/frame.rs", "link"),
+    ("shared/robot-io/src/record.rs", "lockstep"),
+    ("tests/sim/src/surroundings.rs", "world"),
+];
+
+/// How functions that read are called here.
+const VERBS: &[&str] = &[
+    "parse",
+    "parse_paced",
+    "parse_exact",
+    "read",
+    "read_bytes",
+    "read_text",
+    "from_bytes",
+    "decode",
+    "push",
+    "load",
+    "load_paced",
+    "beside",
+    "from_str",
+];
+
+/// What they take.
+const INPUTS: &[&str] = &["u8", "&str", "Source", "&Path"];
+
+#[test]
+fn no_reader_is_without_a_fuzz_target() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut found = Vec::new();
+    for top in ["shared", "firmware", "plan-compiler/src", "tests/sim/src"] {
+        visit(&root, &root.join(top), &mut found);
+    }
+    found.sort();
+    found.dedup();
+    for file in &found {
+        let has_row = READERS.iter().any(|(reader, _)| reader == file);
+        assert!(
+            has_row,
+            "{file} reads what comes from outside: give it a fuzz target and a row here"
+        );
+    }
+    for (file, target) in READERS {
+        assert!(found.iter().any(|reader| reader == file), "{file} has no reader any more");
+        assert!(Target::find(target).is_some(), "there is no target {target}");
+    }
+}
+
+/// The files below a folder in which something reads.
+fn visit(root: &Path, folder: &Path, found: &mut Vec<String>) {
+    for entry in std::fs::read_dir(folder).expect("a folder is readable").flatten() {
+        let path = entry.path();
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if path.is_dir() && name != "tests" && name != "target" {
+            visit(root, &path, found);
+        } else if name.ends_with(".rs") && name != "tests.rs" {
+            let text = std::fs::read_to_string(&path).expect("a source file is readable");
+            if text.split("#[cfg(test)]\nmod tests {").next().is_some_and(reads) {
+                let file = path.strip_prefix(root).expect("below the root");
+                found.push(file.to_string_lossy().replace('\\', "/"));
+            }
+        }
+    }
+}
+
+/// Whether a function of a source text is called as one that reads and takes what such ones take.
+fn reads(source: &str) -> bool {
+    source.split("fn ").zip(source.split("fn ").skip(1)).any(|(before, function)| {
+        let (signature, _) = function.split_once('{').unwrap_or((function, ""));
+        let name = signature.split(['(', '<']).next().unwrap_or("");
+        let is_open = before.ends_with("pub ") || name == "from_str";
+        is_open && VERBS.contains(&name) && INPUTS.iter().any(|input| signature.contains(input))
+    })
+}

@@ -1,0 +1,192 @@
+//! Blobs behind a true checksum that were made to hurt: what they may cost is bounded, and what is
+//! not refused answers.
+
+use super::{draft, resealed, tiny};
+use controller::State;
+use plan_format::field::{ESCAPE, Field, NO_ROUTE};
+use plan_format::{BlobError, Cell, Draft, LayerDraft, Plan, PlanDraft, limits, pack, write};
+use robot_io::{Fix, Operator, Percepts};
+
+/// Cells along a side of the maps that repeat.
+const SIDE: u32 = 512;
+/// Cells that a word of a table stands for.
+const SUPERBLOCK_CELLS: u32 = 32 * 32;
+/// Bytes of a blob's header, and of the record of a layer.
+const HEADER_BYTES: usize = 28;
+const LAYER_BYTES: usize = 33;
+/// Where in the record stand the words that name the tables of its planes.
+const TABLES_AT: [usize; 2] = [3, 7];
+/// Where in it the number of free cells stands; those of blocked ones and of cells without a route
+/// follow.
+const FREE_AT: usize = 21;
+
+/// The beats of checking a blob, which measure the work without a clock.
+fn beats(blob: &[u8]) -> (Result<(), BlobError>, usize) {
+    let mut beats = 0;
+    let parsed = Plan::parse_paced(blob, || beats += 1);
+    (parsed.map(|_| ()), beats)
+}
+
+/// The most beats that a blob of so many bytes may take.
+fn most_beats(bytes: usize) -> usize {
+    let checks = bytes / 4 * limits::MAX_CHECKS_PER_WORD as usize;
+    checks / limits::CHECKS_PER_BEAT as usize + bytes / limits::CHECKSUM_BYTES_PER_BEAT + 3
+}
+
+/// A layer of a map that repeats in squares of 32 cells, so that its tables are long and lead to
+/// few words. No two costs in a square fit together, so there are no roots.
+fn repeated() -> Field {
+    let cell = |index: u32| {
+        let (x, y) = (index % SIDE % 32, index / SIDE % 32);
+        (x * 32 + y).wrapping_mul(0x9e37_79b9)
+    };
+    let code = |random: u32| match random >> 29 {
+        0 => ESCAPE + (random >> 8) as u8 % 8,
+        1 => NO_ROUTE,
+        _ => (random >> 16) as u8 % 8,
+    };
+    let cells = || (0..SIDE * SIDE).map(cell);
+    Field { columns: SIDE, rows: SIDE, code: cells().map(code).collect(), cost: cells().collect() }
+}
+
+/// A blob of plans and layers, all of which say the same.
+fn shared(plans: usize, layers: usize) -> Vec<u8> {
+    let packed = pack(&repeated());
+    let layer = |number| LayerDraft { name: format!("{number}"), packed: packed.clone() };
+    let layers: Vec<LayerDraft> = (0..layers).map(layer).collect();
+    let plan = |number| PlanDraft {
+        name: format!("{number}"),
+        goal_m: [0.5, 0.5],
+        layers: layers.clone(),
+    };
+    let mut draft: Draft = draft(&[repeated()]);
+    draft.plans = (0..plans).map(plan).collect();
+    write(&draft).unwrap()
+}
+
+#[test]
+fn layers_that_share_their_tables_are_checked_once() {
+    let (one, all) = (shared(1, 1), shared(limits::MAX_PLANS, limits::MAX_LAYERS));
+    let ((alone, beats_alone), (together, beats_together)) = (beats(&one), beats(&all));
+    assert_eq!((alone, together), (Ok(()), Ok(())));
+    // Checking the tables for each of the 512 would take hundreds.
+    assert!(beats_together <= beats_alone + 1, "{beats_together} beats, alone {beats_alone}");
+}
+
+/// A table of 256 words serves a map of half the rows as 129 tables, each a word after the other.
+/// All of them are sound, and the layers of the blob use them all.
+#[test]
+fn tables_that_lie_on_one_another_are_refused_for_the_work() {
+    let mut blob = shared(limits::MAX_PLANS, limits::MAX_LAYERS);
+    // The grid stands first in the directory, as two numbers of two bytes.
+    assert_eq!(blob[HEADER_BYTES..][..4], [0x80, 0x04, 0x80, 0x04]);
+    blob[HEADER_BYTES + 3] = 0x02;
+    let layers = layers_at(&blob);
+    for number in 0..limits::MAX_BLOB_LAYERS {
+        let record = &mut blob[layers + number * LAYER_BYTES..][..LAYER_BYTES];
+        for at in TABLES_AT {
+            add(&mut record[at..], number as u32 % (SIDE * SIDE / SUPERBLOCK_CELLS / 2 + 1));
+        }
+        record[FREE_AT..].fill(0);
+        add(&mut record[FREE_AT..], SIDE * SIDE / 2);
+    }
+    let blob = resealed(blob);
+    let (parsed, beats) = beats(&blob);
+    assert_eq!(parsed, Err(BlobError::Work));
+    assert_eq!(BlobError::Work.code(), 20);
+    assert!(beats <= most_beats(blob.len()), "{beats} beats for {} bytes", blob.len());
+}
+
+/// Where the records of 512 layers begin in a blob: behind the length of their section.
+fn layers_at(blob: &[u8]) -> usize {
+    let bytes = limits::MAX_BLOB_LAYERS * LAYER_BYTES;
+    let length = [bytes as u8 | 128, (bytes >> 7) as u8 | 128, (bytes >> 14) as u8];
+    let place = blob.windows(length.len()).position(|window| window == length);
+    place.expect("the section's length stands in the blob") + length.len()
+}
+
+/// Adds to a number of four bytes.
+fn add(bytes: &mut [u8], more: u32) {
+    let word = u32::from_le_bytes(bytes[..4].try_into().unwrap()).wrapping_add(more);
+    bytes[..4].copy_from_slice(&word.to_le_bytes());
+}
+
+/// Asks a plan for all that it can be asked for and ticks by it; how many cells were asked for.
+fn ask(plan: &Plan<'_>) -> usize {
+    const MAX_CELLS: u32 = 64;
+    let (columns, rows) = (plan.grid().columns, plan.grid().rows);
+    let mut asked = 0;
+    for parallel in (0..plan.plan_count()).filter_map(|index| plan.parallel_plan(index)) {
+        assert!(plan.find(parallel.name()).is_some());
+        for layer in (0..parallel.layer_count()).filter_map(|index| parallel.layer(index)) {
+            assert!(!layer.name().is_empty());
+            for (row, column) in (0..=rows.min(MAX_CELLS))
+                .flat_map(|row| (0..=columns.min(MAX_CELLS)).map(move |column| (row, column)))
+            {
+                let _ = (layer.look_up(Cell::new(column, row)), layer.step(Cell::new(column, row)));
+                asked += 1;
+            }
+        }
+    }
+    let mut state = State::new(plan);
+    for tick in 1..=8 {
+        let commands = controller::tick(plan, &mut state, &percepts(plan, tick));
+        assert!(commands.speed_mps.is_finite() && commands.turn_rate_radps.is_finite());
+    }
+    asked
+}
+
+/// A robot that is armed and moves over the middle of the map.
+fn percepts(plan: &Plan<'_>, tick: u64) -> Percepts {
+    let time_us = tick * 50_000;
+    let corner = plan.grid().corner_m;
+    let at = math::Vec2::new(corner[0] as f32 + tick as f32 * 0.5, corner[1] as f32 + 0.5);
+    let fix = plan.frame().map(|frame| Fix {
+        time_us,
+        is_valid: true,
+        place: frame.to_geodetic(at),
+        accuracy_mm: 500,
+        velocity_mmps: Some([500, 0]),
+    });
+    let operator = Operator { is_armed: true, ..Operator::default() };
+    let inputs = [Some(tick as f32 / 8.0); robot_io::limits::MAX_CHANNELS];
+    Percepts { time_us, fix, heading_rad: Some(0.5), inputs, operator, ..Percepts::default() }
+}
+
+/// Blobs with every kind of section in few bytes: an origin, two layers, and behaviours.
+fn small() -> Vec<Vec<u8>> {
+    let with_behaviours = Draft { mission: soak::fixtures::endless_loop(), ..tiny() };
+    vec![write(&tiny()).unwrap(), write(&with_behaviours).unwrap()]
+}
+
+/// Each byte of a small blob becomes each other byte, and the checksum is mended.
+#[test]
+fn every_byte_behind_a_mended_checksum_is_refused_or_answered() {
+    for blob in small() {
+        let (mut answered, mut refused) = (0, 0);
+        for at in (0..blob.len()).filter(|at| !(24..28).contains(at)) {
+            for other in (0..=u8::MAX).filter(|&other| other != blob[at]) {
+                let mut spoilt = blob.clone();
+                spoilt[at] = other;
+                match Plan::parse(&resealed(spoilt)) {
+                    Ok(plan) => answered += usize::from(ask(&plan) < usize::MAX),
+                    Err(_) => refused += 1,
+                }
+            }
+        }
+        eprintln!("{} bytes: {refused} spoilt blobs refused, {answered} answered", blob.len());
+        assert!(refused > 10_000 && answered > 1_000, "{refused} and {answered}");
+    }
+}
+
+/// A small blob cut off anywhere, with the length in its header and the checksum mended.
+#[test]
+fn every_truncation_behind_a_mended_checksum_is_refused() {
+    for blob in small() {
+        for length in HEADER_BYTES..blob.len() {
+            let mut cut = blob[..length].to_vec();
+            cut[12..16].copy_from_slice(&(length as u32).to_le_bytes());
+            assert_eq!(Plan::parse(&resealed(cut)).err(), Some(BlobError::Directory), "{length}");
+        }
+    }
+}
