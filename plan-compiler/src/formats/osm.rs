@@ -124,6 +124,12 @@ fn draw(
 /// Says of the problem with an extent what makes it one: the bounds, else the node that lies
 /// farthest away.
 fn blame(mut problem: Problem, extract: &Extract, source: Option<&Arc<Source>>) -> Problem {
+    let objects = extract.ways.len() + extract.relations.len();
+    if extract.places.is_empty() && extract.bounds.is_none() && objects > 0 {
+        let message =
+            format!("the file has {objects} ways and relations, and no place of any node");
+        return Problem::error(message).mend(WITH_OUTLINES);
+    }
     let (element, id) = if extract.bounds.is_some() {
         ("bounds", None)
     } else {

@@ -187,6 +187,15 @@ fn what_has_a_meaning_and_no_outline_is_told() {
 }
 
 #[test]
+fn ways_without_any_node_are_named() {
+    let words = ["the file has 1 ways and relations, and no place of any node", "out geom;"];
+    refuses(&format!("<osm><way id=\"1\">{}{BUILDING_TAG}</way></osm>", refs(&[1, 2])), &words);
+    let way =
+        "{\"type\": \"way\", \"id\": 1, \"nodes\": [1, 2], \"tags\": {\"building\": \"yes\"}}";
+    refuses(&format!("{{\"version\": 0.6, \"elements\": [{way}]}}"), &words);
+}
+
+#[test]
 fn a_map_in_which_nothing_blocks_says_what_it_holds() {
     let way = |id: usize, key: &str, value: &str| {
         format!("<way id=\"{id}\">{}<tag k=\"{key}\" v=\"{value}\"/></way>", refs(&[1, 2]))
