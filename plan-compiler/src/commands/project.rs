@@ -50,7 +50,7 @@ impl Project {
 /// file at `path` if it has been read already: a pipe can be read no second time.
 pub(crate) fn read(
     path: &Path,
-    mut bytes: Option<Vec<u8>>,
+    bytes: Option<Vec<u8>>,
     goals: &[Goal],
     args: &MapOptions,
     problems: &mut Vec<Problem>,

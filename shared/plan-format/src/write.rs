@@ -154,7 +154,7 @@ pub fn write_with_recipe(draft: &Draft, recipe: &str) -> Result<Vec<u8>, WriteEr
 /// How a blob's map was made into cells, as [`write_with_recipe`] was given it; empty where
 /// nothing was recorded, `None` where the bytes are no blob or the text is not UTF-8.
 pub fn recipe(blob: &[u8]) -> Option<&str> {
-    let sealed = header::open(blob).ok()?;
+    let sealed = header::open(blob, || ()).ok()?;
     let (directory, _) = postcard::take_from_bytes::<Directory<'_>>(sealed.payload).ok()?;
     std::str::from_utf8(directory.recipe).ok()
 }

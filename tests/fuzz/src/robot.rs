@@ -10,7 +10,7 @@ use plan_format::{Cell, Layer, Plan, limits};
 use robot_io::frame::{self, Downlink, Uplink};
 use robot_io::limits::{COMMAND_RECORD_BYTES, SENSOR_RECORD_BYTES};
 use robot_io::{
-    CommandRecord, Commands, Fix, Manual, Operator, Percepts, RangeReading, SensorRecord,
+    CommandRecord, Commands, Fix, Manual, Operator, Percepts, RangeReading, Receiver, SensorRecord,
 };
 use runtime::{OperatorSlot, Silence};
 use std::sync::OnceLock;
@@ -143,7 +143,18 @@ fn percepts(plan: &Plan<'_>, time_us: u64, random: &mut Random) -> Percepts {
         distance_m: random.unit() * 6.0,
     });
     let ranges = ranges.collect();
-    Percepts { time_us, fix, heading_rad, speed_mps, turn_rate_radps, ranges, inputs, operator }
+    let receivers = [Receiver::Silent, Receiver::Unreadable, Receiver::NoVelocity, Receiver::Sound];
+    Percepts {
+        time_us,
+        fix,
+        heading_rad,
+        speed_mps,
+        turn_rate_radps,
+        ranges,
+        inputs,
+        operator,
+        receiver: receivers[random.below(receivers.len())],
+    }
 }
 
 /// A receiver's bytes through the drivers.

@@ -3,9 +3,11 @@
 use math::GeoPoint;
 use plan_compiler::trace::Trace;
 use robot_io::frame::{self, Downlink, Uplink};
-use robot_io::{CommandRecord, Commands, Fix, Manual, Operator, Percepts, Reason, SensorRecord};
-use sim::Dialect;
+use robot_io::{
+    CommandRecord, Commands, Fix, Manual, Operator, Percepts, Reason, Receiver, SensorRecord,
+};
 use sim::receiver::Solution;
+use sim::{Dialect, Mode};
 use soak::fixtures;
 use std::path::Path;
 
@@ -89,7 +91,7 @@ fn receiver(dialects: &[Dialect]) -> Vec<u8> {
         place: PLACE,
         velocity_mps: [1.0, -0.5],
         accuracy_m: 0.5,
-        is_valid: number != 3,
+        mode: if number == 3 { Mode::Void } else { Mode::Autonomous },
     };
     let messages = (0..5).flat_map(|number| dialects.iter().map(move |dialect| (number, dialect)));
     messages.flat_map(|(number, dialect)| dialect.message(&solution(number))).collect()
@@ -107,6 +109,7 @@ fn frames() -> Vec<u8> {
         commands: Commands::stop(Reason::NoFix),
         trace_hash: u64::MAX,
         instructions: 3_000,
+        receiver: Receiver::Sound,
     }));
     up.into_iter().chain([down]).flat_map(|frame| frame.expect("a frame fits")).collect()
 }
