@@ -141,8 +141,10 @@ impl<'a> Judge<'a> {
                 Some(false) => continue,
                 None if self.is_open(tags, key, value) => continue,
                 None => match Kind::known(key, value) {
-                    Some(kind) if !tags.is_below_ground() && !(kind.is_gate && is_point) => kind,
-                    _ => continue,
+                    Some(kind) if kind.is_gate && is_point => continue,
+                    Some(_) if tags.is_below_ground() => continue,
+                    Some(kind) => kind,
+                    None => continue,
                 },
             };
             // An obstacle outranks an area that weakens radio, and an area a line.

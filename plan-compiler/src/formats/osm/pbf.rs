@@ -117,7 +117,7 @@ impl Reader {
     fn file(&mut self, mut rest: &[u8]) -> Result<(), Reason> {
         let mut total = 0usize;
         while !rest.is_empty() {
-            let (kind, blob, after) = blob(rest)?;
+            let [kind, blob, after] = blob(rest)?;
             rest = after;
             if kind != b"OSMHeader" && kind != b"OSMData" {
                 continue;
@@ -378,7 +378,7 @@ impl<'a> Parts<'a> {
 }
 
 /// The kind and the bytes of the first block of a file, and what follows it.
-fn blob(bytes: &[u8]) -> Result<(&[u8], &[u8], &[u8]), Reason> {
+fn blob(bytes: &[u8]) -> Result<[&[u8]; 3], Reason> {
     let cut_off = || Reason::new("it ends within a block", FETCH_AGAIN);
     let (length, rest) = bytes.split_first_chunk::<4>().ok_or_else(cut_off)?;
     let length = u32::from_be_bytes(*length) as usize;
@@ -395,7 +395,7 @@ fn blob(bytes: &[u8]) -> Result<(&[u8], &[u8], &[u8]), Reason> {
         }
     }
     let (blob, rest) = rest.split_at_checked(size).ok_or_else(cut_off)?;
-    Ok((kind, blob, rest))
+    Ok([kind, blob, rest])
 }
 
 /// The bytes of a block.
