@@ -347,7 +347,8 @@ mod tests {
             }
             left[0].0 = left[0].0.saturating_sub(1);
             let commands = Commands::stop(left[0].1);
-            Ok(CommandRecord { time_us: 0, commands, trace_hash: 0, instructions: 0 })
+            let receiver = robot_io::Receiver::Sound;
+            Ok(CommandRecord { time_us: 0, commands, trace_hash: 0, instructions: 0, receiver })
         }
     }
 
