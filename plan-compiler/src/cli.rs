@@ -277,7 +277,7 @@ pub(crate) struct Query {
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     pub(crate) route: Option<PointAt>,
     /// How the route is written
-    #[arg(long, value_name = "FORMAT", default_value = "json", requires = "route")]
+    #[arg(long, value_name = "FORMAT", default_value = "json", conflicts_with_all = ["at", "geo", "stdin"])]
     pub(crate) format: RouteFormat,
     /// Points from standard input, one a line: `X Y`, `X,Y`, or a pose `X Y HEADING` or
     /// `{x: X, y: Y, ...}`, of which only the position counts
