@@ -38,7 +38,7 @@ Examples:
   plan-compiler render plans.bin --layer gate/physical -o field.png
       Draws obstacles, bands of cost and the advice.
   plan-compiler render plans.bin --layer gate/physical --layers --route -26,-18 -o ways.png
-      Draws all layers of plan gate side by side, in each the way from a point.
+      Draws all layers of plan gate in one picture, in each the way from a point.
   plan-compiler graph tests/maps/plough.mission.toml -o plough.svg
       Draws behaviours and their plans as graphs.
   plan-compiler verify plans.bin --map tests/maps/yard.osm
@@ -309,7 +309,7 @@ pub(crate) struct Render {
     /// The layer, as `inspect` names it; not needed where there is only one
     #[arg(long, value_name = "PLAN/LAYER")]
     pub(crate) layer: Option<LayerName>,
-    /// Draw all layers of a plan side by side: of the plan that --layer names, otherwise of the
+    /// Draw all layers of a plan in one picture: of the plan that --layer names, otherwise of the
     /// one that the robot follows
     #[arg(long)]
     pub(crate) layers: bool,

@@ -121,7 +121,7 @@ fn open<'b>(path: &Path, bytes: &'b [u8]) -> Result<Plan<'b>, Failure> {
         }
         if let Some(kind) = other_kind(path, bytes) {
             return Problem::error(format!("{name} is {kind}, not a plan blob"))
-                .mend(mend_of_kind(path, kind))
+                .mend(mend_of_kind(path, &kind))
                 .into();
         }
         Problem::error(format!("{name} is refused: {error}"))
@@ -136,28 +136,20 @@ const TRACE: &str = "a trace";
 const MISSION: &str = "a mission file";
 
 /// What a file is that is no blob, if that can be told.
-fn other_kind(path: &Path, bytes: &[u8]) -> Option<&'static str> {
+fn other_kind(path: &Path, bytes: &[u8]) -> Option<String> {
     if bytes.starts_with(&MAGIC) {
         return None;
     }
     if bytes.starts_with(trace::MAGIC) {
-        return Some(TRACE);
+        return Some(TRACE.into());
     }
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     if extension == "toml" {
-        return Some(MISSION);
+        return Some(MISSION.into());
     }
     let is_of = |format: &Format| format.extensions().contains(&extension.as_str());
-    Format::ALL.into_iter().find(is_of).map(|format| match format {
-        Format::Overlay => "a map (MissionLab overlay)",
-        Format::Opar => "a map (OPAR)",
-        Format::Ros => "a map (ROS)",
-        Format::Movingai => "a map (MovingAI)",
-        Format::Iplan => "an Iplan.dat",
-        Format::Pcf => "a plan of MissionLab",
-        Format::Geojson => "a map (GeoJSON)",
-        Format::Osm => "a map (OpenStreetMap)",
-    })
+    let format = Format::ALL.into_iter().find(is_of)?;
+    Some(format!("a map ({})", format.name()))
 }
 
 /// What to do with a file of another kind.

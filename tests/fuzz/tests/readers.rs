@@ -22,6 +22,7 @@ const READERS: &[(&str, &str)] = &[
     ("plan-compiler/src/formats/pcf.rs", "pcf"),
     ("plan-compiler/src/formats/ros.rs", "ros_image"),
     ("plan-compiler/src/formats/ros.rs", "ros_yaml"),
+    ("plan-compiler/src/formats/tags/rules.rs", "command_line"),
     ("plan-compiler/src/mission.rs", "mission"),
     ("plan-compiler/src/source.rs", "any_map"),
     ("plan-compiler/src/trace.rs", "trace"),
@@ -61,15 +62,15 @@ fn no_reader_is_without_a_fuzz_target() {
     }
     found.sort();
     found.dedup();
-    for file in &found {
-        let has_row = READERS.iter().any(|(reader, _)| reader == file);
-        assert!(
-            has_row,
-            "{file} reads what comes from outside: give it a fuzz target and a row here"
-        );
-    }
+    let all = found.clone();
+    let has_row = |file: &String| READERS.iter().any(|(reader, _)| reader == file);
+    found.retain(|file| !has_row(file));
+    assert!(
+        found.is_empty(),
+        "these read what comes from outside: give each a fuzz target and a row here: {found:?}"
+    );
     for (file, target) in READERS {
-        assert!(found.iter().any(|reader| reader == file), "{file} has no reader any more");
+        assert!(all.iter().any(|reader| reader == file), "{file} has no reader any more");
         assert!(Target::find(target).is_some(), "there is no target {target}");
     }
 }

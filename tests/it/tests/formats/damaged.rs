@@ -48,8 +48,12 @@ fn build(path: &Path, bytes: Vec<u8>, mission: &Mission, at: [f64; 2]) -> bool {
         let at = GoalAt::Position(at);
         let goal = Goal { name: "a".into(), at, layers: None, place: None };
         // Little memory: a changed digit makes a map large.
-        let options =
-            Options { goals: vec![goal], max_memory_bytes: Some(70 << 20), ..Options::default() };
+        let options = Options {
+            goals: vec![goal],
+            robot_radius_m: Some(0.0),
+            max_memory_bytes: Some(70 << 20),
+            ..Options::default()
+        };
         let source = loaded.source.as_ref();
         let input = Input { map, source, mission, options: &options };
         if let Some(blob) = compile(&input, &|_, _| (), &mut problems) {

@@ -27,7 +27,7 @@ fn yard(mission: &str, origin: &str) -> Run {
 #[test]
 fn a_mask_of_its_own_cells_keeps_out() {
     let run = yard("[masks]\nkeepout = \"mask.yaml\"\n", "1, 1, 0");
-    run.done("build yard.ovl");
+    run.done("build yard.ovl --robot-radius 0");
     assert_snapshot!(picture(&run, "a/physical"), @"
     ........
     ....#...
@@ -52,7 +52,7 @@ fn a_mask_of_its_own_cells_keeps_out() {
 #[test]
 fn a_mask_may_belong_to_a_layer_and_may_be_turned() {
     let run = yard("[masks.keepout]\nnight = [\"mask.yaml\"]\n", "3, 1, 1.5708");
-    run.done("build yard.ovl");
+    run.done("build yard.ovl --robot-radius 0");
     let plain = "........\n....#...\n....#...\n....#...\n........\n........\n";
     assert_eq!(picture(&run, "a/physical"), plain);
     assert_snapshot!(picture(&run, "a/night"), @"
