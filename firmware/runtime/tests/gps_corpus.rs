@@ -131,6 +131,15 @@ fn a_second_talker_without_a_fix_takes_nothing_away() {
         check("GGA first", &format!("{second} {GOOD_GGA_FIRST}"), (10, 10));
         check("GGA first", &format!("{GOOD_GGA} {second} {GOOD_RMC}"), (10, 10));
     }
+    // What the robot sees is the latest solution, so none of the second may come behind.
+    for second in [without, nowhere, "GLGGA,,,,,,0,00,99.99,,,,,,"] {
+        let solutions = decode(stream([format!("{GOOD} {second}").as_str(); 10], 1_000));
+        assert!(solutions.iter().all(|solution| solution.is_valid), "{second}: {solutions:?}");
+        assert_eq!(solutions.len(), 10, "{second}");
+    }
+    // The first talker itself may lose its fix.
+    let lost = decode(stream([GOOD, "GNGGA,,,,,,0,00,99.99,,,,,,"], 1_000));
+    assert_eq!(lost.iter().map(|solution| solution.is_valid).collect::<Vec<_>>(), [true, false]);
     // A second one with a fix is not a second solution.
     let elsewhere = GOOD_GGA.replace("GN", "GL").replace('#', "3346.54000,N,08423.77980,W");
     check("a second fix", &format!("{GOOD} {elsewhere}"), (10, 10));

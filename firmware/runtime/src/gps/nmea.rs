@@ -103,8 +103,12 @@ impl Decoder {
 
     fn gga(&mut self, gga: Gga) -> Option<Solution> {
         if gga.time_ms.is_none() {
-            // Only a receiver that has no fix has no time, and nothing else belongs to it.
-            return Some(solution(&gga, None));
+            // Only a receiver that has no fix has no time, and nothing else belongs to it. A second
+            // talker that has none takes nothing from the first, which will say itself when it
+            // has lost its own.
+            let first = self.epoch.gga.filter(|first| first.has_fix);
+            let is_second = first.is_some_and(|first| first.talker != gga.talker);
+            return (!is_second).then(|| solution(&gga, None));
         }
         self.enter(gga.time_ms, self.epoch.gga.map(|gga| gga.talker), gga.talker);
         if self.epoch.gga.is_some_and(|first| first.has_fix || !gga.has_fix) {
