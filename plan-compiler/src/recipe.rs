@@ -6,7 +6,7 @@
 
 use crate::compile::{Input, Options, robot_radius_m};
 use crate::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
-use crate::formats::{Format, ReadOptions};
+use crate::formats::{Format, ReadOptions, TagRules};
 use crate::map::Unknown;
 use crate::mission::{self, LayerRule, Mission};
 use crate::problem::Source;
@@ -124,10 +124,27 @@ impl Recipe {
         }
     }
 
-    /// How to read the map: as it was read for the build, unless the command line says otherwise.
+    /// How to read the map: as it was read for the build, each option for itself, unless the
+    /// command line says otherwise.
     pub fn reading(&self, asked: &ReadOptions) -> ReadOptions {
-        if *asked == ReadOptions::default() { self.reading.clone() } else { asked.clone() }
+        let own = &self.reading;
+        ReadOptions {
+            format: asked.format.or(own.format),
+            unknown: given(&asked.unknown, &own.unknown),
+            opar: given(&asked.opar, &own.opar),
+            tags: TagRules {
+                block: given(&asked.tags.block, &own.tags.block),
+                free: given(&asked.tags.free, &own.tags.free),
+                open_gates: asked.tags.open_gates || own.tags.open_gates,
+            },
+            origin: asked.origin.or(own.origin),
+        }
     }
+}
+
+/// What was asked for if that says anything, otherwise the blob's own.
+fn given<T: Clone + Default + PartialEq>(asked: &T, own: &T) -> T {
+    if *asked == T::default() { own.clone() } else { asked.clone() }
 }
 
 /// The word that stands for a value on the command line.

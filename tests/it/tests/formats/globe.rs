@@ -133,3 +133,16 @@ fn the_content_decides_what_a_file_is() {
     assert_eq!(run.run("build yard.osm --format geojson", "").status, 1);
     run.done("build yard.osm --format osm");
 }
+
+/// What tags mean to the robot and where 0,0 is are part of how the map was made into cells, so a
+/// comparison needs no options, and one with others finds the difference.
+#[test]
+fn a_blob_knows_what_its_tags_meant() {
+    let options = "--block natural=wood --free barrier=hedge --open-gates --origin 51.0002,7.0004";
+    let run = built("yard.osm", options);
+    run.done("verify plans.bin --map yard.osm");
+    for other in ["--free barrier", "--origin 51.0001,7.0004"] {
+        let ended = run.run(&format!("verify plans.bin --map yard.osm {other}"), "");
+        assert_eq!(ended.status, 1, "{other}: {}", ended.err);
+    }
+}
