@@ -19,6 +19,9 @@
 #[allow(dead_code, reason = "only what reads words is used")]
 mod cli;
 
+#[path = "../../../plan-compiler/src/commands/query/points.rs"]
+mod points;
+
 mod maps;
 mod mutate;
 mod robot;
@@ -56,6 +59,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "graph", read: texts::graph },
     Target { name: "world", read: texts::world },
     Target { name: "command_line", read: texts::command_line },
+    Target { name: "points", read: texts::points },
     Target { name: "blob", read: robot::blob },
     Target { name: "gps", read: robot::gps },
     Target { name: "link", read: robot::link },

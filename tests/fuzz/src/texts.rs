@@ -104,3 +104,13 @@ fn word(bytes: &[u8]) -> OsString {
 fn word(bytes: &[u8]) -> OsString {
     String::from_utf8_lossy(bytes).into_owned().into()
 }
+
+/// Points, poses and messages as `query -` takes them, one a line.
+pub(crate) fn points(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    for line in text.lines() {
+        if let Ok(Some(at)) = crate::points::point(line) {
+            assert!(at.iter().all(|number| number.is_finite()), "{line}: {at:?}");
+        }
+    }
+}
