@@ -473,10 +473,11 @@ pub(crate) fn with_article(noun: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn read(text: &str) -> (Mission, Vec<String>) {
+    /// A mission and its mistakes, as text.
+    pub(crate) fn read(text: &str) -> (Mission, Vec<String>) {
         let source = Arc::new(Source { name: "m.mission.toml".into(), text: text.into() });
         let (mission, problems) = parse(&source);
         (mission, problems.iter().map(ToString::to_string).collect())

@@ -63,15 +63,7 @@ impl Reader<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mission::parse;
-    use crate::problem::Source;
-    use std::sync::Arc;
-
-    fn read(text: &str) -> (Mission, Vec<String>) {
-        let source = Arc::new(Source { name: "m.mission.toml".into(), text: text.into() });
-        let (mission, problems) = parse(&source);
-        (mission, problems.iter().map(ToString::to_string).collect())
-    }
+    use crate::mission::tests::read;
 
     #[test]
     fn a_mission_says_what_tags_mean_and_where_the_origin_is() {
