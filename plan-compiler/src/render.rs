@@ -22,7 +22,7 @@ use cells::{Bands, Sampled};
 use legend::{Entry, Symbol, stroke};
 use marks::Names;
 use palette::{ATTENUATING, BLOCKED, INK, OBSTACLE, PAPER, ZONE};
-use plan_format::{Layer, ParallelPlan, Plan};
+use plan_format::{Blob, Layer, ParallelPlan};
 use sheet::{Contents, Sheet, TITLE_EM, View};
 use svg::Document;
 use svg::node::element::{ClipPath, Definitions, Group, Rectangle, Title};
@@ -86,34 +86,34 @@ pub const SIZES_PX: std::ops::RangeInclusive<u32> = 200..=8000;
 
 /// The layer as SVG.
 pub fn picture(
-    plan: &Plan<'_>,
+    blob: &Blob<'_>,
     parallel: &ParallelPlan<'_>,
     layer: &Layer<'_>,
     overlay: &Overlay<'_>,
     style: Style,
 ) -> String {
     let panel = Panel { parallel: *parallel, layer: *layer, overlay: *overlay };
-    side_by_side(plan, &[panel], style)
+    side_by_side(blob, &[panel], style)
 }
 
 /// Several layers as one SVG, with one legend: their colours mean the same costs.
-pub fn side_by_side(plan: &Plan<'_>, panels: &[Panel<'_>], style: Style) -> String {
+pub fn side_by_side(blob: &Blob<'_>, panels: &[Panel<'_>], style: Style) -> String {
     let size_px = style.size_px.clamp(*SIZES_PX.start(), *SIZES_PX.end());
-    let sampled = |panel: &Panel<'_>| Sampled::new(plan.grid(), &panel.layer, [size_px; 2]);
+    let sampled = |panel: &Panel<'_>| Sampled::new(blob.grid(), &panel.layer, [size_px; 2]);
     let drawn: Vec<Sampled> = panels.iter().map(sampled).collect();
     let farthest_m = drawn.iter().filter_map(Sampled::farthest_m).fold(0.0, f64::max);
-    let bands = Bands::to(farthest_m.max(plan.grid().resolution_m));
-    let entries = entries(plan, panels, &drawn, Some(bands).filter(|_| farthest_m > 0.0), style);
+    let bands = Bands::to(farthest_m.max(blob.grid().resolution_m));
+    let entries = entries(blob, panels, &drawn, Some(bands).filter(|_| farthest_m > 0.0), style);
     let titles: Vec<String> = panels.iter().map(title).collect();
     let title_px = titles.iter().map(|title| sheet::title_px(title, size_px)).fold(0.0, f64::max);
-    let contents = Contents { grid: plan.grid(), panels: panels.len(), title_px, legend: &entries };
+    let contents = Contents { grid: blob.grid(), panels: panels.len(), title_px, legend: &entries };
     let sheet = Sheet::new(&contents, size_px);
     let mut document = document(sheet.size, &titles.join(", ")).add(clip(&sheet.view));
     for ((panel, sampled), (corner, title)) in
         panels.iter().zip(&drawn).zip(sheet.maps.iter().zip(&titles))
     {
         let map =
-            draw(plan, panel, sampled.draw(bands, sheet.view.map, hatch_px(&sheet)), &sheet, style);
+            draw(blob, panel, sampled.draw(bands, sheet.view.map, hatch_px(&sheet)), &sheet, style);
         let frame = frame(&sheet, title);
         let place = format!("translate({} {})", corner[0], corner[1]);
         document = document.add(Group::new().set("transform", place).add(map).add(frame));
@@ -160,14 +160,14 @@ fn clip(view: &View) -> Definitions {
 
 /// What the pictures need explained.
 fn entries(
-    plan: &Plan<'_>,
+    blob: &Blob<'_>,
     panels: &[Panel<'_>],
     drawn: &[Sampled],
     bands: Option<Bands>,
     style: Style,
 ) -> Vec<Entry> {
     let mut entries: Vec<Entry> = bands.map(Entry::Bands).into_iter().collect();
-    entries.extend([Entry::Scale, Entry::North(plan.origin().map(|origin| origin.heading_rad))]);
+    entries.extend([Entry::Scale, Entry::North(blob.origin().map(|origin| origin.heading_rad))]);
     let mut item = |symbol: Symbol, text: &str| {
         let entry = Entry::Item(symbol, text.to_owned());
         if !entries.contains(&entry) {
@@ -203,22 +203,22 @@ fn entries(
         item(Symbol::Mark(*mark), text);
     }
     item(Symbol::Mark(Mark::Goal), "goal");
-    if panels.iter().any(|panel| !other_goals(plan, &panel.parallel).is_empty()) {
+    if panels.iter().any(|panel| !other_goals(blob, &panel.parallel).is_empty()) {
         item(Symbol::Mark(Mark::OtherGoal), "goal of another plan");
     }
     entries
 }
 
 /// Goals of the other plans, by name.
-fn other_goals<'b>(plan: &Plan<'b>, parallel: &ParallelPlan<'_>) -> Vec<(&'b str, Point)> {
-    let plans = (0..plan.plan_count()).filter_map(|index| plan.parallel_plan(index));
+fn other_goals<'b>(blob: &Blob<'b>, parallel: &ParallelPlan<'_>) -> Vec<(&'b str, Point)> {
+    let plans = (0..blob.plan_count()).filter_map(|index| blob.parallel_plan(index));
     let others = plans.filter(|other| other.name() != parallel.name());
     others.map(|other| (other.name(), other.goal_m())).collect()
 }
 
 /// One layer from the north-west corner of its map.
 fn draw(
-    plan: &Plan<'_>,
+    blob: &Blob<'_>,
     panel: &Panel<'_>,
     cells: svg::node::element::Image,
     sheet: &Sheet,
@@ -238,7 +238,7 @@ fn draw(
         marks::line(piece.points, view, &mut path);
         map = map.add(marks::route(&path, piece.style, unit));
     }
-    let others = other_goals(plan, parallel);
+    let others = other_goals(blob, parallel);
     let place = |at: Point| view.place(at);
     let marks: Vec<(Mark, [f64; 2])> = others
         .iter()
@@ -292,9 +292,9 @@ fn frame(sheet: &Sheet, title: &str) -> Group {
 }
 
 /// The characters of the plans' names that a PNG shows as boxes, since the font lacks them.
-pub fn lacking(plan: &Plan<'_>) -> String {
-    let names: String = (0..plan.plan_count())
-        .filter_map(|index| plan.parallel_plan(index))
+pub fn lacking(blob: &Blob<'_>) -> String {
+    let names: String = (0..blob.plan_count())
+        .filter_map(|index| blob.parallel_plan(index))
         .map(|p| p.name())
         .collect();
     text::lacking(&names).collect::<std::collections::BTreeSet<char>>().into_iter().collect()

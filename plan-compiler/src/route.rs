@@ -68,7 +68,7 @@ mod tests {
     use super::*;
     use crate::bitmap::Bitmap;
     use crate::search::{Corners, solve};
-    use plan_format::{Cell, Draft, LayerDraft, Parameters, Plan, PlanDraft, pack, write};
+    use plan_format::{Blob, Cell, Draft, LayerDraft, Parameters, PlanDraft, pack, write};
 
     /// Follows a layer over cells of half a metre that starts at (10, 20): `#` is blocked,
     /// `G` the goal; the first line is the northernmost row.
@@ -90,8 +90,8 @@ mod tests {
             mission: Default::default(),
         })
         .unwrap();
-        let plan = Plan::parse_exact(&blob).unwrap();
-        follow(&grid, &plan.find("g").unwrap().layer(0).unwrap(), goal_m, start)
+        let blob = Blob::parse_exact(&blob).unwrap();
+        follow(&grid, &blob.find("g").unwrap().layer(0).unwrap(), goal_m, start)
     }
 
     #[test]

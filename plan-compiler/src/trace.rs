@@ -7,7 +7,7 @@
 
 pub mod story;
 
-use plan_format::Plan;
+use plan_format::Blob;
 use robot_io::{Percepts, TraceHash};
 use thiserror::Error;
 
@@ -61,7 +61,7 @@ impl Trace {
         bytes
     }
 
-    /// Reads the bytes of a file. Whether the blob is sound is for [`Plan::parse_exact`] to say.
+    /// Reads the bytes of a file. Whether the blob is sound is for [`Blob::parse_exact`] to say.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, TraceError> {
         let rest = bytes.strip_prefix(MAGIC).ok_or(TraceError::Magic)?;
         let cut = TraceError::Truncated(0);
@@ -93,11 +93,11 @@ impl Trace {
     }
 
     /// The trace hash of the same mission, driven again by this build.
-    pub fn replayed_hash(&self, plan: &Plan<'_>) -> u64 {
-        let mut state = controller::State::new(plan);
+    pub fn replayed_hash(&self, blob: &Blob<'_>) -> u64 {
+        let mut state = controller::State::new(blob);
         let mut hash = TraceHash::default();
         for percepts in &self.percepts {
-            let commands = controller::tick(plan, &mut state, percepts);
+            let commands = controller::tick(blob, &mut state, percepts);
             hash.record(percepts, &commands);
         }
         hash.get()

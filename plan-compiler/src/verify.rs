@@ -21,7 +21,7 @@ use crate::compile::Progress;
 use crate::search::Corners;
 use plan_format::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
 use plan_format::field::{advised, escape, is_blocked};
-use plan_format::{Answer, Cell, Direction, Grid, Layer, ParallelPlan, Plan};
+use plan_format::{Answer, Blob, Cell, Direction, Grid, Layer, ParallelPlan};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -57,13 +57,13 @@ pub struct Violation {
 const LISTED: usize = 3;
 
 /// Proves every cell of every layer; `progress` hears of layers done and layers to do.
-pub fn verify(plan: &Plan<'_>, progress: Progress<'_>) -> Report {
-    let grid = plan.grid();
-    let all = parallel_plans(plan).map(|parallel| parallel.layer_count()).sum();
+pub fn verify(blob: &Blob<'_>, progress: Progress<'_>) -> Report {
+    let grid = blob.grid();
+    let all = parallel_plans(blob).map(|parallel| parallel.layer_count()).sum();
     progress(0, all);
-    let mut report = Report { cuts_corners: cuts_corners(plan), ..Report::default() };
+    let mut report = Report { cuts_corners: cuts_corners(blob), ..Report::default() };
     let corners = if report.cuts_corners { Corners::Allow } else { Corners::Forbid };
-    for parallel in parallel_plans(plan) {
+    for parallel in parallel_plans(blob) {
         let [x, y] = parallel.goal_m();
         let goal = grid.cell_at(x, y);
         let mut lower: Option<Bitmap> = None;
@@ -84,10 +84,10 @@ pub fn verify(plan: &Plan<'_>, progress: Progress<'_>) -> Report {
 }
 
 /// Compares the blocked cells of every layer with those that a map gives, by layer name.
-pub fn compare(plan: &Plan<'_>, expected: &[(String, Bitmap)]) -> Report {
-    let grid = plan.grid();
+pub fn compare(blob: &Blob<'_>, expected: &[(String, Bitmap)]) -> Report {
+    let grid = blob.grid();
     let mut report = Report::default();
-    for parallel in parallel_plans(plan) {
+    for parallel in parallel_plans(blob) {
         for layer in layers(parallel) {
             let name = format!("{}/{}", parallel.name(), layer.name());
             let mut found = Findings { report: &mut report, grid, layer: &name, listed: 0 };
@@ -130,9 +130,9 @@ impl Findings<'_> {
     }
 }
 
-fn parallel_plans<'b>(plan: &Plan<'b>) -> impl Iterator<Item = ParallelPlan<'b>> {
-    let plan = *plan;
-    (0..plan.plan_count()).filter_map(move |index| plan.parallel_plan(index))
+fn parallel_plans<'b>(blob: &Blob<'b>) -> impl Iterator<Item = ParallelPlan<'b>> {
+    let blob = *blob;
+    (0..blob.plan_count()).filter_map(move |index| blob.parallel_plan(index))
 }
 
 fn layers<'b>(plan: ParallelPlan<'b>) -> impl Iterator<Item = Layer<'b>> {
@@ -167,12 +167,12 @@ fn blocked_cells(field: &Field) -> Bitmap {
 }
 
 /// Whether any advised step passes a blocked cell beside it.
-fn cuts_corners(plan: &Plan<'_>) -> bool {
-    let grid = plan.grid();
+fn cuts_corners(blob: &Blob<'_>) -> bool {
+    let grid = blob.grid();
     let is_blocked = |layer: &Layer<'_>, cell: Option<Cell>| {
         cell.is_some_and(|cell| matches!(layer.look_up(cell), Answer::Blocked { .. }))
     };
-    parallel_plans(plan).flat_map(layers).any(|layer| {
+    parallel_plans(blob).flat_map(layers).any(|layer| {
         cells(grid).any(|cell| match layer.look_up(cell) {
             Answer::Move { direction, .. } if direction.is_diagonal() => beside(direction)
                 .into_iter()

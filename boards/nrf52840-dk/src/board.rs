@@ -7,7 +7,7 @@ use embassy_nrf::uarte::{self, Baudrate};
 use embassy_nrf::{bind_interrupts, peripherals};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use panic_probe as _;
-use plan_format::Plan;
+use plan_format::Blob;
 use runtime::{Fallback, FixSlot, OperatorSlot, Robot, Silence, Telemetry, time};
 use static_cell::ConstStaticCell;
 
@@ -91,7 +91,7 @@ async fn main(spawner: Spawner) {
     spawner.spawn(gps_task(gps).unwrap());
     spawner.spawn(operator_task(operator).unwrap());
     spawner.spawn(telemetry_task(telemetry).unwrap());
-    spawner.spawn(control_task(loaded.plan, rover).unwrap());
+    spawner.spawn(control_task(loaded.blob, rover).unwrap());
 }
 
 #[embassy_executor::task]
@@ -110,8 +110,8 @@ async fn telemetry_task(writer: BufferedUarteTx<'static>) {
 }
 
 #[embassy_executor::task]
-async fn control_task(plan: Plan<'static>, mut rover: Rover) {
-    runtime::control_task(plan, &mut rover, &FIXES).await;
+async fn control_task(blob: Blob<'static>, mut rover: Rover) {
+    runtime::control_task(blob, &mut rover, &FIXES).await;
 }
 
 /// The flash that `memory.x` keeps for the plans.

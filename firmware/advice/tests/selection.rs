@@ -9,7 +9,7 @@ use plan_format::field::{ESCAPE, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Selection::{self, Dynamic, Static};
 use plan_format::{
-    Cell, Direction, Draft, Field, Grid, LayerDraft, ParallelPlan, Parameters, Plan, PlanDraft,
+    Blob, Cell, Direction, Draft, Field, Grid, LayerDraft, ParallelPlan, Parameters, PlanDraft,
 };
 
 const FREE: &str = "
@@ -176,7 +176,7 @@ fn with_plan<T>(layers: &[&str], test: impl FnOnce(&ParallelPlan<'_>) -> T) -> T
         name: format!("layer {index}"),
         packed: plan_format::pack(field),
     };
-    let plan = PlanDraft {
+    let blob = PlanDraft {
         name: "plan".into(),
         goal_m: grid.centre(*goal),
         layers: fields.iter().enumerate().map(layer).collect(),
@@ -185,12 +185,12 @@ fn with_plan<T>(layers: &[&str], test: impl FnOnce(&ParallelPlan<'_>) -> T) -> T
         grid,
         origin: None,
         parameters: Parameters::default(),
-        plans: vec![plan],
+        plans: vec![blob],
         mission: MissionDraft::default(),
     };
     let blob = plan_format::write(&draft).expect("the draft is sound");
-    let plan = Plan::parse(&blob).expect("the blob is sound");
-    test(&plan.parallel_plan(0).expect("there is one plan"))
+    let blob = Blob::parse(&blob).expect("the blob is sound");
+    test(&blob.parallel_plan(0).expect("there is one plan"))
 }
 
 /// The field of a drawing, and its goal. Costs are those of the drawn routes.

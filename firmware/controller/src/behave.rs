@@ -12,7 +12,7 @@ use math::{Vec2, vector};
 use plan_format::grid::cost_metres;
 use plan_format::mission::ActionKind;
 use plan_format::parameters::{Gains, Vehicle};
-use plan_format::{Answer, Plan};
+use plan_format::{Answer, Blob};
 use robot_io::{Commands, Percepts, Reason};
 
 use crate::guidance::{self, Guidance, Target};
@@ -57,14 +57,14 @@ pub enum Way {
 
 /// Lets the behaviours take their step, and says what they want; why goes into the report.
 pub fn behave(
-    plan: &Plan<'_>,
+    blob: &Blob<'_>,
     behaviours: &mut Behaviours,
     percepts: &Percepts,
     position: Option<Vec2>,
     report: &mut Report,
 ) -> Wish {
-    let parameters = plan.parameters();
-    let mission = plan.mission();
+    let parameters = blob.parameters();
+    let mission = blob.mission();
     let wish = Wish {
         motion: Motion::None(Reason::Idle),
         noise: parameters.gains.noise,
@@ -85,7 +85,7 @@ pub fn behave(
         time_us: percepts.time_us,
         position,
         channels: &percepts.inputs,
-        world: &Surroundings { plan, position },
+        world: &Surroundings { blob, position },
     };
     let running = behaviours.step(&mission, &seen, report);
     Wish { outputs: behaviours.outputs(), ..wish.of(&running) }
@@ -147,15 +147,15 @@ impl Wish {
 
 /// What the plans say about where the robot is.
 struct Surroundings<'s, 'p> {
-    plan: &'s Plan<'p>,
+    blob: &'s Blob<'p>,
     position: Option<Vec2>,
 }
 
 impl Surroundings<'_, '_> {
     /// Cost to the goal of a parallel plan by one of its layers, in units of the plan.
     fn cost(&self, plan: u16, layer: usize) -> Option<u32> {
-        let cell = self.plan.cell_at(self.position?)?;
-        match self.plan.parallel_plan(usize::from(plan))?.layer(layer)?.look_up(cell) {
+        let cell = self.blob.cell_at(self.position?)?;
+        match self.blob.parallel_plan(usize::from(plan))?.layer(layer)?.look_up(cell) {
             Answer::Move { cost, .. } => Some(cost),
             Answer::Goal => Some(0),
             Answer::NoRoute | Answer::Blocked { .. } | Answer::OffMap => None,
@@ -163,12 +163,12 @@ impl Surroundings<'_, '_> {
     }
 
     fn best_cost(&self, plan: u16) -> Option<u32> {
-        let layers = self.plan.parallel_plan(usize::from(plan))?.layer_count();
+        let layers = self.blob.parallel_plan(usize::from(plan))?.layer_count();
         (0..layers).rev().find_map(|layer| self.cost(plan, layer))
     }
 
     fn metres(&self, cost: u32) -> f32 {
-        cost_metres(cost, self.plan.grid().resolution_m) as f32
+        cost_metres(cost, self.blob.grid().resolution_m) as f32
     }
 }
 
@@ -184,19 +184,19 @@ impl World for Surroundings<'_, '_> {
 
     fn is_at_goal(&self, plan: u16) -> bool {
         let (Some(parallel_plan), Some(position)) =
-            (self.plan.parallel_plan(usize::from(plan)), self.position)
+            (self.blob.parallel_plan(usize::from(plan)), self.position)
         else {
             return false;
         };
         let distance_m = vector::length(parallel_plan.goal() - position);
         let cost = self.best_cost(plan);
         cost == Some(0)
-            || distance_m <= self.plan.parameters().schemas.goal_tolerance_m
-                && guidance::is_in_the_open(self.plan, cost, distance_m)
+            || distance_m <= self.blob.parameters().schemas.goal_tolerance_m
+                && guidance::is_in_the_open(self.blob, cost, distance_m)
     }
 
     fn is_at(&self, place: Vec2) -> bool {
-        let tolerance_m = self.plan.parameters().schemas.goal_tolerance_m;
+        let tolerance_m = self.blob.parameters().schemas.goal_tolerance_m;
         self.position.is_some_and(|at| vector::length(place - at) <= tolerance_m)
     }
 }

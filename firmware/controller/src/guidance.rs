@@ -4,7 +4,7 @@ use advice::{Choice, Kind, advise};
 use math::{Vec2, vector};
 use plan_format::grid::STRAIGHT_STEP;
 use plan_format::parameters::{Gains, OnTrouble};
-use plan_format::{Direction, Plan};
+use plan_format::{Blob, Direction};
 use robot_io::Reason;
 
 /// What the schemas need to know of plan and goal in one tick.
@@ -53,7 +53,7 @@ const OCTILE_EXCESS: f32 = 1.082_392_2;
 /// Until the robot is armed every choice is provisional: it starts from where it is armed.
 /// So a static selection is made anew, and an arrival forgotten, when it is disarmed.
 pub fn guide(
-    plan: &Plan<'_>,
+    blob: &Blob<'_>,
     target: &Target,
     progress: &mut Progress,
     position: Vec2,
@@ -62,24 +62,24 @@ pub fn guide(
     if !is_armed || progress.plan != target.plan {
         *progress = Progress { plan: target.plan, ..Progress::default() };
     }
-    let parallel_plan = plan.parallel_plan(usize::from(target.plan));
+    let parallel_plan = blob.parallel_plan(usize::from(target.plan));
     // Without a map the fallback's goal is all there is.
-    let goal = parallel_plan.map(|plan| plan.goal()).or(plan.goal()).ok_or(Reason::NoPlan)?;
+    let goal = parallel_plan.map(|plan| plan.goal()).or(blob.goal()).ok_or(Reason::NoPlan)?;
     let distance_m = vector::length(goal - position);
-    let guided = weigh(plan, target, progress, position, goal, distance_m);
+    let guided = weigh(blob, target, progress, position, goal, distance_m);
     progress.is_at_goal = guided == Err(Reason::AtGoal);
     guided
 }
 
 fn weigh(
-    plan: &Plan<'_>,
+    blob: &Blob<'_>,
     target: &Target,
     progress: &mut Progress,
     position: Vec2,
     goal: Vec2,
     distance_m: f32,
 ) -> Result<Guidance, Reason> {
-    let parameters = plan.parameters();
+    let parameters = blob.parameters();
     let tolerance_m = parameters.schemas.goal_tolerance_m;
     if progress.is_at_goal && distance_m <= LEAVING * tolerance_m {
         return Err(Reason::AtGoal);
@@ -90,14 +90,14 @@ fn weigh(
     };
     // Without advice the reactive schemas must drive alone, also where they weigh nothing.
     let reactive_only = Gains { reactive: 1.0, plan: 0.0, noise: target.gains.noise };
-    let Some(parallel_plan) = plan.parallel_plan(usize::from(target.plan)) else {
+    let Some(parallel_plan) = blob.parallel_plan(usize::from(target.plan)) else {
         return without_advice(reactive_only, Reason::NoPlan);
     };
     // Advice without weight is not asked for, so that not even its troubles have an effect.
     if target.gains.plan == 0.0 {
         return without_advice(target.gains, Reason::Driving);
     }
-    let cell = plan.cell_at(position);
+    let cell = blob.cell_at(position);
     let advice = advise(&parallel_plan, cell, parameters.selection, &mut progress.choice);
     let in_trouble = |policy, reason| match policy {
         OnTrouble::Stop => Err(reason),
@@ -107,7 +107,7 @@ fn weigh(
         |reason| Ok(Guidance { step: advice.direction, goal, gains: target.gains, reason });
     match advice.kind {
         Kind::Goal => Err(Reason::AtGoal),
-        Kind::Move if is_near && is_in_the_open(plan, advice.cost, distance_m) => {
+        Kind::Move if is_near && is_in_the_open(blob, advice.cost, distance_m) => {
             Err(Reason::AtGoal)
         }
         Kind::Move => with_advice(Reason::Driving),
@@ -119,8 +119,8 @@ fn weigh(
 
 /// Whether no obstacle is between here and the goal: the route is no longer than a free one
 /// could be. Being near the goal, but on the other side of a wall, is not being there.
-pub(crate) fn is_in_the_open(plan: &Plan<'_>, cost: Option<u32>, distance_m: f32) -> bool {
-    let resolution_m = plan.grid().resolution_m as f32;
+pub(crate) fn is_in_the_open(blob: &Blob<'_>, cost: Option<u32>, distance_m: f32) -> bool {
+    let resolution_m = blob.grid().resolution_m as f32;
     // Both ends are up to half a cell's diagonal away from the centres that costs are for.
     let free_m = OCTILE_EXCESS * (distance_m + core::f32::consts::SQRT_2 * resolution_m);
     let cost_m = cost.unwrap_or(u32::MAX) as f32 * (resolution_m / STRAIGHT_STEP as f32);

@@ -47,7 +47,7 @@ pub mod sense;
 
 use behave::Wish;
 use behaviour::Behaviours;
-use plan_format::Plan;
+use plan_format::Blob;
 use plan_format::parameters::Vehicle;
 use robot_io::{Commands, Percepts, Reason};
 use schemas::{Noise, Vectors};
@@ -70,20 +70,20 @@ const _: () = assert!(size_of::<State>() <= 8 * 1024);
 
 impl State {
     /// The state before the first tick.
-    pub fn new(plan: &Plan<'_>) -> Self {
+    pub fn new(blob: &Blob<'_>) -> Self {
         Self {
             track: sense::Track::default(),
-            behaviours: Behaviours::new(&plan.mission()),
+            behaviours: Behaviours::new(&blob.mission()),
             progress: guidance::Progress::default(),
-            noise: Noise::new(plan.parameters().seed),
+            noise: Noise::new(blob.parameters().seed),
         }
     }
 }
 
 /// Advances the controller by one tick. Pure: the result depends on the arguments only.
 /// Total: never panics, never fails.
-pub fn tick(plan: &Plan<'_>, state: &mut State, percepts: &Percepts) -> Commands {
-    explain(plan, state, percepts).commands
+pub fn tick(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Commands {
+    explain(blob, state, percepts).commands
 }
 
 /// A tick with everything that led to its commands.
@@ -112,14 +112,14 @@ pub struct Blend {
 
 /// As [`tick`], which is this without the explanation.
 #[inline]
-pub fn explain(plan: &Plan<'_>, state: &mut State, percepts: &Percepts) -> Explanation {
+pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Explanation {
     let percepts = percepts.sanitised();
-    let sensed = sense::sense(plan, &mut state.track, &percepts);
+    let sensed = sense::sense(blob, &mut state.track, &percepts);
     let mut report = behaviour::Report::default();
     let position = sensed.position.ok();
-    let wish = behave::behave(plan, &mut state.behaviours, &percepts, position, &mut report);
-    let vehicle = wish.constrained(&plan.parameters().vehicle);
-    let decided = decide(plan, &vehicle, state, &percepts, &sensed, &wish);
+    let wish = behave::behave(blob, &mut state.behaviours, &percepts, position, &mut report);
+    let vehicle = wish.constrained(&blob.parameters().vehicle);
+    let decided = decide(blob, &vehicle, state, &percepts, &sensed, &wish);
     let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));
     let commands = limit::limit(&vehicle, &percepts, wish.with_outputs(wanted));
     state.track.commanded(&commands);
@@ -129,19 +129,19 @@ pub fn explain(plan: &Plan<'_>, state: &mut State, percepts: &Percepts) -> Expla
 /// What the robot would do if neither operator nor obstacles objected; an error says why it
 /// stands still.
 fn decide(
-    plan: &Plan<'_>,
+    blob: &Blob<'_>,
     vehicle: &Vehicle,
     state: &mut State,
     percepts: &Percepts,
     sensed: &sense::Sensed,
     wish: &Wish,
 ) -> Result<(Commands, Option<Blend>), Reason> {
-    let schema = &plan.parameters().schemas;
+    let schema = &blob.parameters().schemas;
     let position = sensed.position?;
     let is_armed = percepts.operator.is_armed;
     let guidance = match wish.target(position)? {
         behave::Way::Plan(target) => {
-            guidance::guide(plan, &target, &mut state.progress, position, is_armed)?
+            guidance::guide(blob, &target, &mut state.progress, position, is_armed)?
         }
         behave::Way::Straight(guidance) => guidance,
     };

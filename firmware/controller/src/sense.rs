@@ -11,7 +11,7 @@
 //! Where odometry or gyroscope are missing, the robot is taken to do what it was last told.
 
 use math::{Frame, Vec2, scalar, vector};
-use plan_format::Plan;
+use plan_format::Blob;
 use plan_format::parameters::FixPolicy;
 use robot_io::{Commands, Fix, Percepts, Reason, Receiver};
 use serde::{Deserialize, Serialize};
@@ -124,9 +124,9 @@ impl Anchor {
 }
 
 /// Brings the track up to the percepts' time.
-pub fn sense(plan: &Plan<'_>, track: &mut Track, percepts: &Percepts) -> Sensed {
+pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed {
     let elapsed_s = track.advance(percepts.time_us);
-    let (Some(frame), Some(origin)) = (plan.frame(), plan.origin()) else {
+    let (Some(frame), Some(origin)) = (blob.frame(), blob.origin()) else {
         return Sensed { position: Err(Reason::NoOrigin), heading_rad: None };
     };
     let speed_mps = percepts.speed_mps.unwrap_or(track.speed_mps).clamp(-FASTEST, FASTEST);
@@ -135,7 +135,7 @@ pub fn sense(plan: &Plan<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
     carry_on(track, percepts, elapsed_s, speed_mps);
     if let Some(fix) = percepts.fix.filter(|fix| track.judged_fix_us != Some(fix.time_us)) {
         track.judged_fix_us = Some(fix.time_us);
-        let judged = track.judge(&fix, frame, &plan.parameters().fixes);
+        let judged = track.judge(&fix, frame, &blob.parameters().fixes);
         track.refusal = judged.err();
         if let Ok(anchor) = judged {
             track.anchor = Some(anchor);
@@ -144,7 +144,7 @@ pub fn sense(plan: &Plan<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
         }
     }
     track.heading_rad = compass_rad.or(track.heading_rad);
-    let position = position(track, &plan.parameters().fixes, percepts);
+    let position = position(track, &blob.parameters().fixes, percepts);
     Sensed { position, heading_rad: track.heading_rad }
 }
 

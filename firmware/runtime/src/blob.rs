@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use math::Vec2;
-use plan_format::{BlobError, Origin, Parameters, Plan};
+use plan_format::{Blob, BlobError, Origin, Parameters};
 
 use crate::log;
 
@@ -22,7 +22,7 @@ pub struct Fallback {
 #[derive(Clone, Copy, Debug)]
 pub struct Loaded<'a> {
     /// The validated blob, or the fallback.
-    pub plan: Plan<'a>,
+    pub blob: Blob<'a>,
     /// Why the blob was refused, if it was.
     pub refusal: Option<BlobError>,
 }
@@ -36,15 +36,15 @@ pub fn load<'a>(region: &'a [u8], fallback: &Fallback) -> Loaded<'a> {
 /// feeds it. The work is bounded by the blob's length, and so are the calls, so a blob cannot keep
 /// the robot from starting; a processor that hangs in it is reset when the next beat is late.
 pub fn load_paced<'a>(region: &'a [u8], fallback: &Fallback, beat: impl FnMut()) -> Loaded<'a> {
-    match Plan::parse_paced(region, beat) {
-        Ok(plan) => {
-            info!("plan loaded");
-            Loaded { plan, refusal: None }
+    match Blob::parse_paced(region, beat) {
+        Ok(blob) => {
+            info!("blob loaded");
+            Loaded { blob, refusal: None }
         }
         Err(refusal) => {
             warn!("plan refused: {}", log::debug(&refusal));
             let Fallback { parameters, origin, goal } = *fallback;
-            Loaded { plan: Plan::without_map(parameters, origin, goal), refusal: Some(refusal) }
+            Loaded { blob: Blob::without_map(parameters, origin, goal), refusal: Some(refusal) }
         }
     }
 }

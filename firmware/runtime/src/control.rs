@@ -2,7 +2,7 @@
 
 use controller::State;
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use plan_format::Plan;
+use plan_format::Blob;
 use robot_io::{CommandRecord, Percepts, TraceHash};
 
 use crate::gps::FixSlot;
@@ -43,8 +43,8 @@ pub trait Robot {
 /// Drives `robot` by `plan` until [`Robot::wait`] says that there is nothing more to do.
 ///
 /// A tick takes the newest fix there is; it never waits for one.
-pub async fn control_task<M: RawMutex>(plan: Plan<'_>, robot: &mut impl Robot, fixes: &FixSlot<M>) {
-    let mut state = State::new(&plan);
+pub async fn control_task<M: RawMutex>(blob: Blob<'_>, robot: &mut impl Robot, fixes: &FixSlot<M>) {
+    let mut state = State::new(&blob);
     let mut trace = TraceHash::default();
     while let Some(time_us) = robot.wait().await {
         let receiver = fixes.receiver(time_us);
@@ -54,7 +54,7 @@ pub async fn control_task<M: RawMutex>(plan: Plan<'_>, robot: &mut impl Robot, f
         let percepts = percepts.sanitised();
 
         robot.start_count();
-        let commands = controller::tick(&plan, &mut state, &percepts);
+        let commands = controller::tick(&blob, &mut state, &percepts);
         let instructions = robot.stop_count();
 
         robot.keep(&percepts);

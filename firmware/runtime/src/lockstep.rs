@@ -20,7 +20,7 @@ use embassy_futures::select::select;
 use embassy_futures::{block_on, yield_now};
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_sync::pipe::Pipe;
-use plan_format::Plan;
+use plan_format::Blob;
 use robot_io::limits::MAX_GPS_BYTES;
 use robot_io::{CommandRecord, Percepts, SensorRecord};
 
@@ -53,18 +53,18 @@ pub trait Link {
 }
 
 /// Drives by `plan` until the link ends.
-pub fn run(plan: Plan<'_>, link: impl Link) {
-    block_on(drive(plan, link));
+pub fn run(blob: Blob<'_>, link: impl Link) {
+    block_on(drive(blob, link));
 }
 
 /// Drives by `plan` until the link ends, as a future.
-pub async fn drive(plan: Plan<'_>, link: impl Link) {
+pub async fn drive(blob: Blob<'_>, link: impl Link) {
     let gps = Pipe::<NoopRawMutex, MAX_GPS_BYTES>::new();
     let now_us = Cell::new(0);
     let fixes = FixSlot::<NoopRawMutex>::new();
     let mut robot =
         LockstepRobot { link, gps: &gps, now_us: &now_us, record: SensorRecord::default() };
-    select(gps_task(&gps, &fixes, || now_us.get()), control_task(plan, &mut robot, &fixes)).await;
+    select(gps_task(&gps, &fixes, || now_us.get()), control_task(blob, &mut robot, &fixes)).await;
 }
 
 struct LockstepRobot<'a, L> {
@@ -121,10 +121,10 @@ impl<L: Link> Robot for LockstepRobot<'_, L> {
 /// A link that is fed by hand. The robot's future waits in [`Link::receive`] between steps.
 ///
 /// ```
-/// # use plan_format::{Parameters, Plan};
+/// # use plan_format::{Parameters, Blob};
 /// # use robot_io::SensorRecord;
 /// use runtime::lockstep::{Mailbox, drive};
-/// # let plan = Plan::without_map(Parameters::default(), None, None);
+/// # let plan = Blob::without_map(Parameters::default(), None, None);
 /// let mailbox = Mailbox::default();
 /// let mut robot = core::pin::pin!(drive(plan, &mailbox));
 /// let first = mailbox.step(robot.as_mut(), SensorRecord::default()).unwrap();

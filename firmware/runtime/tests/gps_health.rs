@@ -5,7 +5,7 @@ use std::cell::RefCell;
 
 use math::{GeoPoint, Vec2};
 use plan_format::parameters::Gains;
-use plan_format::{Origin, Parameters, Plan};
+use plan_format::{Blob, Origin, Parameters};
 use robot_io::frame::{self, Downlink};
 use robot_io::{Operator, Reason, Receiver, SensorRecord};
 use runtime::lockstep::{Link, run};
@@ -14,10 +14,10 @@ const HOME: GeoPoint = GeoPoint { lat_e7: 337_756_180, lon_e7: -843_963_300 };
 const TICKS_A_SECOND: usize = 20;
 
 /// Reactive driving to a point 100 m east of home; no map, and no compass.
-fn eastward() -> Plan<'static> {
+fn eastward() -> Blob<'static> {
     let parameters = Parameters { gains: Gains::REACTIVE_ONLY, ..Parameters::default() };
     let origin = Origin { place: HOME, at_m: [0.0, 0.0], heading_rad: 0.0 };
-    Plan::without_map(parameters, Some(origin), Some(Vec2::new(100.0, 0.0)))
+    Blob::without_map(parameters, Some(origin), Some(Vec2::new(100.0, 0.0)))
 }
 
 /// A link on whose one end bytes come from a receiver, and on whose other frames of telemetry

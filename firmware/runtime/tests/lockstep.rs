@@ -5,7 +5,7 @@ use std::pin::pin;
 
 use math::{GeoPoint, Vec2};
 use plan_format::parameters::Gains;
-use plan_format::{Origin, Parameters, Plan};
+use plan_format::{Blob, Origin, Parameters};
 use robot_io::{CommandRecord, Operator, RangeReading, Reason, SensorRecord};
 use runtime::lockstep::{Link, Mailbox, drive, run};
 use runtime::{Fallback, TICK_PERIOD_US, load};
@@ -14,10 +14,10 @@ const HOME: GeoPoint = GeoPoint { lat_e7: 337_756_180, lon_e7: -843_963_300 };
 const ARMED: Operator = Operator { is_armed: true, is_emergency_stop: false, manual: None };
 
 /// Reactive driving to a point 100 m east of home; no map.
-fn eastward() -> Plan<'static> {
+fn eastward() -> Blob<'static> {
     let parameters = Parameters { gains: Gains::REACTIVE_ONLY, ..Parameters::default() };
     let origin = Origin { place: HOME, at_m: [0.0, 0.0], heading_rad: 0.0 };
-    Plan::without_map(parameters, Some(origin), Some(Vec2::new(100.0, 0.0)))
+    Blob::without_map(parameters, Some(origin), Some(Vec2::new(100.0, 0.0)))
 }
 
 /// NAV-PVT at home.
@@ -65,9 +65,9 @@ impl Link for Tape<'_> {
     }
 }
 
-fn play(plan: Plan<'_>, records: &[SensorRecord]) -> Vec<CommandRecord> {
+fn play(blob: Blob<'_>, records: &[SensorRecord]) -> Vec<CommandRecord> {
     let answers = RefCell::new(Vec::new());
-    run(plan, Tape { records: records.iter(), answers: &answers });
+    run(blob, Tape { records: records.iter(), answers: &answers });
     answers.into_inner()
 }
 
@@ -173,14 +173,14 @@ fn a_refused_blob_stands_still_or_drives_reactively_as_the_build_says() {
     for region in [&[][..], &[0; 192], &[0xff; 4096], b"not a blob at all, however long it is"] {
         let stop = load(region, &Fallback::default());
         assert!(stop.refusal.is_some());
-        assert!(play(stop.plan, &mission()).iter().all(|answer| answer.commands.speed_mps == 0.0));
+        assert!(play(stop.blob, &mission()).iter().all(|answer| answer.commands.speed_mps == 0.0));
 
         let plan = eastward();
         let fallback =
             Fallback { parameters: *plan.parameters(), origin: plan.origin(), goal: plan.goal() };
         let reactive = load(region, &fallback);
         assert_eq!(reactive.refusal, stop.refusal);
-        assert_eq!(play(reactive.plan, &mission()), play(plan, &mission()));
+        assert_eq!(play(reactive.blob, &mission()), play(plan, &mission()));
     }
 }
 

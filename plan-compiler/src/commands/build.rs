@@ -9,7 +9,7 @@ use plan_compiler::compile::{Need, STEPS_A_LAYER, gib, has_errors, pair, prepare
 use plan_compiler::image::Image;
 use plan_compiler::output;
 use plan_compiler::problem::Problem;
-use plan_format::Plan;
+use plan_format::Blob;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -95,17 +95,22 @@ struct Built<'b> {
     board: Option<&'static str>,
     time_ms: f64,
     #[serde(flatten)]
-    blob: description::Blob<'b>,
+    blob: description::Description<'b>,
 }
 
-fn print_json(output: &Path, board: Option<&Board>, blob: &[u8], took: Duration) -> io::Result<()> {
+fn print_json(
+    output: &Path,
+    board: Option<&Board>,
+    bytes: &[u8],
+    took: Duration,
+) -> io::Result<()> {
     // The compiler has read it back already.
-    let plan = Plan::parse_exact(blob).map_err(io::Error::other)?;
+    let blob = Blob::parse_exact(bytes).map_err(io::Error::other)?;
     let built = Built {
         output: output.to_string_lossy(),
         board: board.map(|board| board.name),
         time_ms: took.as_secs_f64() * 1e3,
-        blob: describe(&plan, blob.len()),
+        blob: describe(&blob, bytes.len()),
     };
     let mut out = io::stdout().lock();
     serde_json::to_writer_pretty(&mut out, &built)?;
@@ -117,25 +122,25 @@ fn summary(
     output: &Path,
     board: Option<&Board>,
     image: Image,
-    blob: &[u8],
+    bytes: &[u8],
     took: Duration,
 ) -> String {
     let mut text = String::new();
     // The compiler has read it back already; a summary is no reason to fail.
-    let Ok(plan) = Plan::parse_exact(blob) else { return text };
-    let grid = plan.grid();
+    let Ok(blob) = Blob::parse_exact(bytes) else { return text };
+    let grid = blob.grid();
     // Writing to a string does not fail.
     let _ = writeln!(
         text,
         "{}: {} bytes, {} x {} cells of {} m, {} ms",
         output.display(),
-        blob.len(),
+        bytes.len(),
         grid.columns,
         grid.rows,
         grid.resolution_m,
         took.as_millis()
     );
-    for parallel in parallel_plans(&plan) {
+    for parallel in parallel_plans(&blob) {
         let _ = writeln!(text, "  {} to {}", parallel.name(), pair(parallel.goal_m()));
         for layer in layers(parallel) {
             let counts = layer.counts();
@@ -150,10 +155,10 @@ fn summary(
         }
     }
     if let Some(board) = board {
-        let (part, whole) = (blob.len() as f64 / board.plan_bytes as f64, board.plan_bytes);
+        let (part, whole) = (bytes.len() as f64 / board.plan_bytes as f64, board.plan_bytes);
         let _ = writeln!(
             text,
-            "  {}: {:.1} % of its plan region of {whole} bytes; {}",
+            "  {}: {:.1} % of its blob region of {whole} bytes; {}",
             board.name,
             100.0 * part,
             flashing(output, image, board)

@@ -1,12 +1,12 @@
 //! What a blob holds, as programs read it.
 
 use super::{layers, parallel_plans};
-use plan_format::{Counts, FORMAT_VERSION, Grid, Layer, Plan};
+use plan_format::{Blob, Counts, FORMAT_VERSION, Grid, Layer};
 use serde::Serialize;
 
 /// The whole of the JSON. Programs rely on these names.
 #[derive(Serialize)]
-pub(super) struct Blob<'b> {
+pub(super) struct Description<'b> {
     format_version: u16,
     bytes: usize,
     columns: u32,
@@ -59,9 +59,9 @@ pub(super) fn bytes_per_cell(grid: &Grid, bytes: usize) -> f64 {
 }
 
 /// Describes a blob of so many bytes.
-pub(super) fn describe<'b>(plan: &Plan<'b>, bytes: usize) -> Blob<'b> {
-    let grid = plan.grid();
-    let origin = plan.origin().map(|origin| Place {
+pub(super) fn describe<'b>(blob: &Blob<'b>, bytes: usize) -> Description<'b> {
+    let grid = blob.grid();
+    let origin = blob.origin().map(|origin| Place {
         lat_deg: origin.place.lat_deg(),
         lon_deg: origin.place.lon_deg(),
         at_m: origin.at_m,
@@ -79,14 +79,14 @@ pub(super) fn describe<'b>(plan: &Plan<'b>, bytes: usize) -> Blob<'b> {
             unreachable,
         }
     };
-    let plans = parallel_plans(plan).map(|parallel| Parallel {
+    let plans = parallel_plans(blob).map(|parallel| Parallel {
         name: parallel.name(),
         goal_m: parallel.goal_m(),
         layers: layers(parallel).map(one_layer).collect(),
     });
     let plans: Vec<Parallel<'b>> = plans.collect();
     let layers: usize = plans.iter().map(|plan| plan.layers.len()).sum();
-    Blob {
+    Description {
         format_version: FORMAT_VERSION,
         bytes,
         columns: grid.columns,

@@ -12,18 +12,18 @@ use plan_compiler::trace::story::{self, decided, facts};
 use plan_compiler::trace::{Trace, TraceError};
 use plan_format::grid::cost_metres;
 use plan_format::mission::{Label, Mission, RuleBase};
-use plan_format::{Answer, MAGIC, Plan};
+use plan_format::{Answer, Blob, MAGIC};
 use robot_io::Percepts;
 use std::fmt::Write as _;
 
 pub(super) fn run(args: &Explain) -> Result<(), Failure> {
     let bytes = source::read_bytes(&args.trace)?;
     let trace = Trace::from_bytes(&bytes).map_err(|error| refused(args, &bytes, error))?;
-    let plan = Plan::parse_exact(&trace.blob)
+    let blob = Blob::parse_exact(&trace.blob)
         .map_err(|error| Problem::error(format!("the plans in the trace are refused: {error}")))?;
     let text = match args.tick {
-        Some(tick) => one_tick(&plan, &trace, tick.index(trace.percepts.len()))?,
-        None => turns(&plan, &trace),
+        Some(tick) => one_tick(&blob, &trace, tick.index(trace.percepts.len()))?,
+        None => turns(&blob, &trace),
     };
     print_text(&text)
 }
@@ -41,41 +41,41 @@ fn refused(args: &Explain, bytes: &[u8], error: TraceError) -> Failure {
 }
 
 /// A line for each turn of the mission.
-fn turns(plan: &Plan<'_>, trace: &Trace) -> String {
+fn turns(blob: &Blob<'_>, trace: &Trace) -> String {
     let mut text = format!("{} ticks\n", trace.percepts.len());
-    warn_of_another_build(&mut text, plan, trace);
-    for turn in story::of(plan, &trace.percepts).turns {
+    warn_of_another_build(&mut text, blob, trace);
+    for turn in story::of(blob, &trace.percepts).turns {
         let _ = writeln!(text, "tick {:>6} {:>8.2} s  {}", turn.tick, turn.time_s, turn.text);
     }
     text
 }
 
-fn warn_of_another_build(text: &mut String, plan: &Plan<'_>, trace: &Trace) {
-    if trace.replayed_hash(plan) != trace.hash {
+fn warn_of_another_build(text: &mut String, blob: &Blob<'_>, trace: &Trace) {
+    if trace.replayed_hash(blob) != trace.hash {
         text.push_str("warning: this build decides otherwise than the one that was recorded\n");
     }
 }
 
-fn one_tick(plan: &Plan<'_>, trace: &Trace, tick: usize) -> Result<String, Failure> {
+fn one_tick(blob: &Blob<'_>, trace: &Trace, tick: usize) -> Result<String, Failure> {
     let Some((before, [percepts, ..])) = trace.percepts.split_at_checked(tick) else {
         let message = format!("the trace has {} ticks, no tick {tick}", trace.percepts.len());
         return Err(Problem::error(message).mend("ticks are counted from 0").into());
     };
-    let mut state = State::new(plan);
+    let mut state = State::new(blob);
     for earlier in before {
-        controller::tick(plan, &mut state, earlier);
+        controller::tick(blob, &mut state, earlier);
     }
-    let explanation = controller::explain(plan, &mut state, percepts);
+    let explanation = controller::explain(blob, &mut state, percepts);
     let mut text = format!("tick {tick} at {:.2} s\n", percepts.time_us as f64 / 1e6);
-    warn_of_another_build(&mut text, plan, trace);
+    warn_of_another_build(&mut text, blob, trace);
     // Writing to a string does not fail.
-    let _ = write_all(&mut text, plan, &state, percepts, &explanation);
+    let _ = write_all(&mut text, blob, &state, percepts, &explanation);
     Ok(text)
 }
 
 fn write_all(
     text: &mut String,
-    plan: &Plan<'_>,
+    blob: &Blob<'_>,
     state: &State,
     percepts: &Percepts,
     explanation: &Explanation,
@@ -97,12 +97,12 @@ fn write_all(
         Some(heading_rad) => writeln!(text, ", heading {heading_rad:.2} rad")?,
         None => writeln!(text, ", heading unknown")?,
     }
-    let mission = plan.mission();
+    let mission = blob.mission();
     if !mission.behaviours().is_empty() {
         write_behaviours(text, &mission, &state.behaviours, explanation)?;
     }
     if let Ok(at) = explanation.sensed.position {
-        write_layers(text, plan, at)?;
+        write_layers(text, blob, at)?;
     }
     if let Some(blend) = &explanation.blend {
         write_blend(text, blend)?;
@@ -200,17 +200,17 @@ fn write_rules(
 }
 
 /// What every layer says about the robot's cell.
-fn write_layers(text: &mut String, plan: &Plan<'_>, at: Vec2) -> std::fmt::Result {
-    let Some(cell) = plan.cell_at(at) else { return writeln!(text, "cell       off the map") };
+fn write_layers(text: &mut String, blob: &Blob<'_>, at: Vec2) -> std::fmt::Result {
+    let Some(cell) = blob.cell_at(at) else { return writeln!(text, "cell       off the map") };
     writeln!(text, "cell       column {}, row {}", cell.column, cell.row)?;
-    let plans = (0..plan.plan_count()).filter_map(|index| plan.parallel_plan(index));
+    let plans = (0..blob.plan_count()).filter_map(|index| blob.parallel_plan(index));
     for parallel in plans {
         let layers = (0..parallel.layer_count()).filter_map(|index| parallel.layer(index));
         for layer in layers {
             write!(text, "  advice   {}/{}: ", parallel.name(), layer.name())?;
             match layer.look_up(cell) {
                 Answer::Move { direction, cost } => {
-                    let cost_m = cost_metres(cost, plan.grid().resolution_m);
+                    let cost_m = cost_metres(cost, blob.grid().resolution_m);
                     writeln!(text, "{}, {cost_m:.2} m to go", direction.name())?;
                 }
                 Answer::Goal => writeln!(text, "the goal")?,

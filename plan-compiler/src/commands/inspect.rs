@@ -5,7 +5,7 @@ use super::{Failure, layers, open, parallel_plans, print, print_text, read_blob}
 use crate::cli::Inspect;
 use plan_compiler::compile::{metres, pair};
 use plan_format::parameters::{OnTrouble, Selection, Steering};
-use plan_format::{FORMAT_VERSION, Plan};
+use plan_format::{Blob, FORMAT_VERSION};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -23,8 +23,8 @@ pub(super) fn run(args: &Inspect) -> Result<(), Failure> {
     print_text(&String::from_utf8_lossy(&out))
 }
 
-fn write_text(out: &mut dyn Write, path: &Path, plan: &Plan<'_>, bytes: usize) -> io::Result<()> {
-    let grid = plan.grid();
+fn write_text(out: &mut dyn Write, path: &Path, blob: &Blob<'_>, bytes: usize) -> io::Result<()> {
+    let grid = blob.grid();
     writeln!(out, "{}: {bytes} bytes, format {FORMAT_VERSION}", path.display())?;
     writeln!(
         out,
@@ -34,7 +34,7 @@ fn write_text(out: &mut dyn Write, path: &Path, plan: &Plan<'_>, bytes: usize) -
         metres(grid.resolution_m)
     )?;
     writeln!(out, "  corner  {} in the south-west, metres", pair(grid.corner_m))?;
-    match plan.origin() {
+    match blob.origin() {
         Some(origin) => {
             let (at, heading) = (pair(origin.at_m), origin.heading_rad);
             let (lat, lon) = (origin.place.lat_deg(), origin.place.lon_deg());
@@ -42,8 +42,8 @@ fn write_text(out: &mut dyn Write, path: &Path, plan: &Plan<'_>, bytes: usize) -
         }
         None => writeln!(out, "  origin  none: a robot with GPS cannot use these plans")?,
     }
-    write_robot(out, plan)?;
-    for parallel in parallel_plans(plan) {
+    write_robot(out, blob)?;
+    for parallel in parallel_plans(blob) {
         writeln!(out, "  plan    {} to {}", parallel.name(), pair(parallel.goal_m()))?;
         for layer in layers(parallel) {
             let counts = layer.counts();
@@ -61,7 +61,7 @@ fn write_text(out: &mut dyn Write, path: &Path, plan: &Plan<'_>, bytes: usize) -
             )?;
         }
     }
-    let count: usize = parallel_plans(plan).map(|parallel| parallel.layer_count()).sum();
+    let count: usize = parallel_plans(blob).map(|parallel| parallel.layer_count()).sum();
     if count > 0 {
         let raw = raw_bytes(grid) * count as u64;
         writeln!(
@@ -74,9 +74,9 @@ fn write_text(out: &mut dyn Write, path: &Path, plan: &Plan<'_>, bytes: usize) -
     Ok(())
 }
 
-fn write_robot(out: &mut dyn Write, plan: &Plan<'_>) -> io::Result<()> {
-    let parameters = plan.parameters();
-    let name = plan.parallel_plan(usize::from(parameters.plan)).map(|followed| followed.name());
+fn write_robot(out: &mut dyn Write, blob: &Blob<'_>) -> io::Result<()> {
+    let parameters = blob.parameters();
+    let name = blob.parallel_plan(usize::from(parameters.plan)).map(|followed| followed.name());
     let when = match parameters.selection {
         Selection::Static => "once at the start",
         Selection::Dynamic => "every tick",
@@ -85,7 +85,7 @@ fn write_robot(out: &mut dyn Write, plan: &Plan<'_>) -> io::Result<()> {
     writeln!(out, "  robot   follows {}, layer chosen {when}", name.unwrap_or("no plan"))?;
     writeln!(
         out,
-        "  gains   {} reactive, {} plan, {} noise",
+        "  gains   {} reactive, {} blob, {} noise",
         gains.reactive, gains.plan, gains.noise
     )?;
     let vehicle = parameters.vehicle;

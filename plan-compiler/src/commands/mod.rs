@@ -22,7 +22,7 @@ use plan_compiler::mission::nearest;
 use plan_compiler::problem::{Problem, Severity, draw};
 use plan_compiler::terminal::safe;
 use plan_compiler::{output, source, trace};
-use plan_format::{Layer, MAGIC, ParallelPlan, Plan};
+use plan_format::{Blob, Layer, MAGIC, ParallelPlan};
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
@@ -111,8 +111,8 @@ fn read_blob(path: &Path) -> Result<Vec<u8>, Failure> {
 }
 
 /// The plan in a blob's bytes.
-fn open<'b>(path: &Path, bytes: &'b [u8]) -> Result<Plan<'b>, Failure> {
-    Plan::parse_exact(bytes).map_err(|error| {
+fn open<'b>(path: &Path, bytes: &'b [u8]) -> Result<Blob<'b>, Failure> {
+    Blob::parse_exact(bytes).map_err(|error| {
         let name = path.display();
         if let Some(kind) = image::wrapped(bytes) {
             return Problem::error(format!("{name} is {kind}, which is for flashing only"))
@@ -168,9 +168,9 @@ fn quoted(path: &Path) -> String {
 }
 
 /// Every parallel plan of a blob.
-fn parallel_plans<'b>(plan: &Plan<'b>) -> impl Iterator<Item = ParallelPlan<'b>> {
-    let plan = *plan;
-    (0..plan.plan_count()).filter_map(move |index| plan.parallel_plan(index))
+fn parallel_plans<'b>(blob: &Blob<'b>) -> impl Iterator<Item = ParallelPlan<'b>> {
+    let blob = *blob;
+    (0..blob.plan_count()).filter_map(move |index| blob.parallel_plan(index))
 }
 
 /// Every layer of a parallel plan.
@@ -180,16 +180,16 @@ fn layers<'b>(plan: ParallelPlan<'b>) -> impl Iterator<Item = Layer<'b>> {
 
 /// The layer of a name; without one, the only layer that there is.
 fn find<'b>(
-    plan: &Plan<'b>,
+    blob: &Blob<'b>,
     name: Option<&LayerName>,
 ) -> Result<(ParallelPlan<'b>, Layer<'b>), Failure> {
     let mut all =
-        parallel_plans(plan).flat_map(|plan| layers(plan).map(move |layer| (plan, layer)));
+        parallel_plans(blob).flat_map(|plan| layers(plan).map(move |layer| (plan, layer)));
     let Some(name) = name else {
         return match (all.next(), all.next()) {
             (Some(only), None) => Ok(only),
             (Some(_), Some(_)) => {
-                let known = known_layers(plan);
+                let known = known_layers(blob);
                 Err(Failure::Usage(format!(
                     "the blob holds several layers; choose one: --layer {}",
                     known.join(" or --layer ")
@@ -201,7 +201,7 @@ fn find<'b>(
     let found = all.find(|(plan, layer)| plan.name() == name.plan && layer.name() == name.layer);
     found.ok_or_else(|| {
         let wanted = format!("{}/{}", name.plan, name.layer);
-        let known = known_layers(plan);
+        let known = known_layers(blob);
         let meant = nearest(&wanted, known.iter().map(String::as_str));
         let meant = meant.map_or(String::new(), |meant| format!("did you mean {meant}? "));
         let mend = match known.is_empty() {
@@ -213,9 +213,9 @@ fn find<'b>(
 }
 
 /// The names of the layers of a blob, of which more than a dozen help nobody.
-fn known_layers(plan: &Plan<'_>) -> Vec<String> {
+fn known_layers(blob: &Blob<'_>) -> Vec<String> {
     const LISTED: usize = 12;
-    let mut names = parallel_plans(plan)
+    let mut names = parallel_plans(blob)
         .flat_map(|plan| layers(plan).map(move |l| format!("{}/{}", plan.name(), l.name())));
     let mut known: Vec<String> = names.by_ref().take(LISTED).collect();
     let more = names.count();

@@ -10,7 +10,7 @@ use plan_compiler::problem::{Problem, Source};
 use plan_compiler::recipe::{self, Recipe};
 use plan_compiler::search::Corners;
 use plan_compiler::source;
-use plan_format::Plan;
+use plan_format::Blob;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -61,7 +61,7 @@ pub(crate) fn read(
 /// Reads the map, or the mission that names it, which a blob is to be compared with: with the
 /// options that it was built with where the command line gives no others.
 pub(crate) fn read_for(
-    (blob, plan): (&[u8], &Plan<'_>),
+    (blob, plan): (&[u8], &Blob<'_>),
     path: &Path,
     mut asked: Options,
     mission: Option<&Path>,

@@ -8,7 +8,7 @@ use crate::cli::{PointAt, Query};
 use math::GeoPoint;
 use plan_compiler::problem::Problem;
 use plan_format::grid::cost_metres;
-use plan_format::{Answer, Layer, Plan};
+use plan_format::{Answer, Blob, Layer};
 use serde::Serialize;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 
@@ -49,8 +49,8 @@ pub(super) fn run(args: &Query) -> Result<(), Failure> {
 }
 
 /// Map metres of a place; `None` where it is farther away than the frame is good for.
-fn local(plan: &Plan<'_>, lat: f64, lon: f64) -> Result<Option<[f64; 2]>, Failure> {
-    let frame = plan.frame().ok_or_else(|| {
+fn local(blob: &Blob<'_>, lat: f64, lon: f64) -> Result<Option<[f64; 2]>, Failure> {
+    let frame = blob.frame().ok_or_else(|| {
         Problem::error("the plans have no place on the globe")
             .mend("ask by --at X,Y, or give the map a reference: GLOBAL_REF_POINT in an overlay")
     })?;
@@ -61,8 +61,8 @@ fn local(plan: &Plan<'_>, lat: f64, lon: f64) -> Result<Option<[f64; 2]>, Failur
     Ok(frame.to_local(place).map(|at| [f64::from(at.x), f64::from(at.y)]))
 }
 
-fn too_far(plan: &Plan<'_>) -> Problem {
-    let at = plan.frame().map(|frame| frame.reference());
+fn too_far(blob: &Blob<'_>) -> Problem {
+    let at = blob.frame().map(|frame| frame.reference());
     let at = at.map_or(String::new(), |at| format!(", {}, {}", at.lat_deg(), at.lon_deg()));
     Problem::error("the place is too far away from the map")
         .mend(format!("the map lies about its origin{at}; latitude comes first"))
@@ -70,7 +70,7 @@ fn too_far(plan: &Plan<'_>) -> Problem {
 
 /// Answers every line of standard input. A line that is no point is an error that names it,
 /// said when the others have been answered.
-fn answer_input(plan: &Plan<'_>, layer: &Layer<'_>, out: &mut dyn Write) -> Result<(), Failure> {
+fn answer_input(blob: &Blob<'_>, layer: &Layer<'_>, out: &mut dyn Write) -> Result<(), Failure> {
     /// More mistakes than this are only counted.
     const SAID: usize = 20;
     let mut input = BufReader::new(io::stdin().lock());
@@ -92,7 +92,7 @@ fn answer_input(plan: &Plan<'_>, layer: &Layer<'_>, out: &mut dyn Write) -> Resu
         let text = String::from_utf8_lossy(&bytes);
         match points::point(&text) {
             Ok(None) => {}
-            Ok(Some(at)) => write_line(out, &answer(plan, layer, Some(at)))?,
+            Ok(Some(at)) => write_line(out, &answer(blob, layer, Some(at)))?,
             Err(reason) => {
                 wrong += 1;
                 if wrong <= SAID {
@@ -116,8 +116,8 @@ fn write_line(out: &mut dyn Write, line: &Line) -> io::Result<()> {
     out.write_all(b"\n")
 }
 
-fn answer(plan: &Plan<'_>, layer: &Layer<'_>, at: Option<[f64; 2]>) -> Line {
-    let grid = plan.grid();
+fn answer(blob: &Blob<'_>, layer: &Layer<'_>, at: Option<[f64; 2]>) -> Line {
+    let grid = blob.grid();
     // In double precision: a robot's look-up is in single, which differs only where a point
     // lies on the edge of a cell.
     let cell = at.and_then(|[x, y]| grid.cell_at(x, y));

@@ -9,7 +9,7 @@ use plan_compiler::output;
 use plan_compiler::problem::Problem;
 use plan_compiler::render::{Mark, Overlay, Panel, Piece, Style, lacking, png, side_by_side};
 use plan_compiler::route::{self, NoRoute, Route};
-use plan_format::{Layer, ParallelPlan, Plan};
+use plan_format::{Blob, Layer, ParallelPlan};
 use std::iter;
 use std::path::PathBuf;
 
@@ -73,28 +73,28 @@ fn marks(start: Option<Point>, route: Option<&Route>) -> Vec<(Mark, Point, &'sta
 /// The layers to draw.
 fn chosen<'b>(
     args: &Render,
-    plan: &Plan<'b>,
+    blob: &Blob<'b>,
 ) -> Result<Vec<(ParallelPlan<'b>, Layer<'b>)>, Failure> {
     if !args.layers {
-        return Ok(vec![find(plan, args.layer.as_ref())?]);
+        return Ok(vec![find(blob, args.layer.as_ref())?]);
     }
-    let named = args.layer.as_ref().map(|name| find(plan, Some(name))).transpose()?;
-    let followed = || plan.parallel_plan(usize::from(plan.parameters().plan));
+    let named = args.layer.as_ref().map(|name| find(blob, Some(name))).transpose()?;
+    let followed = || blob.parallel_plan(usize::from(blob.parameters().plan));
     let parallel = named.map(|(parallel, _)| parallel).or_else(followed);
-    let parallel = parallel.ok_or_else(|| Problem::error("the blob holds no plan at all"))?;
+    let parallel = parallel.ok_or_else(|| Problem::error("the blob holds no blob at all"))?;
     Ok(layers(parallel).map(|layer| (parallel, layer)).collect())
 }
 
 /// The way in each layer that has one; where none has, that is an error.
 fn routes(
-    plan: &Plan<'_>,
+    blob: &Blob<'_>,
     drawn: &[(ParallelPlan<'_>, Layer<'_>)],
     start: Point,
     quiet: bool,
 ) -> Result<Vec<Option<Route>>, Failure> {
     let follow = |(parallel, layer): &(ParallelPlan<'_>, Layer<'_>)| {
         let name = format!("{}/{}", parallel.name(), layer.name());
-        (name, route::follow(plan.grid(), layer, parallel.goal_m(), start))
+        (name, route::follow(blob.grid(), layer, parallel.goal_m(), start))
     };
     let followed: Vec<(String, Result<Route, NoRoute>)> = drawn.iter().map(follow).collect();
     let has_none = followed.iter().all(|(_, route)| route.is_err());
@@ -136,15 +136,15 @@ pub(super) fn mend(reason: NoRoute) -> &'static str {
 fn features(
     args: &Render,
     bytes: &[u8],
-    plan: &Plan<'_>,
+    blob: &Blob<'_>,
     quiet: bool,
 ) -> Result<Vec<Feature>, Failure> {
     let Some(path) = &args.map else { return Ok(Vec::new()) };
     let mut problems = Vec::new();
     let asked = Options { reading: args.reading.options(), ..Options::default() };
-    let project = project::read_for((bytes, plan), path, asked, None, &mut problems)?;
+    let project = project::read_for((bytes, blob), path, asked, None, &mut problems)?;
     if let Some(project) = &project {
-        compare_cells(plan, project, &mut problems);
+        compare_cells(blob, project, &mut problems);
     }
     match project {
         Some(project) if !has_errors(&problems) => {

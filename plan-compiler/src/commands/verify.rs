@@ -7,7 +7,7 @@ use crate::cli::Verify;
 use plan_compiler::compile::{blocked, has_errors, metres, pair};
 use plan_compiler::problem::Problem;
 use plan_compiler::verify::{self, Report};
-use plan_format::{Origin, Plan};
+use plan_format::{Blob, Origin};
 use serde::Serialize;
 use std::io;
 
@@ -56,33 +56,33 @@ struct Proved {
 fn compare(
     args: &Verify,
     bytes: &[u8],
-    plan: &Plan<'_>,
+    blob: &Blob<'_>,
     problems: &mut Vec<Problem>,
 ) -> Result<&'static str, Failure> {
     let Some(input) = &args.input else { return Ok("") };
     let (asked, mission) = (project::options(&[], &args.map), args.map.mission.as_deref());
-    let Some(project) = project::read_for((bytes, plan), input, asked, mission, problems)? else {
+    let Some(project) = project::read_for((bytes, blob), input, asked, mission, problems)? else {
         return Ok("");
     };
-    compare_cells(plan, &project, problems);
+    compare_cells(blob, &project, problems);
     Ok("; obstacles as in the map")
 }
 
 /// Says in what plans and a map differ: the grid, the place on the globe, the blocked cells.
-pub(super) fn compare_cells(plan: &Plan<'_>, project: &Project, problems: &mut Vec<Problem>) {
+pub(super) fn compare_cells(blob: &Blob<'_>, project: &Project, problems: &mut Vec<Problem>) {
     let input = project.input();
     let Some(grid) = plan_compiler::compile::grid(&input, problems) else { return };
-    if grid != *plan.grid() {
+    if grid != *blob.grid() {
         let text = |grid: &plan_format::Grid| {
             let (side, corner) = (metres(grid.resolution_m), pair(grid.corner_m));
             format!("{} x {} cells of {side} m from {corner}", grid.columns, grid.rows)
         };
-        let message = format!("the plans have {}, the map {}", text(plan.grid()), text(&grid));
+        let message = format!("the plans have {}, the map {}", text(blob.grid()), text(&grid));
         problems.push(Problem::error(message).mend(OTHER_OPTIONS));
         return;
     }
     let origin = plan_compiler::compile::origin(&input);
-    if origin != plan.origin() {
+    if origin != blob.origin() {
         let text = |origin: Option<Origin>| match origin {
             Some(Origin { place, at_m, heading_rad }) => format!(
                 "{}, {} at {}, heading {} rad",
@@ -93,13 +93,13 @@ pub(super) fn compare_cells(plan: &Plan<'_>, project: &Project, problems: &mut V
             ),
             None => "no place on the globe".to_owned(),
         };
-        let (ours, theirs) = (text(plan.origin()), text(origin));
+        let (ours, theirs) = (text(blob.origin()), text(origin));
         let message = format!("the plans' origin is {ours}; the map's is {theirs}");
         problems.push(Problem::error(message).mend(OTHER_OPTIONS));
         return;
     }
     if let Some(expected) = blocked(&input, &grid, problems) {
-        add(&verify::compare(plan, &expected), OTHER_OPTIONS, problems);
+        add(&verify::compare(blob, &expected), OTHER_OPTIONS, problems);
     }
 }
 

@@ -26,10 +26,10 @@ fn blob(map: &Map) -> Vec<u8> {
 /// The picture of the first plan's first layer, so many times side by side.
 fn svg_of(map: &Map, overlay: &Overlay<'_>, panels: usize, style: Style) -> String {
     let blob = blob(map);
-    let plan = Plan::parse(&blob).unwrap();
-    let parallel = plan.parallel_plan(0).unwrap();
+    let blob = Blob::parse(&blob).unwrap();
+    let parallel = blob.parallel_plan(0).unwrap();
     let panel = Panel { parallel, layer: parallel.layer(0).unwrap(), overlay: *overlay };
-    side_by_side(&plan, &vec![panel; panels], style)
+    side_by_side(&blob, &vec![panel; panels], style)
 }
 
 fn sized(size_px: u32) -> Style {

@@ -3,7 +3,7 @@
 use behaviour::{Choice, Decision, Phase, Refusal};
 use controller::State;
 use monitor::{Doubt, Signal, Violation};
-use plan_format::Plan;
+use plan_format::Blob;
 use plan_format::mission::{Facts, Mission};
 use robot_io::Percepts;
 
@@ -30,12 +30,12 @@ pub struct Turn {
 }
 
 /// Drives a mission again and listens.
-pub fn of(plan: &Plan<'_>, percepts: &[Percepts]) -> Story {
-    let mission = plan.mission();
-    let mut state = State::new(plan);
+pub fn of(blob: &Blob<'_>, percepts: &[Percepts]) -> Story {
+    let mission = blob.mission();
+    let mut state = State::new(blob);
     let mut story = Story { turns: Vec::new(), engaged: Vec::new() };
     for (tick, percepts) in percepts.iter().enumerate() {
-        let explanation = controller::explain(plan, &mut state, percepts);
+        let explanation = controller::explain(blob, &mut state, percepts);
         let time_s = percepts.time_us as f64 / 1e6;
         for decision in explanation.report.decisions.iter().filter(|decision| is_turn(decision)) {
             let interrupted_at_once = match decision {

@@ -15,6 +15,8 @@
 #![allow(unsafe_code)]
 
 #[cfg(target_os = "none")]
+pub mod blob;
+#[cfg(target_os = "none")]
 pub mod counter;
 #[cfg(target_os = "none")]
 pub mod executor;
@@ -24,8 +26,6 @@ mod fault;
 pub mod memory;
 #[cfg(target_os = "none")]
 pub mod pipe;
-#[cfg(target_os = "none")]
-pub mod plan;
 
 /// What an image does when it is run on a host.
 #[cfg(not(target_os = "none"))]

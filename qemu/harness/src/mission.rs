@@ -11,7 +11,7 @@ use plan_compiler::problem::{self, Place, Problem, Source};
 use plan_compiler::source;
 use plan_format::grid::cost_metres;
 use plan_format::parameters::Gains;
-use plan_format::{Answer, Layer, ParallelPlan, Plan};
+use plan_format::{Answer, Blob, Layer, ParallelPlan};
 use sim::{
     Body, Chassis, Limits, Pilot, Point, Random, ReceiverSettings, Run, SensorSettings,
     SensorSuite, Stream, Surroundings, World,
@@ -111,8 +111,8 @@ impl Scenario {
     }
 
     /// The plans as a robot sees them.
-    pub fn plan(&self) -> Plan<'_> {
-        Plan::parse_exact(&self.blob).expect("the compiler reads back what it writes")
+    pub fn plan(&self) -> Blob<'_> {
+        Blob::parse_exact(&self.blob).expect("the compiler reads back what it writes")
     }
 
     /// The parallel plan that the robot follows.
@@ -220,10 +220,10 @@ fn near_clear(world: &World, about: Point, radius_m: f64) -> Option<Point> {
 }
 
 /// Length of a layer's route from a place to the goal, metres; `None` where there is none.
-pub fn way_m(plan: &Plan<'_>, layer: &Layer<'_>, from: Point) -> Option<f64> {
-    let cell = plan.cell_at(Vec2::new(from[0] as f32, from[1] as f32))?;
+pub fn way_m(blob: &Blob<'_>, layer: &Layer<'_>, from: Point) -> Option<f64> {
+    let cell = blob.cell_at(Vec2::new(from[0] as f32, from[1] as f32))?;
     match layer.look_up(cell) {
-        Answer::Move { cost, .. } => Some(cost_metres(cost, plan.grid().resolution_m)),
+        Answer::Move { cost, .. } => Some(cost_metres(cost, blob.grid().resolution_m)),
         Answer::Goal => Some(0.0),
         _ => None,
     }

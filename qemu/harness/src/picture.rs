@@ -5,7 +5,7 @@ use std::path::Path;
 use plan_compiler::output;
 use plan_compiler::render::{self, Mark, NO_BEHAVIOUR, Overlay, Piece, Style};
 use plan_compiler::trace::story::Story;
-use plan_format::Plan;
+use plan_format::Blob;
 use sim::{Outcome, Point};
 
 use crate::mission::{Scenario, Start};
@@ -88,8 +88,8 @@ fn stretches(route: &[Point], engaged: &[u16]) -> Vec<Stretch> {
 }
 
 /// What the legend calls a behaviour's part of the route.
-fn name(plan: &Plan<'_>, behaviour: usize) -> String {
-    let mission = plan.mission();
+fn name(blob: &Blob<'_>, behaviour: usize) -> String {
+    let mission = blob.mission();
     match mission.behaviours().get(behaviour) {
         Some(behaviour) => mission.name(behaviour.name).to_owned(),
         None if mission.behaviours().is_empty() => "driven route".to_owned(),

@@ -17,7 +17,7 @@ pub const MAX_BLOB_LAYERS: usize = MAX_PLANS * MAX_LAYERS;
 /// that a word of a table leads to (a superblock's 16 blocks and 79 entries). So time at boot is
 /// bounded by the blob's bytes, and only tables that lie on one another exceed it.
 pub const MAX_CHECKS_PER_WORD: u32 = 100;
-/// Checks from one beat of [`crate::Plan::parse_paced`] to the next, about.
+/// Checks from one beat of [`crate::Blob::parse_paced`] to the next, about.
 pub const CHECKS_PER_BEAT: u32 = 1 << 16;
 /// Bytes under the checksum from one beat to the next.
 pub const CHECKSUM_BYTES_PER_BEAT: usize = 1 << 16;

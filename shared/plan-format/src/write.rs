@@ -1,5 +1,6 @@
 //! The writer: a draft in, bytes out. The same draft gives the same bytes.
 
+use crate::blob::Blob;
 use crate::blocks::UNIFORM;
 use crate::bytes::WORD_BYTES;
 use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
@@ -9,7 +10,6 @@ use crate::layer::ROOT_WORDS;
 use crate::mission::MissionDraft;
 use crate::pack::{PackedLayer, PackedPlane, Superblock};
 use crate::parameters::Parameters;
-use crate::plan::Plan;
 use crate::{header, limits};
 use std::collections::HashMap;
 
@@ -117,7 +117,7 @@ impl std::fmt::Display for WriteError {
 
 impl std::error::Error for WriteError {}
 
-/// The blob of a draft. The result has been read back by [`Plan::parse_exact`].
+/// The blob of a draft. The result has been read back by [`Blob::parse_exact`].
 pub fn write(draft: &Draft) -> Result<Vec<u8>, WriteError> {
     write_with_recipe(draft, "")
 }
@@ -147,7 +147,7 @@ pub fn write_with_recipe(draft: &Draft, recipe: &str) -> Result<Vec<u8>, WriteEr
     let payload =
         postcard::to_stdvec(&directory).map_err(|_| WriteError::Refused(BlobError::Directory))?;
     let blob = header::seal(&payload).ok_or(WriteError::TooLarge { bytes: payload.len() })?;
-    Plan::parse_exact(&blob).map_err(WriteError::Refused)?;
+    Blob::parse_exact(&blob).map_err(WriteError::Refused)?;
     Ok(blob)
 }
 
@@ -293,16 +293,16 @@ mod tests {
     #[test]
     fn what_is_written_is_read() {
         let blob = write(&draft()).unwrap();
-        let plan = Plan::parse(&blob).unwrap();
-        assert_eq!(plan.plan_count(), 2);
-        let layer = plan.find("base").unwrap().layer(1).unwrap();
+        let blob = Blob::parse(&blob).unwrap();
+        assert_eq!(blob.plan_count(), 2);
+        let layer = blob.find("base").unwrap().layer(1).unwrap();
         assert_eq!(layer.name(), "comms");
-        let at = |x| layer.look_up(plan.cell_at(math::Vec2::new(x, 0.0)).unwrap());
+        let at = |x| layer.look_up(blob.cell_at(math::Vec2::new(x, 0.0)).unwrap());
         assert_eq!(at(-1.0), Answer::Goal);
         assert_eq!(at(0.9), Answer::Move { direction: Direction::W, cost: 5741 });
         assert_eq!(at(1.0), Answer::Blocked { escape: Some(Direction::W) });
         assert_eq!(layer.look_up(Cell::new(3, 0)), Answer::OffMap);
-        assert!(size_of::<Plan<'_>>() < 512, "{}", size_of::<Plan<'_>>());
+        assert!(size_of::<Blob<'_>>() < 512, "{}", size_of::<Blob<'_>>());
     }
 
     #[test]

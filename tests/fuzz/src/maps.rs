@@ -7,7 +7,7 @@ use plan_compiler::mission::{Goal, GoalAt, Mission};
 use plan_compiler::problem::{Problem, Source, draw};
 use plan_compiler::verify::{compare, verify};
 use plan_compiler::{source, verify};
-use plan_format::Plan;
+use plan_format::Blob;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -133,10 +133,10 @@ fn follow(map: &Map, source: Option<&Arc<Source>>) {
         assert!(has_errors(&problems), "no blob, and no error that says why");
         return;
     };
-    let plan = Plan::parse_exact(&blob).expect("what was written is read");
-    accept(&verify(&plan, &|_, _| ()));
-    let blocked = blocked(&input, plan.grid(), &mut Vec::new()).expect("it was compiled already");
-    accept(&compare(&plan, &blocked));
+    let blob = Blob::parse_exact(&blob).expect("what was written is read");
+    accept(&verify(&blob, &|_, _| ()));
+    let blocked = blocked(&input, blob.grid(), &mut Vec::new()).expect("it was compiled already");
+    accept(&compare(&blob, &blocked));
 }
 
 fn accept(report: &verify::Report) {

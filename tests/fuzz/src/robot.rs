@@ -6,7 +6,7 @@ use embassy_futures::block_on;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use math::Vec2;
 use plan_compiler::trace::{Trace, story};
-use plan_format::{Cell, Layer, Plan, limits};
+use plan_format::{Blob, Cell, Layer, limits};
 use robot_io::frame::{self, Downlink, Uplink};
 use robot_io::limits::{COMMAND_RECORD_BYTES, SENSOR_RECORD_BYTES};
 use robot_io::{
@@ -26,10 +26,10 @@ const MAX_TICKS: usize = 2_000;
 
 /// A blob as it is, and with its header and checksum mended; then every look-up and 1,000 ticks.
 pub(crate) fn blob(bytes: &[u8]) {
-    let _ = (Plan::parse(bytes).is_ok(), Plan::parse_exact(bytes).is_ok());
+    let _ = (Blob::parse(bytes).is_ok(), Blob::parse_exact(bytes).is_ok());
     let blob = mended(bytes);
     let mut beats = 0;
-    let parsed = Plan::parse_paced(&blob, || beats += 1);
+    let parsed = Blob::parse_paced(&blob, || beats += 1);
     let checks = blob.len() / 4 * limits::MAX_CHECKS_PER_WORD as usize;
     assert!(beats <= checks / limits::CHECKS_PER_BEAT as usize + 4, "{beats} beats");
     if let Ok(plan) = parsed {
@@ -74,15 +74,15 @@ fn crc32<'b>(bytes: impl Iterator<Item = &'b u8>) -> u32 {
 }
 
 /// Everything that a plan can be asked for.
-fn ask(plan: &Plan<'_>) {
-    let plans = || (0..plan.plan_count()).filter_map(|index| plan.parallel_plan(index));
+fn ask(blob: &Blob<'_>) {
+    let plans = || (0..blob.plan_count()).filter_map(|index| blob.parallel_plan(index));
     let layers: Vec<Layer<'_>> = plans()
         .flat_map(|parallel| (0..parallel.layer_count()).filter_map(move |i| parallel.layer(i)))
         .collect();
     for parallel in plans() {
-        assert_eq!(plan.find(parallel.name()).map(|found| found.goal_m()), Some(parallel.goal_m()));
+        assert_eq!(blob.find(parallel.name()).map(|found| found.goal_m()), Some(parallel.goal_m()));
     }
-    let (columns, rows) = (u64::from(plan.grid().columns), u64::from(plan.grid().rows));
+    let (columns, rows) = (u64::from(blob.grid().columns), u64::from(blob.grid().rows));
     let cells = columns * rows;
     let stride = (cells * layers.len() as u64 / MAX_CELLS_ASKED).max(1);
     for layer in &layers {
@@ -96,14 +96,14 @@ fn ask(plan: &Plan<'_>) {
 }
 
 /// Drives a robot that perceives by chance, the same chance for the same bytes.
-pub(crate) fn drive(plan: &Plan<'_>, bytes: &[u8], ticks: u64) {
+pub(crate) fn drive(blob: &Blob<'_>, bytes: &[u8], ticks: u64) {
     let mut random = Random::new(checksum(bytes).into());
-    let mut state = State::new(plan);
+    let mut state = State::new(blob);
     let mut time_us = 0;
     for _ in 0..ticks {
         time_us += random.below(100_000) as u64;
-        let percepts = percepts(plan, time_us, &mut random).sanitised();
-        sound(&controller::tick(plan, &mut state, &percepts));
+        let percepts = percepts(blob, time_us, &mut random).sanitised();
+        sound(&controller::tick(blob, &mut state, &percepts));
     }
 }
 
@@ -111,14 +111,14 @@ fn sound(commands: &Commands) {
     assert!(commands.speed_mps.is_finite() && commands.turn_rate_radps.is_finite(), "{commands:?}");
 }
 
-fn percepts(plan: &Plan<'_>, time_us: u64, random: &mut Random) -> Percepts {
-    let grid = plan.grid();
+fn percepts(blob: &Blob<'_>, time_us: u64, random: &mut Random) -> Percepts {
+    let grid = blob.grid();
     let mut along = |corner: f64, cells: u32| {
         let reach = f64::from(cells) * grid.resolution_m;
         (corner + reach * f64::from(random.unit() * 1.1 - 0.05)) as f32
     };
     let at = Vec2::new(along(grid.corner_m[0], grid.columns), along(grid.corner_m[1], grid.rows));
-    let fix = plan.frame().map(|frame| Fix {
+    let fix = blob.frame().map(|frame| Fix {
         time_us,
         is_valid: random.below(20) > 0,
         place: frame.to_geodetic(at),
@@ -206,8 +206,8 @@ pub(crate) fn lockstep(bytes: &[u8]) {
     }
     let blob =
         BLOB.get_or_init(|| soak::fixtures::blob(soak::fixtures::sixteen()).expect("a sound blob"));
-    let plan = Plan::parse(blob).expect("a sound blob");
-    runtime::lockstep::run(plan, Records(bytes.chunks(SENSOR_RECORD_BYTES)));
+    let blob = Blob::parse(blob).expect("a sound blob");
+    runtime::lockstep::run(blob, Records(bytes.chunks(SENSOR_RECORD_BYTES)));
 }
 
 /// A recorded mission: its plans, its ticks again, and its story.
@@ -216,9 +216,9 @@ pub(crate) fn trace(bytes: &[u8]) {
     trace.percepts.truncate(MAX_TICKS);
     assert!(Trace::from_bytes(&trace.to_bytes()).is_ok());
     let blob = mended(&trace.blob);
-    let Ok(plan) = Plan::parse_exact(&blob) else { return };
-    let _ = trace.replayed_hash(&plan);
-    for turn in story::of(&plan, &trace.percepts).turns {
+    let Ok(blob) = Blob::parse_exact(&blob) else { return };
+    let _ = trace.replayed_hash(&blob);
+    for turn in story::of(&blob, &trace.percepts).turns {
         assert!(turn.tick < trace.percepts.len());
     }
 }

@@ -10,7 +10,7 @@ use plan_compiler::compile::{Input, Options, compile, has_errors};
 use plan_compiler::map::Map;
 use plan_compiler::problem::Source;
 use plan_compiler::{mission, source};
-use plan_format::Plan;
+use plan_format::Blob;
 use plan_format::mission::Mission;
 use robot_io::{Commands, Reason};
 use sim::Surroundings;
@@ -48,8 +48,8 @@ pub(crate) fn mission(bytes: &[u8]) {
     match blob {
         None => assert!(has_errors(&problems), "no blob, and no error that says why"),
         Some(blob) => {
-            let plan = Plan::parse_exact(&blob).expect("what was written is read");
-            robot::drive(&plan, bytes, MISSION_TICKS);
+            let blob = Blob::parse_exact(&blob).expect("what was written is read");
+            robot::drive(&blob, bytes, MISSION_TICKS);
         }
     }
 }

@@ -6,7 +6,7 @@ mod sizes;
 use plan_format::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED, is_blocked};
 use plan_format::mission::MissionDraft;
 use plan_format::{
-    Answer, BlobError, Cell, Direction, Draft, Grid, Layer, LayerDraft, Origin, Parameters, Plan,
+    Answer, Blob, BlobError, Cell, Direction, Draft, Grid, Layer, LayerDraft, Origin, Parameters,
     PlanDraft, Step, WriteError, grid::octile, limits, pack, write,
 };
 use proptest::prelude::*;
@@ -200,26 +200,26 @@ fn tiny() -> Draft {
 
 #[test]
 fn a_tiny_blob_has_exactly_these_bytes() {
-    let blob = write(&tiny()).unwrap();
+    let bytes = write(&tiny()).unwrap();
     let mut at = 0;
     for (meaning, expected) in TINY_BYTES {
-        let end = blob.len().min(at + expected.split(' ').count());
-        assert_eq!(hex(&blob[at..end]), *expected, "{meaning}, from byte {at}");
+        let end = bytes.len().min(at + expected.split(' ').count());
+        assert_eq!(hex(&bytes[at..end]), *expected, "{meaning}, from byte {at}");
         at = end;
     }
-    assert_eq!(at, blob.len());
-    let plan = Plan::parse_exact(&blob).unwrap();
-    assert_eq!(plan.origin(), tiny().origin);
-    assert_eq!(plan.grid(), &tiny().grid);
-    assert_eq!(plan.parameters(), &Parameters::default());
-    assert_eq!(plan.goal(), Some(math::Vec2::new(0.5, 0.5)));
-    let layer = plan.find("goal 0").unwrap().layer(0).unwrap();
+    assert_eq!(at, bytes.len());
+    let blob = Blob::parse_exact(&bytes).unwrap();
+    assert_eq!(blob.origin(), tiny().origin);
+    assert_eq!(blob.grid(), &tiny().grid);
+    assert_eq!(blob.parameters(), &Parameters::default());
+    assert_eq!(blob.goal(), Some(math::Vec2::new(0.5, 0.5)));
+    let layer = blob.find("goal 0").unwrap().layer(0).unwrap();
     let counts = layer.counts();
     assert_eq!((counts.free, counts.blocked, counts.unreachable), (5, 4, 3));
     assert_eq!(layer.look_up(Cell::new(0, 0)), Answer::Goal);
     assert_eq!(layer.look_up(Cell::new(3, 0)), Answer::NoRoute);
     assert_eq!(layer.look_up(Cell::new(4, 0)), Answer::OffMap);
-    assert_eq!(write(&tiny()).unwrap(), blob, "the same draft gives the same bytes");
+    assert_eq!(write(&tiny()).unwrap(), bytes, "the same draft gives the same bytes");
 }
 
 fn hex(bytes: &[u8]) -> String {
@@ -278,7 +278,7 @@ const TINY_BYTES: &[(&str, &str)] = &[
 fn every_truncation_is_refused() {
     let blob = write(&tiny()).unwrap();
     for length in 0..blob.len() {
-        let error = Plan::parse(&blob[..length]).unwrap_err();
+        let error = Blob::parse(&blob[..length]).unwrap_err();
         let expected = if length == 0 { BlobError::Absent } else { BlobError::Truncated };
         assert_eq!(error, expected, "{length} bytes");
         assert_ne!(error.code(), 0);
@@ -290,23 +290,23 @@ fn every_flipped_bit_is_refused() {
     let mut blob = write(&tiny()).unwrap();
     for bit in 0..blob.len() * 8 {
         blob[bit / 8] ^= 1 << (bit % 8);
-        assert!(Plan::parse(&blob).is_err(), "bit {bit}");
+        assert!(Blob::parse(&blob).is_err(), "bit {bit}");
         // With memory behind it that happens to continue the blob, as flash does.
         let region = [&blob[..], &[0xff; 64]].concat();
-        assert!(Plan::parse(&region).is_err(), "bit {bit} in a larger region");
+        assert!(Blob::parse(&region).is_err(), "bit {bit} in a larger region");
         blob[bit / 8] ^= 1 << (bit % 8);
     }
-    assert!(Plan::parse(&blob).is_ok());
+    assert!(Blob::parse(&blob).is_ok());
 }
 
 #[test]
 fn a_region_may_be_larger_than_its_blob_and_a_file_may_not() {
     let mut region = write(&tiny()).unwrap();
     region.extend_from_slice(&[0xff; 100]);
-    assert_eq!(Plan::parse(&region).unwrap().plan_count(), 1);
-    assert_eq!(Plan::parse_exact(&region).unwrap_err(), BlobError::TrailingBytes);
+    assert_eq!(Blob::parse(&region).unwrap().plan_count(), 1);
+    assert_eq!(Blob::parse_exact(&region).unwrap_err(), BlobError::TrailingBytes);
     for erased in [[0xff; 64], [0; 64]] {
-        assert_eq!(Plan::parse(&erased).unwrap_err(), BlobError::Absent);
+        assert_eq!(Blob::parse(&erased).unwrap_err(), BlobError::Absent);
     }
 }
 
@@ -318,7 +318,7 @@ fn a_blob_that_is_not_ours_is_refused_for_that_reason() {
         other[at..at + bytes.len()].copy_from_slice(bytes);
         other
     };
-    let refusal = |bytes: &[u8]| Plan::parse(bytes).unwrap_err();
+    let refusal = |bytes: &[u8]| Blob::parse(bytes).unwrap_err();
     assert_eq!(refusal(&with(0, b"MCUBOOT!")), BlobError::Magic);
     assert_eq!(refusal(&with(8, &[9, 0])), BlobError::Version { found: 9 });
     assert_eq!(refusal(&with(10, &[29])), BlobError::Header);
@@ -349,7 +349,7 @@ fn the_limits_hold_on_both_sides() {
         plan.layers = (0..limits::MAX_LAYERS).map(layer).collect();
     }
     let blob = write(&full).unwrap();
-    let plan = Plan::parse(&blob).unwrap();
+    let plan = Blob::parse(&blob).unwrap();
     let last = plan.parallel_plan(limits::MAX_PLANS - 1).unwrap();
     assert_eq!(last.layer_count(), limits::MAX_LAYERS);
     assert_eq!(last.layer(limits::MAX_LAYERS - 1).unwrap().look_up(Cell::new(0, 0)), Answer::Goal);
@@ -387,18 +387,18 @@ fn the_limits_hold_on_both_sides() {
 fn a_blob_without_plans_and_a_plan_without_map_have_no_cells() {
     let mut empty = draft(&[]);
     let blob = write(&empty).unwrap();
-    let plan = Plan::parse(&blob).unwrap();
-    assert_eq!((plan.plan_count(), plan.goal()), (0, None));
-    assert_eq!(plan.cell_at(math::Vec2::new(0.0, 0.0)), None);
+    let blob = Blob::parse(&blob).unwrap();
+    assert_eq!((blob.plan_count(), blob.goal()), (0, None));
+    assert_eq!(blob.cell_at(math::Vec2::new(0.0, 0.0)), None);
     empty.grid.columns = 1;
     assert_eq!(write(&empty), Err(WriteError::Refused(BlobError::Grid)));
 
     let mut parameters = Parameters::default();
     parameters.vehicle.radius_m = f32::NAN;
     let goal = Some(math::Vec2::new(3.0, f32::NAN));
-    let plan = Plan::without_map(parameters, None, goal);
-    assert_eq!((plan.parameters(), plan.goal()), (&Parameters::default(), None));
-    assert!(plan.find("goal 0").is_none());
+    let blob = Blob::without_map(parameters, None, goal);
+    assert_eq!((blob.parameters(), blob.goal()), (&Parameters::default(), None));
+    assert!(blob.find("goal 0").is_none());
 }
 
 #[test]
@@ -406,10 +406,10 @@ fn equal_layers_are_stored_once() {
     let field = Picture::of(&["....", ".#..", "G..."]).field(false);
     let one = write(&draft(std::slice::from_ref(&field))).unwrap().len();
     let two = write(&draft(&[field.clone(), field])).unwrap();
-    // A plan's record, a layer's record, and the plan's name.
+    // A blob's record, a layer's record, and the blob's name.
     assert!(two.len() - one <= 22 + 33 + 8, "{} more", two.len() - one);
-    let plan = Plan::parse(&two).unwrap();
-    assert_eq!(plan.parallel_plan(1).unwrap().layer(0).unwrap().bytes(), 0);
+    let blob = Blob::parse(&two).unwrap();
+    assert_eq!(blob.parallel_plan(1).unwrap().layer(0).unwrap().bytes(), 0);
 }
 
 #[test]
@@ -420,7 +420,7 @@ fn without_obstacles_every_cost_is_the_octile_distance() {
     let picture =
         Picture { columns, rows: 80, blocked, goal: (goal.row * columns + goal.column) as usize };
     let blob = write(&draft(&[picture.field(false)])).unwrap();
-    let layer = Plan::parse(&blob).unwrap().parallel_plan(0).unwrap().layer(0).unwrap();
+    let layer = Blob::parse(&blob).unwrap().parallel_plan(0).unwrap().layer(0).unwrap();
     for index in (0..8_000).filter(|&index| index != picture.goal) {
         let cell = picture.cell(index);
         let least = octile(cell.column.abs_diff(goal.column), cell.row.abs_diff(goal.row));
@@ -449,14 +449,14 @@ fn a_real_city_fits_its_budget() {
             picture.goal = goal;
             picture.field(cut_corners)
         });
-        let blob = write(&draft(&fields)).unwrap();
-        let plan = Plan::parse(&blob).unwrap();
-        let layer = |index| plan.parallel_plan(index).unwrap().layer(0).unwrap();
+        let bytes = write(&draft(&fields)).unwrap();
+        let blob = Blob::parse(&bytes).unwrap();
+        let layer = |index| blob.parallel_plan(index).unwrap().layer(0).unwrap();
         for (index, field) in fields.iter().enumerate() {
             picture.check(field, &layer(index), cut_corners);
         }
         let bytes_per_cell = |bytes: usize| bytes as f64 / f64::from(1u32 << 20);
-        let (all, further) = (bytes_per_cell(blob.len()), bytes_per_cell(layer(1).bytes()));
+        let (all, further) = (bytes_per_cell(bytes.len()), bytes_per_cell(layer(1).bytes()));
         eprintln!("two layers {all:.3} bytes a cell, the second {further:.3}");
         assert!(all - further <= 0.15 && further <= 0.1);
     }
@@ -509,7 +509,7 @@ proptest! {
     fn layers_of_any_map_answer_as_their_fields(picture in pictures(), cut_corners: bool) {
         let field = picture.field(cut_corners);
         let blob = write(&draft(std::slice::from_ref(&field))).unwrap();
-        let layer = Plan::parse(&blob).unwrap().parallel_plan(0).unwrap().layer(0).unwrap();
+        let layer = Blob::parse(&blob).unwrap().parallel_plan(0).unwrap().layer(0).unwrap();
         picture.check(&field, &layer, cut_corners);
         let counts = layer.counts();
         let blocked = field.code.iter().filter(|&&code| is_blocked(code)).count();
@@ -523,7 +523,7 @@ proptest! {
     #[test]
     fn layers_answer_as_fields_that_contradict_themselves(field in fields()) {
         let blob = write(&draft(std::slice::from_ref(&field))).unwrap();
-        let layer = Plan::parse(&blob).unwrap().parallel_plan(0).unwrap().layer(0).unwrap();
+        let layer = Blob::parse(&blob).unwrap().parallel_plan(0).unwrap().layer(0).unwrap();
         for index in 0..field.cost.len() {
             let cell = Cell::new(index as u32 % field.columns, index as u32 / field.columns);
             prop_assert_eq!(layer.look_up(cell), answer_of(&field, index));
@@ -535,15 +535,15 @@ proptest! {
         bytes in prop::collection::vec(any::<u8>(), 0..300),
         at in 28usize..1000,
     ) {
-        let _ = Plan::parse(&bytes);
+        let _ = Blob::parse(&bytes);
         // Behind a true header and checksum, so that the validation is what refuses.
         let mut blob = write(&tiny()).unwrap();
         let at = at.min(blob.len() - 1);
         let end = (at + bytes.len()).min(blob.len());
         blob[at..end].copy_from_slice(&bytes[..end - at]);
-        if let Ok(plan) = Plan::parse(&resealed(blob)) {
+        if let Ok(blob) = Blob::parse(&resealed(blob)) {
             let cells = (0..5).flat_map(|row| (0..5).map(move |column| Cell::new(column, row)));
-            let layers = (0..plan.plan_count()).filter_map(|index| plan.parallel_plan(index)?.layer(0));
+            let layers = (0..blob.plan_count()).filter_map(|index| blob.parallel_plan(index)?.layer(0));
             for (layer, cell) in layers.flat_map(|layer| cells.clone().map(move |cell| (layer, cell))) {
                 let _ = layer.look_up(cell);
             }

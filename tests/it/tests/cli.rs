@@ -484,8 +484,8 @@ fn arrays_agree_with_the_look_up() {
         }
     }
     let blob = fs::read(run.path("plans.bin")).unwrap();
-    let plan = plan_format::Plan::parse_exact(&blob).unwrap();
-    let layer = plan.find("gate").unwrap().layer(1).unwrap();
+    let blob = plan_format::Blob::parse_exact(&blob).unwrap();
+    let layer = blob.find("gate").unwrap().layer(1).unwrap();
     let cost = npy(&run.path("cost.npy"), "'<f4'");
     let direction = npy(&run.path("direction.npy"), "'|i1'");
     let blocked = npy(&run.path("blocked.npy"), "'|u1'");

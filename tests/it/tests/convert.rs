@@ -8,7 +8,7 @@ use plan_compiler::formats::iplan;
 use plan_compiler::map::Map;
 use plan_compiler::mission::Mission;
 use plan_compiler::problem::Source;
-use plan_format::Plan;
+use plan_format::Blob;
 use proptest::bool::weighted;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -246,10 +246,10 @@ fn there_and_back(text: &str) -> (Map, String) {
         options: &Options::default(),
     };
     let blob = compile(&input, &|_, _| {}, &mut problems).unwrap();
-    let plan = Plan::parse_exact(&blob).unwrap();
-    assert!(iplan::check(&plan).is_empty());
+    let blob = Blob::parse_exact(&blob).unwrap();
+    assert!(iplan::check(&blob).is_empty());
     let mut out = Vec::new();
-    iplan::write(&mut out, &plan, "plans.bin").unwrap();
+    iplan::write(&mut out, &blob, "plans.bin").unwrap();
     (map, String::from_utf8(out).unwrap())
 }
 

@@ -9,7 +9,7 @@ use plan_compiler::map::{Map, Reference};
 use plan_compiler::mission::parse;
 use plan_compiler::problem::Source;
 use plan_compiler::{formats, source};
-use plan_format::{Answer, Cell, Plan};
+use plan_format::{Answer, Blob, Cell};
 use sim::{
     Body, Chassis, HostPilot, Limits, Outcome, Point, Random, ReceiverSettings, Run,
     SensorSettings, SensorSuite, Stream, World,
@@ -64,13 +64,13 @@ fn blob(replacements: &[(&str, &str)]) -> Vec<u8> {
 }
 
 /// The body that the shipped mission describes.
-fn chassis(plan: &Plan<'_>) -> Chassis {
-    Chassis { radius_m: f64::from(plan.parameters().vehicle.radius_m), ..Chassis::default() }
+fn chassis(blob: &Blob<'_>) -> Chassis {
+    Chassis { radius_m: f64::from(blob.parameters().vehicle.radius_m), ..Chassis::default() }
 }
 
 /// A robot of the shipped mission, about to start.
 fn mission<'p>(
-    plan: Plan<'p>,
+    blob: Blob<'p>,
     start: Point,
     heading_rad: f64,
     sensors: SensorSettings,
@@ -78,15 +78,15 @@ fn mission<'p>(
 ) -> Run<'static, SensorSuite, HostPilot<'p>> {
     let Campus { world, reference, .. } = campus();
     let sigma_m = sensors.gps.map_or(0.0, |gps| gps.sigma_m);
-    let body = Body::new(chassis(&plan), start, heading_rad);
+    let body = Body::new(chassis(&blob), start, heading_rad);
     let sensors = SensorSuite::new(sensors, reference, seed);
-    Run::new(world, body, sensors, HostPilot::new(plan), limits(&plan, sigma_m))
+    Run::new(world, body, sensors, HostPilot::new(blob), limits(&blob, sigma_m))
 }
 
 #[test]
 fn the_overlay_is_the_same_campus() {
     let blobs = [blob(&[]), Campus::read("campus.ovl").blob(&[])];
-    let [opar, overlay] = blobs.each_ref().map(|blob| Plan::parse(blob).expect("a good blob"));
+    let [opar, overlay] = blobs.each_ref().map(|blob| Blob::parse(blob).expect("a good blob"));
     let grid = opar.grid();
     assert_eq!(grid, overlay.grid());
     let places = [opar, overlay].map(|plan| {
@@ -121,9 +121,9 @@ fn the_overlay_is_the_same_campus() {
 
 /// Arrival where the robot believes the goal to be, which its receiver puts up to three sigma
 /// off in almost all cases.
-fn limits(plan: &Plan<'_>, sigma_m: f64) -> Limits {
-    let goal = plan.goal().expect("the mission has a goal");
-    let tolerance_m = f64::from(plan.parameters().schemas.goal_tolerance_m);
+fn limits(blob: &Blob<'_>, sigma_m: f64) -> Limits {
+    let goal = blob.goal().expect("the mission has a goal");
+    let tolerance_m = f64::from(blob.parameters().schemas.goal_tolerance_m);
     Limits {
         goal_tolerance_m: tolerance_m + 0.2 + 3.0 * sigma_m,
         ..Limits::to_goal([f64::from(goal.x), f64::from(goal.y)])

@@ -1,6 +1,6 @@
 //! Who drives: whatever answers a record of sensors with a record of commands.
 
-use plan_format::Plan;
+use plan_format::Blob;
 use robot_io::{CommandRecord, Percepts, SensorRecord};
 use runtime::lockstep::{Link, Mailbox, drive};
 use std::fmt;
@@ -47,9 +47,9 @@ pub struct HostPilot<'p> {
 
 impl<'p> HostPilot<'p> {
     /// A robot before its first tick.
-    pub fn new(plan: Plan<'p>) -> Self {
+    pub fn new(blob: Blob<'p>) -> Self {
         let mailbox = Rc::new(Mailbox::default());
-        let robot = Box::pin(drive(plan, Shared(Rc::clone(&mailbox))));
+        let robot = Box::pin(drive(blob, Shared(Rc::clone(&mailbox))));
         Self { mailbox, robot }
     }
 

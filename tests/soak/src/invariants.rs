@@ -3,7 +3,7 @@
 use behaviour::{Behaviours, Decision, MAX_RUNNING, Phase, REST_US};
 use controller::{Explanation, State};
 use monitor::{Entry, Grid, Id, Node, Relation, Signal, Violation};
-use plan_format::Plan;
+use plan_format::Blob;
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
 use plan_format::mission::{Life, Mission, Symbol};
 use robot_io::Percepts;
@@ -23,13 +23,13 @@ impl Watch {
     /// Checks everything after a tick; an error says what does not hold.
     pub fn check(
         &mut self,
-        plan: &Plan<'_>,
+        blob: &Blob<'_>,
         state: &State,
         percepts: &Percepts,
         explanation: &Explanation,
     ) -> Result<(), String> {
-        let mission = plan.mission();
-        self.commands_are_possible(plan, explanation)?;
+        let mission = blob.mission();
+        self.commands_are_possible(blob, explanation)?;
         places_are_used_by_plans_in_progress(&state.behaviours)?;
         only_what_may_run_together_does(&mission, &state.behaviours)?;
         resources_have_one_holder(&mission, &state.behaviours)?;
@@ -46,11 +46,11 @@ impl Watch {
 
     fn commands_are_possible(
         &self,
-        plan: &Plan<'_>,
+        blob: &Blob<'_>,
         explanation: &Explanation,
     ) -> Result<(), String> {
         let commands = &explanation.commands;
-        let vehicle = &plan.parameters().vehicle;
+        let vehicle = &blob.parameters().vehicle;
         // Comparisons with what is not a number are false.
         let is_possible = commands.speed_mps.abs() <= vehicle.max_speed_mps
             && commands.turn_rate_radps.abs() <= vehicle.max_turn_rate_radps;

@@ -22,7 +22,7 @@ use behaviour::Decision;
 use controller::{Explanation, State};
 use invariants::Watch;
 use monitor::{Doubt, Signal, Violation};
-use plan_format::Plan;
+use plan_format::Blob;
 use random::Random;
 use robot_io::TraceHash;
 use std::collections::BTreeMap;
@@ -127,23 +127,23 @@ fn run_ticks(
     summary: &mut Summary,
     hash: &mut TraceHash,
 ) -> Result<(), String> {
-    let plan = Plan::parse(blob).map_err(|error| format!("it is refused: {error}"))?;
-    let mut world = World::new(&plan, random);
-    let mut state = State::new(&plan);
+    let blob = Blob::parse(blob).map_err(|error| format!("it is refused: {error}"))?;
+    let mut world = World::new(&blob, random);
+    let mut state = State::new(&blob);
     let mut watch = Watch::default();
     for _ in 0..ticks {
         *tick += 1;
         summary.ticks += 1;
         let percepts = world.percepts(random);
         let copy = random.one_in(REPEATED).then(|| state.clone());
-        let explanation = controller::explain(&plan, &mut state, &percepts);
+        let explanation = controller::explain(&blob, &mut state, &percepts);
         if let Some(mut copy) = copy {
-            let again = controller::explain(&plan, &mut copy, &percepts);
+            let again = controller::explain(&blob, &mut copy, &percepts);
             if again != explanation || copy != state {
                 return Err("a repeated tick does something else".into());
             }
         }
-        watch.check(&plan, &state, &percepts, &explanation)?;
+        watch.check(&blob, &state, &percepts, &explanation)?;
         count(summary, &state, &explanation);
         hash.record(&percepts, &explanation.commands);
         world.go(&explanation.commands, random);

@@ -2,7 +2,7 @@
 
 use crate::random::Random;
 use math::{Vec2, scalar, vector};
-use plan_format::Plan;
+use plan_format::Blob;
 use robot_io::{Commands, Fix, Manual, Operator, Percepts, RangeReading};
 
 /// The usual time between two ticks, microseconds.
@@ -11,7 +11,7 @@ const TICK_US: u64 = 50_000;
 /// A body that does what it is told, and sensors that do not.
 #[derive(Clone, Debug)]
 pub struct World<'a> {
-    plan: Plan<'a>,
+    blob: Blob<'a>,
     time_us: u64,
     position: Vec2,
     heading_rad: f32,
@@ -22,9 +22,9 @@ pub struct World<'a> {
 
 impl<'a> World<'a> {
     /// Somewhere on the map.
-    pub fn new(plan: &Plan<'a>, random: &mut Random) -> Self {
+    pub fn new(blob: &Blob<'a>, random: &mut Random) -> Self {
         Self {
-            plan: *plan,
+            blob: *blob,
             time_us: random.below(1 << 40),
             position: Vec2::new(random.between(0.0, 20.0), random.between(0.0, 20.0)),
             heading_rad: random.between(-3.0, 3.0),
@@ -44,7 +44,7 @@ impl<'a> World<'a> {
             3 => Some(f32::from_bits(random.below(1 << 32) as u32)),
             _ => Some(value),
         };
-        let fix = self.plan.frame().filter(|_| self.has_fix).map(|frame| Fix {
+        let fix = self.blob.frame().filter(|_| self.has_fix).map(|frame| Fix {
             time_us: self.time_us,
             is_valid: !random.one_in(100),
             place: frame.to_geodetic(self.position),

@@ -2,7 +2,7 @@
 
 use behaviour::Decision;
 use controller::{State, explain};
-use plan_format::Plan;
+use plan_format::Blob;
 use robot_io::{Operator, Percepts};
 use soak::{KINDS, fixtures, soak};
 
@@ -40,12 +40,12 @@ fn armed(time_us: u64, inputs: [Option<f32>; 8]) -> Percepts {
 #[test]
 fn a_million_iterations_take_constant_memory() {
     let blob = fixtures::blob(fixtures::endless_loop()).expect("the mission is sound");
-    let plan = Plan::parse(&blob).expect("the blob is sound");
-    let mut state = State::new(&plan);
+    let blob = Blob::parse(&blob).expect("the blob is sound");
+    let mut state = State::new(&blob);
     let (mut iterations, mut tick) = (0_u32, 0);
     while iterations < 1_000_000 {
         tick += 1;
-        let explanation = explain(&plan, &mut state, &armed(tick * 50_000, [None; 8]));
+        let explanation = explain(&blob, &mut state, &armed(tick * 50_000, [None; 8]));
         let chosen = explanation.report.decisions.iter();
         let chosen = chosen.filter(|decision| matches!(decision, Decision::Chose { .. })).count();
         assert!(chosen > 0 && state.behaviours.components() <= 3, "tick {tick}");
@@ -59,15 +59,15 @@ fn a_million_iterations_take_constant_memory() {
 #[test]
 fn sixteen_behaviours_starve_nobody() {
     let blob = fixtures::blob(fixtures::sixteen()).expect("the mission is sound");
-    let plan = Plan::parse(&blob).expect("the blob is sound");
-    let hysteresis = plan.mission().behaviours().get(0).expect("there are sixteen").hysteresis;
-    let mut state = State::new(&plan);
+    let blob = Blob::parse(&blob).expect("the blob is sound");
+    let hysteresis = blob.mission().behaviours().get(0).expect("there are sixteen").hysteresis;
+    let mut state = State::new(&blob);
     let (mut waits, mut longest, mut switches) = ([0_u32; 16], 0, 0);
     for tick in 1..=20_000_u32 {
         // Eight waves of different lengths.
         let wave = |channel: u32| Some(fixtures::wave(tick * 64 / (7 + 4 * channel)));
         let inputs = [0, 1, 2, 3, 4, 5, 6, 7].map(wave);
-        let explanation = explain(&plan, &mut state, &armed(u64::from(tick) * 50_000, inputs));
+        let explanation = explain(&blob, &mut state, &armed(u64::from(tick) * 50_000, inputs));
         let criticalities = explanation.report.criticalities;
         let most = criticalities.iter().copied().fold(0.0, f32::max);
         for (index, wait) in waits.iter_mut().enumerate() {
@@ -91,14 +91,14 @@ fn sixteen_behaviours_starve_nobody() {
 #[test]
 fn the_mission_of_the_budget_is_as_large_as_it_says() {
     let blob = fixtures::blob(fixtures::budget()).expect("the mission is sound");
-    let plan = Plan::parse(&blob).expect("the blob is sound");
-    let mission = plan.mission();
+    let blob = Blob::parse(&blob).expect("the blob is sound");
+    let mission = blob.mission();
     assert_eq!((mission.behaviours().len(), mission.rules().len()), (4, 16));
-    let mut state = State::new(&plan);
+    let mut state = State::new(&blob);
     let (mut most, mut engaged) = (0, 0_u16);
     for tick in 1..=400_u32 {
         let mut percepts = armed(u64::from(tick) * 50_000, [Some(fixtures::wave(tick)); 8]);
-        percepts.fix = plan.frame().map(|frame| robot_io::Fix {
+        percepts.fix = blob.frame().map(|frame| robot_io::Fix {
             time_us: percepts.time_us,
             is_valid: true,
             place: frame.to_geodetic(math::Vec2::new(3.5, 3.5)),
@@ -106,7 +106,7 @@ fn the_mission_of_the_budget_is_as_large_as_it_says() {
             velocity_mmps: None,
         });
         percepts.heading_rad = Some(0.0);
-        let explanation = explain(&plan, &mut state, &percepts);
+        let explanation = explain(&blob, &mut state, &percepts);
         assert_eq!(explanation.commands.reason, robot_io::Reason::Driving, "tick {tick}");
         assert_eq!(explanation.report.omitted, 0, "tick {tick}");
         most = most.max(state.behaviours.components());

@@ -4,7 +4,7 @@
 use crate::bench::{ORIGIN, Robot, blob, open_field};
 use math::{scalar, vector};
 use plan_format::parameters::{Gains, Selection};
-use plan_format::{Parameters, Plan};
+use plan_format::{Blob, Parameters};
 use robot_io::{Percepts, RangeReading, Reason};
 
 const MAP: &str = "
@@ -32,8 +32,8 @@ fn passing_obstacles(time_us: u64, percepts: &mut Percepts) {
 }
 
 /// The bits of speed and turn rate along a run of `ticks`.
-fn run(plan: Plan<'_>, ticks: usize) -> Vec<(u32, u32)> {
-    let mut robot = Robot::new(plan, 1.5, 2.5);
+fn run(blob: Blob<'_>, ticks: usize) -> Vec<(u32, u32)> {
+    let mut robot = Robot::new(blob, 1.5, 2.5);
     let mut bits = |_| {
         let time_us = robot.time_us;
         let commands = robot.drive_with(|percepts| passing_obstacles(time_us, percepts));
@@ -46,9 +46,9 @@ fn run(plan: Plan<'_>, ticks: usize) -> Vec<(u32, u32)> {
 fn w15_a_planning_gain_of_zero_is_pure_reactive_control_bit_for_bit() {
     let reactive = with_gains(Gains::REACTIVE_ONLY);
     let blob = blob(&[MAP], reactive);
-    let plan = Plan::parse(&blob).unwrap();
-    let without_map = Plan::without_map(reactive, Some(ORIGIN), plan.goal());
-    let with_map = run(plan, 400);
+    let blob = Blob::parse(&blob).unwrap();
+    let without_map = Blob::without_map(reactive, Some(ORIGIN), blob.goal());
+    let with_map = run(blob, 400);
     assert_eq!(with_map, run(without_map, 400));
     assert!(with_map.iter().any(|bits| *bits != with_map[0]), "something happened");
 }
@@ -57,7 +57,7 @@ fn w15_a_planning_gain_of_zero_is_pure_reactive_control_bit_for_bit() {
 #[test]
 fn w15_without_a_map_every_mix_is_pure_reactive_control() {
     let plan_for = |gains| {
-        Plan::without_map(with_gains(gains), Some(ORIGIN), Some(math::Vec2::new(19.5, 2.5)))
+        Blob::without_map(with_gains(gains), Some(ORIGIN), Some(math::Vec2::new(19.5, 2.5)))
     };
     let expected = run(plan_for(Gains::REACTIVE_ONLY), 400);
     for gains in [Gains::MOSTLY_REACTIVE, Gains::MOSTLY_PLAN, Gains::PLAN_ONLY] {
@@ -69,7 +69,7 @@ fn w15_without_a_map_every_mix_is_pure_reactive_control() {
 fn w15_the_advice_has_an_effect_where_it_has_a_gain() {
     let mixed = blob(&[MAP], with_gains(Gains::MOSTLY_PLAN));
     let reactive = blob(&[MAP], with_gains(Gains::REACTIVE_ONLY));
-    let bits = |blob| run(Plan::parse(blob).unwrap(), 400);
+    let bits = |blob| run(Blob::parse(blob).unwrap(), 400);
     assert_ne!(bits(&mixed), bits(&reactive));
 }
 
@@ -79,7 +79,7 @@ fn w15_the_advice_has_an_effect_where_it_has_a_gain() {
 fn w15_repulsion_within_the_margin_beats_the_advice() {
     for gains in [Gains::REACTIVE_ONLY, Gains::MOSTLY_REACTIVE, Gains::MOSTLY_PLAN] {
         let blob = blob(&[&open_field(20, 5, (19, 2))], with_gains(gains));
-        let mut robot = Robot::new(Plan::parse(&blob).unwrap(), 1.5, 2.5);
+        let mut robot = Robot::new(Blob::parse(&blob).unwrap(), 1.5, 2.5);
         let slightly_left = RangeReading { bearing_rad: 0.2, distance_m: 0.75 };
         let commands =
             robot.tick_with(|percepts| percepts.ranges = [slightly_left].into_iter().collect());
@@ -94,10 +94,10 @@ fn w28_a_change_of_gains_takes_effect_at_the_next_tick() {
     let map = open_field(40, 40, (39, 10));
     let blobs =
         [Gains::REACTIVE_ONLY, Gains::PLAN_ONLY].map(|gains| blob(&[&map], with_gains(gains)));
-    let [reactive, plan_only] = [&blobs[0], &blobs[1]].map(|blob| Plan::parse(blob).unwrap());
+    let [reactive, plan_only] = [&blobs[0], &blobs[1]].map(|blob| Blob::parse(blob).unwrap());
     let mut robot = Robot::new(reactive, 1.5, 1.5);
     let before = robot.tick_with(|_| {});
-    robot.plan = plan_only;
+    robot.blob = plan_only;
     let after = robot.tick_with(|_| {});
     // Straight to the goal is 13 degrees; the plan says north-east first.
     assert!(after.turn_rate_radps > before.turn_rate_radps + 0.3, "{before:?} {after:?}");
@@ -110,7 +110,7 @@ fn w25_dynamic_selection_acts_at_the_tick_of_the_crossing() {
     let walled = "#.......\n#.......\n#......G";
     let parameters = Parameters { selection: Selection::Dynamic, ..with_gains(Gains::PLAN_ONLY) };
     let blob = blob(&[free, walled], parameters);
-    let mut robot = Robot::new(Plan::parse(&blob).unwrap(), 1.5, 2.5);
+    let mut robot = Robot::new(Blob::parse(&blob).unwrap(), 1.5, 2.5);
     for (x, expected) in [(1.5, Reason::Driving), (0.5, Reason::Driving), (1.5, Reason::Driving)] {
         robot.carry_to(x);
         assert_eq!(robot.tick_with(|_| {}).reason, expected);
@@ -125,7 +125,7 @@ fn w17_blending_smooths_the_bias_of_eight_directions() {
     let map = open_field(110, 50, (105, 43));
     let turning = |gains: Gains| {
         let blob = blob(&[&map], with_gains(Gains { noise: 0.0, ..gains }));
-        let mut robot = Robot::new(Plan::parse(&blob).unwrap(), 5.5, 2.0);
+        let mut robot = Robot::new(Blob::parse(&blob).unwrap(), 5.5, 2.0);
         let mut turned_rad = 0.0;
         for _ in 0..4_000 {
             let before_rad = robot.heading_rad;
@@ -176,13 +176,13 @@ fn a_plan_leads_out_of_a_pocket_that_holds_a_reactive_robot() {
         [(Gains::MOSTLY_PLAN, true), (Gains::PLAN_ONLY, true), (Gains::REACTIVE_ONLY, false)]
     {
         let blob = blob(&[map], with_gains(gains));
-        let plan = Plan::parse(&blob).unwrap();
-        let mut robot = Robot::new(plan, 13.5, 11.5);
+        let blob = Blob::parse(&blob).unwrap();
+        let mut robot = Robot::new(blob, 13.5, 11.5);
         let arrived = (0..4_000).any(|_| {
             let (position, heading_rad) = (robot.position, robot.heading_rad);
             let ring = |percepts: &mut Percepts| {
                 percepts.ranges =
-                    (0..16).filter_map(|i| ray(&plan, position, heading_rad, i)).collect();
+                    (0..16).filter_map(|i| ray(&blob, position, heading_rad, i)).collect();
             };
             robot.drive_with(ring).reason == Reason::AtGoal
         });
@@ -191,12 +191,12 @@ fn a_plan_leads_out_of_a_pocket_that_holds_a_reactive_robot() {
 }
 
 /// The obstacle cell that ray `index` of sixteen meets first, within 8 m.
-fn ray(plan: &Plan<'_>, from: math::Vec2, heading_rad: f32, index: usize) -> Option<RangeReading> {
+fn ray(blob: &Blob<'_>, from: math::Vec2, heading_rad: f32, index: usize) -> Option<RangeReading> {
     let bearing_rad = scalar::wrap_angle(index as f32 * (scalar::TAU / 16.0));
     let direction = vector::from_angle(heading_rad + bearing_rad);
-    let layer = plan.parallel_plan(0)?.layer(0)?;
+    let layer = blob.parallel_plan(0)?.layer(0)?;
     let is_blocked = |distance_m: &f32| {
-        let cell = plan.cell_at(from + direction * *distance_m);
+        let cell = blob.cell_at(from + direction * *distance_m);
         cell.is_some_and(|cell| matches!(layer.look_up(cell), plan_format::Answer::Blocked { .. }))
     };
     let distance_m = (0..160).map(|i| i as f32 * 0.05).find(is_blocked)?;

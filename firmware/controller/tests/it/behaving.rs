@@ -1,6 +1,6 @@
 //! What running actions make the robot do.
 
-use plan_format::Plan;
+use plan_format::Blob;
 use plan_format::mission::{ActionKind, Label};
 use robot_io::{Commands, Reason};
 
@@ -8,7 +8,7 @@ use crate::bench::{Robot, behaving_blob, open_field};
 
 fn ticks(actions: &[ActionKind], count: usize) -> Vec<Commands> {
     let blob = behaving_blob(&open_field(30, 30, (25, 15)), Label::PS, actions);
-    let mut robot = Robot::new(Plan::parse(&blob).expect("the blob is sound"), 5.5, 15.5);
+    let mut robot = Robot::new(Blob::parse(&blob).expect("the blob is sound"), 5.5, 15.5);
     (0..count).map(|_| robot.tick_with(|_| {})).collect()
 }
 

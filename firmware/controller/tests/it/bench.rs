@@ -9,7 +9,7 @@ use plan_format::mission::{
     MissionDraft, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
 };
 use plan_format::{
-    Cell, Draft, Grid, LayerDraft, Origin, Parameters, Plan, PlanDraft, pack, write,
+    Blob, Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, pack, write,
 };
 use robot_io::{Commands, Fix, Operator, Percepts, RangeReading};
 
@@ -158,7 +158,7 @@ pub(crate) fn open_field(columns: usize, rows: usize, goal: (usize, usize)) -> S
 /// A controller and the pose of its body.
 #[derive(Clone)]
 pub(crate) struct Robot<'a> {
-    pub(crate) plan: Plan<'a>,
+    pub(crate) blob: Blob<'a>,
     pub(crate) state: State,
     pub(crate) time_us: u64,
     pub(crate) position: Vec2,
@@ -166,14 +166,14 @@ pub(crate) struct Robot<'a> {
 }
 
 impl<'a> Robot<'a> {
-    pub(crate) fn new(plan: Plan<'a>, x: f32, y: f32) -> Self {
-        let state = State::new(&plan);
-        Self { plan, state, time_us: 1_000_000, position: Vec2::new(x, y), heading_rad: 0.0 }
+    pub(crate) fn new(blob: Blob<'a>, x: f32, y: f32) -> Self {
+        let state = State::new(&blob);
+        Self { blob, state, time_us: 1_000_000, position: Vec2::new(x, y), heading_rad: 0.0 }
     }
 
     /// What a robot without sensor errors perceives in this pose, armed and with nothing around.
     pub(crate) fn percepts(&self) -> Percepts {
-        let fix = self.plan.frame().map(|frame| Fix {
+        let fix = self.blob.frame().map(|frame| Fix {
             time_us: self.time_us,
             is_valid: true,
             place: frame.to_geodetic(self.position),
@@ -195,7 +195,7 @@ impl<'a> Robot<'a> {
     pub(crate) fn tick_with(&mut self, change: impl FnOnce(&mut Percepts)) -> Commands {
         let mut percepts = self.percepts();
         change(&mut percepts);
-        let commands = tick(&self.plan, &mut self.state, &percepts);
+        let commands = tick(&self.blob, &mut self.state, &percepts);
         self.time_us += TICK_US;
         commands
     }

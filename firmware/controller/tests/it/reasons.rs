@@ -4,7 +4,7 @@ use crate::bench::{ORIGIN, Robot, ahead, armed, behaving_blob, blob, blob_at, op
 use math::{GeoPoint, Vec2};
 use plan_format::mission::{ActionKind, Label};
 use plan_format::parameters::{Gains, OnTrouble};
-use plan_format::{Parameters, Plan};
+use plan_format::{Blob, Parameters};
 use robot_io::{Manual, Operator, Percepts, Reason, Receiver};
 
 /// Goal in the east; a walled-in pocket in the west; an obstacle in the middle.
@@ -28,11 +28,11 @@ use Does::{Drives, Stops};
 
 fn after(
     ticks: usize,
-    plan: Plan<'_>,
+    blob: Blob<'_>,
     at: (f32, f32),
     change: &dyn Fn(usize, &mut Percepts),
 ) -> (Reason, Does) {
-    let mut robot = Robot::new(plan, at.0, at.1);
+    let mut robot = Robot::new(blob, at.0, at.1);
     let mut last = None;
     for index in 0..ticks {
         last = Some(robot.tick_with(|percepts| change(index, percepts)));
@@ -184,13 +184,13 @@ fn w14_w23_every_reason_is_reached_and_defined() {
     ];
     let mut reached = vec![false; 22];
     for (name, blob, at, ticks, change, reason, does) in table {
-        let plan = Plan::parse(blob).expect("the blob is sound");
-        let (result, did) = after(*ticks, plan, *at, *change);
+        let blob = Blob::parse(blob).expect("the blob is sound");
+        let (result, did) = after(*ticks, blob, *at, *change);
         assert_eq!((&result, &did), (reason, does), "{name}");
         reached[index_of(result)] = true;
     }
 
-    let without_map = |goal| Plan::without_map(Parameters::default(), Some(ORIGIN), goal);
+    let without_map = |goal| Blob::without_map(Parameters::default(), Some(ORIGIN), goal);
     let to_a_goal = after(1, without_map(Some(Vec2::new(9.0, 9.0))), START, &nothing);
     assert_eq!(to_a_goal, (Reason::NoPlan, Drives));
     assert_eq!(after(1, without_map(None), START, &nothing), (Reason::NoPlan, Stops));
@@ -214,7 +214,7 @@ fn emergency_stop_disarm_and_manual_outrank_everything_in_this_order() {
     ];
     for (is_armed, is_emergency_stop, manual, reason) in table {
         for has_fix in [true, false] {
-            let mut robot = Robot::new(Plan::parse(&blob).unwrap(), START.0, START.1);
+            let mut robot = Robot::new(Blob::parse(&blob).unwrap(), START.0, START.1);
             let commands = robot.tick_with(|percepts| {
                 percepts.operator = Operator { is_armed, is_emergency_stop, manual };
                 percepts.fix = percepts.fix.filter(|_| has_fix);
@@ -233,7 +233,7 @@ fn emergency_stop_disarm_and_manual_outrank_everything_in_this_order() {
 fn an_arrival_lasts_until_the_robot_is_moved_away_or_disarmed() {
     let map = open_field(30, 30, (15, 15));
     let blob = blob(&[&map], Parameters::default());
-    let mut robot = Robot::new(Plan::parse(&blob).unwrap(), 11.0, 15.5);
+    let mut robot = Robot::new(Blob::parse(&blob).unwrap(), 11.0, 15.5);
     let mut reason_at = |x: f32, is_armed: bool| {
         robot.carry_to(x);
         robot.tick_with(|percepts| percepts.operator = Operator { is_armed, ..armed() }).reason
@@ -265,7 +265,7 @@ fn near_the_goal_behind_a_wall_is_not_at_the_goal() {
     parameters.schemas.goal_tolerance_m = 2.5;
     let blob = blob(&[map], parameters);
     for (x, expected) in [(3.5, Reason::Driving), (7.5, Reason::AtGoal)] {
-        let mut robot = Robot::new(Plan::parse(&blob).unwrap(), x, 2.0);
+        let mut robot = Robot::new(Blob::parse(&blob).unwrap(), x, 2.0);
         assert_eq!(robot.tick_with(|_| {}).reason, expected, "at {x}");
     }
 }
@@ -276,7 +276,7 @@ fn w29_a_static_choice_is_made_at_the_start() {
     let free = "......\n.....G";
     let cut = ".#....\n.#...G";
     let blob = blob(&[free, cut], Parameters::default());
-    let mut robot = Robot::new(Plan::parse(&blob).unwrap(), 0.5, 0.5);
+    let mut robot = Robot::new(Blob::parse(&blob).unwrap(), 0.5, 0.5);
     let mut layer_at = |x: f32, is_armed: bool| {
         robot.carry_to(x);
         robot.tick_with(|percepts| percepts.operator = Operator { is_armed, ..armed() });

@@ -4,7 +4,7 @@ use crate::bench::{ORIGIN, blob, open_field};
 use controller::{State, tick};
 use math::{GeoPoint, Vec2};
 use plan_format::parameters::{Gains, OnTrouble, Selection, Steering};
-use plan_format::{Parameters, Plan};
+use plan_format::{Blob, Parameters};
 use proptest::prelude::*;
 use robot_io::{Commands, Fix, Manual, Operator, Percepts, RangeReading, Receiver, TraceHash};
 
@@ -160,14 +160,14 @@ proptest! {
         let free = open_field(30, 30, (25, 25));
         let walled = free.replacen("....", ".##.", 40);
         let blob = blob(&[&free, &walled], parameters);
-        let plan = if has_map {
-            Plan::parse(&blob).expect("the blob is sound")
+        let blob = if has_map {
+            Blob::parse(&blob).expect("the blob is sound")
         } else {
-            Plan::without_map(parameters, Some(ORIGIN), Some(Vec2::new(25.0, 25.0)))
+            Blob::without_map(parameters, Some(ORIGIN), Some(Vec2::new(25.0, 25.0)))
         };
-        let mut state = State::new(&plan);
+        let mut state = State::new(&blob);
         for percepts in &history {
-            let commands = tick(&plan, &mut state, percepts);
+            let commands = tick(&blob, &mut state, percepts);
             // False for what is not a number.
             prop_assert!(is_bounded(&commands, &parameters), "{:?}", commands);
         }
@@ -177,21 +177,21 @@ proptest! {
     #[test]
     fn a_frozen_state_replays_the_same_ticks(history in history(), parameters in parameters()) {
         let blob = blob(&[&open_field(30, 30, (25, 25))], parameters);
-        let plan = Plan::parse(&blob).expect("the blob is sound");
+        let blob = Blob::parse(&blob).expect("the blob is sound");
         let (before, after) = history.split_at(history.len() / 2);
-        let mut state = State::new(&plan);
-        run(&plan, &mut state, before);
+        let mut state = State::new(&blob);
+        run(&blob, &mut state, before);
         let mut cloned = state.clone();
-        let trace = run(&plan, &mut state, after);
-        prop_assert_eq!(run(&plan, &mut cloned, after), trace);
+        let trace = run(&blob, &mut state, after);
+        prop_assert_eq!(run(&blob, &mut cloned, after), trace);
         prop_assert_eq!(cloned, state);
     }
 }
 
-fn run(plan: &Plan<'_>, state: &mut State, history: &[Percepts]) -> TraceHash {
+fn run(blob: &Blob<'_>, state: &mut State, history: &[Percepts]) -> TraceHash {
     let mut trace = TraceHash::default();
     for percepts in history {
-        let commands = tick(plan, state, percepts);
+        let commands = tick(blob, state, percepts);
         trace.record(&percepts.sanitised(), &commands);
     }
     trace

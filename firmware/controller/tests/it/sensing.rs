@@ -3,14 +3,14 @@
 use crate::bench::{ORIGIN, TICK_US, blob_at, open_field};
 use controller::sense::{Sensed, Track, sense};
 use math::{Vec2, scalar};
-use plan_format::{Origin, Parameters, Plan};
+use plan_format::{Blob, Origin, Parameters};
 use robot_io::{Commands, Fix, Percepts, Reason};
 
 const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
 
 /// A track, and a clock that goes on by a tick at each look.
 struct Watch<'a> {
-    plan: Plan<'a>,
+    blob: Blob<'a>,
     track: Track,
     time_us: u64,
 }
@@ -18,12 +18,12 @@ struct Watch<'a> {
 impl<'a> Watch<'a> {
     fn new(origin: Origin) -> Self {
         let goal = Some(Vec2::new(50.0, 50.0));
-        let plan = Plan::without_map(Parameters::default(), Some(origin), goal);
-        Self { plan, track: Track::default(), time_us: 10_000_000 }
+        let blob = Blob::without_map(Parameters::default(), Some(origin), goal);
+        Self { blob, track: Track::default(), time_us: 10_000_000 }
     }
 
     fn fix(&self, x: f32, y: f32) -> Fix {
-        let frame = self.plan.frame().expect("there is an origin");
+        let frame = self.blob.frame().expect("there is an origin");
         Fix {
             time_us: self.time_us,
             is_valid: true,
@@ -36,7 +36,7 @@ impl<'a> Watch<'a> {
     fn look(&mut self, percepts: Percepts) -> Sensed {
         let percepts = Percepts { time_us: self.time_us, ..percepts };
         self.time_us += TICK_US;
-        sense(&self.plan, &mut self.track, &percepts)
+        sense(&self.blob, &mut self.track, &percepts)
     }
 }
 
@@ -188,7 +188,7 @@ fn a_clock_that_runs_backwards_starts_a_new_history() {
 #[test]
 fn a_map_without_a_place_on_the_globe_has_no_positions() {
     let blob = blob_at(&[&open_field(3, 3, (1, 1))], Parameters::default(), None);
-    let plan = Plan::parse(&blob).unwrap();
-    let sensed = sense(&plan, &mut Track::default(), &Percepts::default());
+    let blob = Blob::parse(&blob).unwrap();
+    let sensed = sense(&blob, &mut Track::default(), &Percepts::default());
     assert_eq!(sensed, Sensed { position: Err(Reason::NoOrigin), heading_rad: None });
 }

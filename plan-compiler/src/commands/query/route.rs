@@ -9,7 +9,7 @@ use plan_compiler::compile::{metres, pair};
 use plan_compiler::map::Point;
 use plan_compiler::problem::Problem;
 use plan_compiler::route::{self, Route};
-use plan_format::{Layer, ParallelPlan, Plan};
+use plan_format::{Blob, Layer, ParallelPlan};
 use serde::Serialize;
 use serde_json::json;
 use std::io::Write;
@@ -26,13 +26,13 @@ struct Pose {
 /// Writes the route from a point to the goal; an error says why there is none.
 pub(super) fn write(
     out: &mut dyn Write,
-    plan: &Plan<'_>,
+    blob: &Blob<'_>,
     (parallel, layer): &(ParallelPlan<'_>, Layer<'_>),
     start: Point,
     format: RouteFormat,
 ) -> Result<(), Failure> {
     let name = format!("{}/{}", parallel.name(), layer.name());
-    let followed = route::follow(plan.grid(), layer, parallel.goal_m(), start);
+    let followed = route::follow(blob.grid(), layer, parallel.goal_m(), start);
     let route = followed.map_err(|reason| {
         let message = format!("{name} has no route from {}: {reason}", pair(start));
         Problem::error(message).mend(mend(reason))
@@ -44,9 +44,9 @@ pub(super) fn write(
                 json!({ "layer": name, "frame_id": "map", "length_m": length_m, "poses": poses });
             writeln!(out, "{whole}")?;
         }
-        RouteFormat::Csv => write_table(out, plan, &route)?,
+        RouteFormat::Csv => write_table(out, blob, &route)?,
         RouteFormat::Geojson => {
-            let line = line(plan, &route).ok_or_else(|| {
+            let line = line(blob, &route).ok_or_else(|| {
                 Problem::error("the plans have no place on the globe, which GeoJSON needs").mend(
                     "write --format json or csv, or give the map a reference: GLOBAL_REF_POINT in \
                      an overlay",
@@ -80,8 +80,8 @@ fn poses(route: &Route) -> Vec<Pose> {
     (0..points.len()).map(pose).collect()
 }
 
-fn write_table(out: &mut dyn Write, plan: &Plan<'_>, route: &Route) -> Result<(), Failure> {
-    let line = line(plan, route);
+fn write_table(out: &mut dyn Write, blob: &Blob<'_>, route: &Route) -> Result<(), Failure> {
+    let line = line(blob, route);
     writeln!(out, "x,y,yaw{}", if line.is_some() { ",lat,lon" } else { "" })?;
     for (index, pose) in poses(route).iter().enumerate() {
         write!(out, "{},{},{}", metres(pose.x), metres(pose.y), metres(pose.yaw))?;
@@ -94,8 +94,8 @@ fn write_table(out: &mut dyn Write, plan: &Plan<'_>, route: &Route) -> Result<()
 }
 
 /// Longitude and latitude of every point; `None` where the plans have no place on the globe.
-fn line(plan: &Plan<'_>, route: &Route) -> Option<Vec<[f64; 2]>> {
-    let frame = plan.frame()?;
+fn line(blob: &Blob<'_>, route: &Route) -> Option<Vec<[f64; 2]>> {
+    let frame = blob.frame()?;
     let place = |&[x, y]: &Point| {
         let place = frame.to_geodetic(Vec2::new(x as f32, y as f32));
         [place.lon_deg(), place.lat_deg()]

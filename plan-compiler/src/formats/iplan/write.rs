@@ -9,16 +9,16 @@ use super::{CONTINGENCY, OBSTACLE, UNREACHED};
 use crate::bitmap::Bitmap;
 use crate::problem::Problem;
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
-use plan_format::{Answer, Cell, Grid, Layer, ParallelPlan, Plan};
+use plan_format::{Answer, Blob, Cell, Grid, Layer, ParallelPlan};
 use std::f64::consts::SQRT_2;
 use std::io::{self, Write};
 
 /// What of a blob cannot be said in an Iplan.dat, and what its reader should know.
-pub fn check(plan: &Plan<'_>) -> Vec<Problem> {
-    let grid = plan.grid();
+pub fn check(blob: &Blob<'_>) -> Vec<Problem> {
+    let grid = blob.grid();
     let mut problems = Vec::new();
     let mut first: Option<Bitmap> = None;
-    for (parallel, layer) in layers(plan) {
+    for (parallel, layer) in layers(blob) {
         let name = format!("{}/{}", parallel.name(), layer.name());
         let costs = cells(grid).filter_map(|cell| match layer.look_up(cell) {
             Answer::Move { cost, .. } => Some(metres(cost, grid)),
@@ -43,7 +43,7 @@ pub fn check(plan: &Plan<'_>) -> Vec<Problem> {
         first.get_or_insert(blocked);
     }
     if first.is_none() {
-        let problem = Problem::error("the blob holds no plan at all");
+        let problem = Problem::error("the blob holds no blob at all");
         problems.push(problem.mend("build it with a goal: an Iplan.dat needs one"));
     }
     let [x, y] = offset(grid).map(micrometres);
@@ -56,27 +56,27 @@ pub fn check(plan: &Plan<'_>) -> Vec<Problem> {
 }
 
 /// Writes the plans of a blob that passed [`check`]; `name` is that of the file they come from.
-pub fn write(out: &mut dyn Write, plan: &Plan<'_>, name: &str) -> io::Result<()> {
+pub fn write(out: &mut dyn Write, blob: &Blob<'_>, name: &str) -> io::Result<()> {
     // A name is a line.
     let name: String = name.chars().filter(|symbol| !symbol.is_control()).collect();
     let title = name.split('.').find(|part| !part.is_empty()).unwrap_or("plan");
-    let contingency = plan.find(CONTINGENCY);
+    let contingency = blob.find(CONTINGENCY);
     let skipped = usize::from(contingency.is_some());
     let elements = || {
-        let first = contingency.and_then(|_| layers(plan).position(|(p, _)| is_contingency(&p)));
-        layers(plan).enumerate().filter(move |(index, _)| Some(*index) != first)
+        let first = contingency.and_then(|_| layers(blob).position(|(p, _)| is_contingency(&p)));
+        layers(blob).enumerate().filter(move |(index, _)| Some(*index) != first)
     };
-    let count = layers(plan).count() - skipped;
+    let count = layers(blob).count() - skipped;
     write!(out, "{title}\n{name}\nORDERED\nFALSE\nTEXT\n{count}\n")?;
-    let followed = || plan.parallel_plan(usize::from(plan.parameters().plan));
+    let followed = || blob.parallel_plan(usize::from(blob.parameters().plan));
     if let Some(parallel) = contingency.or_else(followed)
         && let Some(layer) = parallel.layer(0)
     {
-        write_map(out, plan.grid(), &parallel, &layer)?;
+        write_map(out, blob.grid(), &parallel, &layer)?;
     }
     for (_, (parallel, layer)) in elements() {
         out.write_all(b"START_ELEMENT\nMOVETO\n")?;
-        write_map(out, plan.grid(), &parallel, &layer)?;
+        write_map(out, blob.grid(), &parallel, &layer)?;
     }
     out.write_all(b"END_FILE\n")
 }
@@ -104,9 +104,9 @@ fn write_map(
 }
 
 /// Every layer of every plan.
-fn layers<'b>(plan: &Plan<'b>) -> impl Iterator<Item = (ParallelPlan<'b>, Layer<'b>)> {
-    let plan = *plan;
-    let parallel_plans = (0..plan.plan_count()).filter_map(move |index| plan.parallel_plan(index));
+fn layers<'b>(blob: &Blob<'b>) -> impl Iterator<Item = (ParallelPlan<'b>, Layer<'b>)> {
+    let blob = *blob;
+    let parallel_plans = (0..blob.plan_count()).filter_map(move |index| blob.parallel_plan(index));
     parallel_plans.flat_map(|parallel| {
         (0..parallel.layer_count())
             .filter_map(move |index| parallel.layer(index).map(|layer| (parallel, layer)))

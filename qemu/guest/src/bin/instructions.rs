@@ -19,7 +19,7 @@ mod counts {
     use core::hint::black_box;
     use guest::counter::Counter;
     use math::Vec2;
-    use plan_format::{Answer, Layer, ParallelPlan, Plan};
+    use plan_format::{Answer, Blob, Layer, ParallelPlan};
     use robot_io::{Fix, Operator, Percepts, RangeReading, Reason, Receiver};
     use semihosting::println;
 
@@ -42,36 +42,36 @@ mod counts {
         let count = |mark| counter.since(mark) - overhead;
 
         let mark = counter.mark();
-        let parsed = Plan::parse(black_box(guest::plan::region()));
+        let parsed = Blob::parse(black_box(guest::blob::region()));
         let validation = count(mark);
-        let plan = parsed.expect("the harness loads a sound blob");
-        let parallel = chosen(&plan);
+        let blob = parsed.expect("the harness loads a sound blob");
+        let parallel = chosen(&blob);
         let layer = parallel.layer(parallel.layer_count() - 1).expect("plans have layers");
 
         println!("blob-validation {validation}");
-        println!("look-up-worst {}", worst_look_up(&plan, &layer, counter, overhead));
-        println!("tick-8-obstacles-worst {}", worst_tick(&plan, &parallel, counter, overhead));
-        println!("tick-stack-bytes {}", tick_stack(&plan, &parallel));
+        println!("look-up-worst {}", worst_look_up(&blob, &layer, counter, overhead));
+        println!("tick-8-obstacles-worst {}", worst_tick(&blob, &parallel, counter, overhead));
+        println!("tick-stack-bytes {}", tick_stack(&blob, &parallel));
         println!("control-state-bytes {}", size_of::<State>());
-        println!("plan-view-bytes {}", size_of::<Plan<'_>>());
-        if !plan.mission().behaviours().is_empty() {
-            let (worst, stack) = with_behaviours(&plan, &parallel, counter, overhead);
+        println!("plan-view-bytes {}", size_of::<Blob<'_>>());
+        if !blob.mission().behaviours().is_empty() {
+            let (worst, stack) = with_behaviours(&blob, &parallel, counter, overhead);
             println!("behaviours-tick-worst {worst}");
             println!("behaviours-tick-stack-bytes {stack}");
         }
     }
 
-    fn chosen(plan: &Plan<'static>) -> ParallelPlan<'static> {
-        plan.parallel_plan(plan.parameters().plan.into()).expect("the blob has plans")
+    fn chosen(blob: &Blob<'static>) -> ParallelPlan<'static> {
+        blob.parallel_plan(blob.parameters().plan.into()).expect("the blob has plans")
     }
 
     /// From a position to an answer, all over the map.
-    fn worst_look_up(plan: &Plan<'_>, layer: &Layer<'_>, counter: Counter, overhead: u32) -> u32 {
+    fn worst_look_up(blob: &Blob<'_>, layer: &Layer<'_>, counter: Counter, overhead: u32) -> u32 {
         let mut worst = 0;
         for step in 0..SAMPLES * SAMPLES {
-            let point = black_box(sample(plan, step));
+            let point = black_box(sample(blob, step));
             let mark = counter.mark();
-            let answer = look_up(plan, layer, point);
+            let answer = look_up(blob, layer, point);
             worst = worst.max(counter.since(mark) - overhead);
             black_box(answer);
         }
@@ -79,13 +79,13 @@ mod counts {
     }
 
     #[inline(never)]
-    fn look_up(plan: &Plan<'_>, layer: &Layer<'_>, point: Vec2) -> Answer {
-        plan.cell_at(point).map_or(Answer::OffMap, |cell| layer.look_up(cell))
+    fn look_up(blob: &Blob<'_>, layer: &Layer<'_>, point: Vec2) -> Answer {
+        blob.cell_at(point).map_or(Answer::OffMap, |cell| layer.look_up(cell))
     }
 
     /// A point of a regular grid over the map.
-    fn sample(plan: &Plan<'_>, step: u32) -> Vec2 {
-        let grid = plan.grid();
+    fn sample(blob: &Blob<'_>, step: u32) -> Vec2 {
+        let grid = blob.grid();
         let at = |corner: f64, cells: u32, index: u32| {
             let share = (f64::from(index) + 0.5) / f64::from(SAMPLES);
             (corner + f64::from(cells) * grid.resolution_m * share) as f32
@@ -97,37 +97,37 @@ mod counts {
     }
 
     /// The stack that a whole tick takes.
-    fn tick_stack(plan: &Plan<'_>, parallel: &ParallelPlan<'_>) -> usize {
-        let mut state = State::new(plan);
-        let percepts = percepts(plan, start(plan, parallel), 0);
+    fn tick_stack(blob: &Blob<'_>, parallel: &ParallelPlan<'_>) -> usize {
+        let mut state = State::new(blob);
+        let percepts = percepts(blob, start(blob, parallel), 0);
         guest::memory::stack_bytes_of(|| {
-            black_box(controller::tick(black_box(plan), &mut state, black_box(&percepts)));
+            black_box(controller::tick(black_box(blob), &mut state, black_box(&percepts)));
         })
     }
 
     /// A place with a route, away from the goal.
-    fn start(plan: &Plan<'_>, parallel: &ParallelPlan<'_>) -> Vec2 {
+    fn start(blob: &Blob<'_>, parallel: &ParallelPlan<'_>) -> Vec2 {
         let layer = parallel.layer(0).expect("plans have layers");
         (0..SAMPLES * SAMPLES)
-            .map(|step| sample(plan, step))
-            .find(|&point| is_far_from_goal(plan, &layer, point))
+            .map(|step| sample(blob, step))
+            .find(|&point| is_far_from_goal(blob, &layer, point))
             .expect("some sample has a route")
     }
 
     /// Whole ticks of a robot on its way, a new fix in each, obstacles all around.
     fn worst_tick(
-        plan: &Plan<'_>,
+        blob: &Blob<'_>,
         parallel: &ParallelPlan<'_>,
         counter: Counter,
         overhead: u32,
     ) -> u32 {
-        let start = start(plan, parallel);
-        let mut state = State::new(plan);
+        let start = start(blob, parallel);
+        let mut state = State::new(blob);
         let mut worst = 0;
         for tick in 0..TICKS {
-            let percepts = percepts(plan, start, tick);
+            let percepts = percepts(blob, start, tick);
             let mark = counter.mark();
-            let commands = controller::tick(black_box(plan), &mut state, black_box(&percepts));
+            let commands = controller::tick(black_box(blob), &mut state, black_box(&percepts));
             let instructions = counter.since(mark) - overhead;
             assert!(commands.reason == Reason::Driving, "a counted tick is a whole tick");
             worst = worst.max(instructions);
@@ -137,35 +137,35 @@ mod counts {
 
     /// The most instructions and the most stack of whole ticks in which behaviours take turns.
     fn with_behaviours(
-        plan: &Plan<'_>,
+        blob: &Blob<'_>,
         parallel: &ParallelPlan<'_>,
         counter: Counter,
         overhead: u32,
     ) -> (u32, usize) {
-        let start = start(plan, parallel);
-        let mut state = State::new(plan);
+        let start = start(blob, parallel);
+        let mut state = State::new(blob);
         let (mut worst, mut deepest) = (0, 0);
         for tick in 0..BEHAVING_TICKS {
-            let percepts = percepts(plan, start, tick);
+            let percepts = percepts(blob, start, tick);
             let mut copy = state.clone();
             let mark = counter.mark();
-            let commands = controller::tick(black_box(plan), &mut state, black_box(&percepts));
+            let commands = controller::tick(black_box(blob), &mut state, black_box(&percepts));
             let instructions = counter.since(mark) - overhead;
             assert!(commands.reason == Reason::Driving, "a counted tick is a whole tick");
             if instructions > worst {
                 worst = instructions;
                 deepest = deepest.max(guest::memory::stack_bytes_of(|| {
-                    black_box(controller::tick(plan, &mut copy, &percepts));
+                    black_box(controller::tick(blob, &mut copy, &percepts));
                 }));
             }
         }
         (worst, deepest)
     }
 
-    fn is_far_from_goal(plan: &Plan<'_>, layer: &Layer<'_>, point: Vec2) -> bool {
-        let goal = plan.goal().expect("the blob has plans");
+    fn is_far_from_goal(blob: &Blob<'_>, layer: &Layer<'_>, point: Vec2) -> bool {
+        let goal = blob.goal().expect("the blob has plans");
         (point - goal).norm_squared() > 100.0
-            && matches!(look_up(plan, layer, point), Answer::Move { .. })
+            && matches!(look_up(blob, layer, point), Answer::Move { .. })
     }
 
     /// Rises and falls between 0 and 1, once in twice the period.
@@ -174,8 +174,8 @@ mod counts {
         phase.min(2 * period - phase) as f32 / period as f32
     }
 
-    fn percepts(plan: &Plan<'_>, at: Vec2, tick: u64) -> Percepts {
-        let frame = plan.frame().expect("the blob is on the globe");
+    fn percepts(blob: &Blob<'_>, at: Vec2, tick: u64) -> Percepts {
+        let frame = blob.frame().expect("the blob is on the globe");
         let time_us = (tick + 1) * PERIOD_US;
         // A different angle each tick, through several turns.
         let turn_rad = tick as f32 * 0.1;

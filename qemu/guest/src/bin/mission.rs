@@ -6,19 +6,19 @@
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let plan = guest::plan::load();
+    let blob = guest::blob::load();
     let pipe = guest::pipe::Pipe::open(guest::counter::Counter::start());
-    guest::executor::run(|spawner| spawner.spawn(robot(plan, pipe).unwrap()), finish)
+    guest::executor::run(|spawner| spawner.spawn(robot(blob, pipe).unwrap()), finish)
 }
 
 /// The runtime's tasks, joined into one future that lies in static memory as on any board.
 #[cfg(target_os = "none")]
 #[embassy_executor::task]
 fn robot(
-    plan: &'static plan_format::Plan<'static>,
+    blob: &'static plan_format::Blob<'static>,
     pipe: guest::pipe::Pipe,
 ) -> impl Future<Output = ()> + 'static {
-    runtime::lockstep::drive(*plan, pipe)
+    runtime::lockstep::drive(*blob, pipe)
 }
 
 /// Bytes of what a function returns.
@@ -31,8 +31,8 @@ const fn output_bytes<A, B, R>(_: &impl Fn(A, B) -> R) -> usize {
 #[cfg(target_os = "none")]
 fn finish() {
     semihosting::eprintln!("control-state-bytes {}", size_of::<controller::State>());
-    semihosting::eprintln!("plan-view-bytes {}", size_of::<plan_format::Plan<'_>>());
-    let drive = |plan, pipe: guest::pipe::Pipe| runtime::lockstep::drive(plan, pipe);
+    semihosting::eprintln!("plan-view-bytes {}", size_of::<plan_format::Blob<'_>>());
+    let drive = |blob, pipe: guest::pipe::Pipe| runtime::lockstep::drive(blob, pipe);
     semihosting::eprintln!("tasks-bytes {}", output_bytes(&drive));
     semihosting::eprintln!("static-bytes {}", guest::memory::static_bytes());
     semihosting::eprintln!("stack-bytes {}", guest::memory::stack_bytes());

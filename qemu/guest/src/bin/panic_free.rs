@@ -18,7 +18,7 @@ mod gate {
     use controller::State;
     use core::hint::black_box;
     use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-    use plan_format::{Answer, Plan};
+    use plan_format::{Answer, Blob};
     use robot_io::frame::{Decoder, Downlink, Uplink, encode};
     use robot_io::{CommandRecord, Percepts, SensorRecord, TraceHash};
     use runtime::{FixSlot, gps};
@@ -36,9 +36,9 @@ mod gate {
     #[cortex_m_rt::entry]
     fn main() -> ! {
         let region: &[u8] = black_box(&[]);
-        if let Ok(plan) = Plan::parse(region) {
-            look_up(&plan);
-            let mut state = State::new(&plan);
+        if let Ok(blob) = Blob::parse(region) {
+            look_up(&blob);
+            let mut state = State::new(&blob);
             let mut trace = TraceHash::default();
             let mut link = Decoder::default();
             let mut receiver = gps::Decoder::default();
@@ -53,7 +53,7 @@ mod gate {
                     receiver: fixes.receiver(time_us),
                     ..black_box(Percepts::default())
                 };
-                let commands = controller::tick(&plan, &mut state, &percepts);
+                let commands = controller::tick(&blob, &mut state, &percepts);
                 trace.record(&percepts, &commands);
                 let record = CommandRecord {
                     time_us,
@@ -81,9 +81,9 @@ mod gate {
         fixes.hear(now_us, &receiver.take_heard());
     }
 
-    fn look_up(plan: &Plan<'_>) {
-        let layers = plan.find(black_box("")).and_then(|parallel| parallel.layer(black_box(1)));
-        let cell = plan.cell_at(black_box(math::Vec2::new(1.0, 2.0)));
+    fn look_up(blob: &Blob<'_>) {
+        let layers = blob.find(black_box("")).and_then(|parallel| parallel.layer(black_box(1)));
+        let cell = blob.cell_at(black_box(math::Vec2::new(1.0, 2.0)));
         black_box(layers.zip(cell).map_or(Answer::OffMap, |(layer, cell)| layer.look_up(cell)));
     }
 }

@@ -12,7 +12,7 @@ mod robot {
     use super::uart::Uart;
     use embassy_executor::Spawner;
     use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-    use plan_format::Plan;
+    use plan_format::Blob;
     use robot_io::{CommandRecord, Operator, Percepts};
     use runtime::time::{Pace, now_us};
     use runtime::{FixSlot, Robot, Telemetry, control_task, gps_task, telemetry_task};
@@ -41,13 +41,13 @@ mod robot {
     fn main() -> ! {
         static FIXES: StaticCell<FixSlot<NoopRawMutex>> = StaticCell::new();
         static TELEMETRY: StaticCell<Telemetry<NoopRawMutex>> = StaticCell::new();
-        let plan = guest::plan::load();
+        let blob = guest::blob::load();
         let uart = Uart::start();
         let fixes = &*FIXES.init(FixSlot::new());
         let telemetry = &*TELEMETRY.init(Telemetry::new());
         let init = |spawner: Spawner| {
             spawner.spawn(gps(uart.reader(), fixes).unwrap());
-            spawner.spawn(control(plan, telemetry, fixes).unwrap());
+            spawner.spawn(control(blob, telemetry, fixes).unwrap());
             spawner.spawn(link(uart, telemetry).unwrap());
         };
         guest::executor::run(init, cortex_m::asm::wfi)
@@ -60,12 +60,12 @@ mod robot {
 
     #[embassy_executor::task]
     async fn control(
-        plan: &'static Plan<'static>,
+        blob: &'static Blob<'static>,
         telemetry: &'static Telemetry<NoopRawMutex>,
         fixes: &'static FixSlot<NoopRawMutex>,
     ) {
         let mut robot = UartRobot { pace: Pace::default(), telemetry };
-        control_task(*plan, &mut robot, fixes).await;
+        control_task(*blob, &mut robot, fixes).await;
     }
 
     #[embassy_executor::task]

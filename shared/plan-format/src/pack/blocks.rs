@@ -66,14 +66,14 @@ pub(crate) fn superblock(
     filler: u32,
     own: impl Fn(usize, &mut Vec<u32>) -> u32,
 ) -> Superblock {
-    let mut plans = blocks.map(Plan::of);
+    let mut encodings = blocks.map(Encoding::of);
     let palette = loop {
-        if let Some(palette) = Palette::of(&plans) {
+        if let Some(palette) = Palette::of(&encodings) {
             break palette;
         }
-        give_way(&mut plans, entry_bits);
+        give_way(&mut encodings, entry_bits);
     };
-    let is_plain = plans.iter().all(|plan| matches!(plan.class, Class::Plain));
+    let is_plain = encodings.iter().all(|encoding| matches!(encoding.class, Class::Plain));
     if let (true, [] | [_]) = (is_plain, &palette.entries[..]) {
         return Superblock::Uniform(palette.entries.first().copied().unwrap_or(filler));
     }
@@ -83,11 +83,11 @@ pub(crate) fn superblock(
     let mut words = Vec::with_capacity(own_words(OWN_32, BLOCK_CELLS));
     // Blocks of own cells stand last: their descriptors reach farther.
     let (own_plans, others): (Vec<usize>, Vec<usize>) =
-        (0..BLOCKS).partition(|&at| matches!(plans[at].class, Class::Own));
+        (0..BLOCKS).partition(|&at| matches!(encodings[at].class, Class::Own));
     for at in others {
-        let (plan, base) = (&plans[at], bases[at]);
+        let (encoding, base) = (&encodings[at], bases[at]);
         words.clear();
-        let class = plan.write(&entries[base.min(entries.len())..], &mut words);
+        let class = encoding.write(&entries[base.min(entries.len())..], &mut words);
         let length = class_entries(class) as usize;
         if entries.len() < base + length {
             entries.resize(base + length, entries.last().copied().unwrap_or(filler));
@@ -120,25 +120,25 @@ fn palette_words(entries: &[u32], entry_bits: u32) -> Vec<u32> {
 
 /// Makes room in a palette: the block with the most entries gets its own cells or, in a plane that
 /// has none of these, all blocks share all entries, which are few.
-fn give_way(plans: &mut [Plan<'_>; BLOCKS], entry_bits: u32) {
+fn give_way(encodings: &mut [Encoding<'_>; BLOCKS], entry_bits: u32) {
     if entry_bits < 16 {
-        let mut all: Vec<u32> = plans.iter().flat_map(|plan| plan.entries()).collect();
+        let mut all: Vec<u32> = encodings.iter().flat_map(|encoding| encoding.entries()).collect();
         all.sort_unstable();
         all.dedup();
-        for plan in plans.iter_mut().filter(|plan| plan.wanted.len() > 1) {
-            plan.class = Class::Indexed;
-            plan.window.clone_from(&all);
+        for encoding in encodings.iter_mut().filter(|encoding| encoding.wanted.len() > 1) {
+            encoding.class = Class::Indexed;
+            encoding.window.clone_from(&all);
         }
         return;
     }
-    if let Some(plan) = plans.iter_mut().max_by_key(|plan| plan.window.len()) {
-        plan.class = Class::Own;
-        plan.window.clear();
+    if let Some(encoding) = encodings.iter_mut().max_by_key(|encoding| encoding.window.len()) {
+        encoding.class = Class::Own;
+        encoding.window.clear();
     }
 }
 
 /// How a block will be stored.
-struct Plan<'b> {
+struct Encoding<'b> {
     class: Class,
     /// Entries that must stand together in the palette; for parts, in this order.
     window: Vec<u32>,
@@ -152,7 +152,7 @@ enum Class {
     Own,
 }
 
-impl<'b> Plan<'b> {
+impl<'b> Encoding<'b> {
     fn of(block: &'b Block) -> Self {
         let Block::Palette(wanted) = block else {
             return Self { class: Class::Own, window: Vec::new(), wanted: &[] };
@@ -274,17 +274,17 @@ struct Palette {
 
 impl Palette {
     /// `None` if some window would begin where no descriptor reaches.
-    fn of(plans: &[Plan<'_>; BLOCKS]) -> Option<Self> {
+    fn of(encodings: &[Encoding<'_>; BLOCKS]) -> Option<Self> {
         let mut wanted: Vec<usize> =
-            (0..BLOCKS).filter(|&at| !plans[at].window.is_empty()).collect();
+            (0..BLOCKS).filter(|&at| !encodings[at].window.is_empty()).collect();
         // Long windows first: the short ones then often lie within.
-        wanted.sort_by_key(|&at| std::cmp::Reverse(plans[at].window.len()));
+        wanted.sort_by_key(|&at| std::cmp::Reverse(encodings[at].window.len()));
         let mut palette = Self { entries: Vec::new(), bases: [0; BLOCKS] };
         for at in wanted {
-            let plan = &plans[at];
-            let base = palette.window(plan).or_else(|| {
-                palette.append(plan);
-                palette.window(plan)
+            let encoding = &encodings[at];
+            let base = palette.window(encoding).or_else(|| {
+                palette.append(encoding);
+                palette.window(encoding)
             });
             palette.bases[at] = base.filter(|&base| base < BASES)?;
         }
@@ -292,10 +292,10 @@ impl Palette {
     }
 
     /// Where the first window begins that serves a block.
-    fn window(&self, plan: &Plan<'_>) -> Option<usize> {
-        let wanted = &plan.window[..];
+    fn window(&self, encoding: &Encoding<'_>) -> Option<usize> {
+        let wanted = &encoding.window[..];
         let &first = wanted.first()?;
-        if let Class::Parted(_) = plan.class {
+        if let Class::Parted(_) = encoding.class {
             return self.entries.windows(wanted.len()).position(|window| window == wanted);
         }
         let length = class_entries(index_class(wanted.len())) as usize;
@@ -319,9 +319,9 @@ impl Palette {
     }
 
     /// Adds a window, using what of it stands at the end already.
-    fn append(&mut self, plan: &Plan<'_>) {
-        let wanted = &plan.window[..];
-        if let Class::Parted(_) = plan.class {
+    fn append(&mut self, encoding: &Encoding<'_>) {
+        let wanted = &encoding.window[..];
+        if let Class::Parted(_) = encoding.class {
             let kept =
                 (0..wanted.len()).rev().find(|&kept| self.entries.ends_with(&wanted[..kept]));
             self.entries.extend_from_slice(&wanted[kept.unwrap_or(0)..]);

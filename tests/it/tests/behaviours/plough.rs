@@ -8,7 +8,7 @@ use plan_compiler::problem::{Severity, Source as File};
 use plan_compiler::{formats, source};
 use plan_format::mission::Label::{NB, PB, PM, PS};
 use plan_format::mission::{Label, Mission, MissionDraft, Source, Symbol};
-use plan_format::{Layer, Plan};
+use plan_format::{Blob, Layer};
 use std::sync::Arc;
 
 /// The shipped mission's text.
@@ -99,7 +99,7 @@ fn the_shipped_mission_compiles_with_its_map() {
     let blob = plan_compiler::compile::compile(&input, &|_, _| {}, &mut problems);
     let blob = blob.unwrap_or_else(|| panic!("{problems:?}"));
     assert!(problems.iter().all(|problem| problem.severity == Severity::Note), "{problems:?}");
-    let plan = Plan::parse(&blob).expect("a good blob");
+    let plan = Blob::parse(&blob).expect("a good blob");
     assert_eq!(plan.mission().behaviours().len(), 2);
     // From every strip's ends there is a way to the gallon.
     let layer: Layer<'_> = plan.find("gallon").and_then(|plan| plan.layer(0)).expect("a plan");

@@ -4,7 +4,7 @@
 use super::{draft, resealed, tiny};
 use controller::State;
 use plan_format::field::{ESCAPE, Field, NO_ROUTE};
-use plan_format::{BlobError, Cell, Draft, LayerDraft, Plan, PlanDraft, limits, pack, write};
+use plan_format::{Blob, BlobError, Cell, Draft, LayerDraft, PlanDraft, limits, pack, write};
 use robot_io::{Fix, Operator, Percepts};
 
 /// Cells along a side of the maps that repeat.
@@ -23,7 +23,7 @@ const FREE_AT: usize = 21;
 /// The beats of checking a blob, which measure the work without a clock.
 fn beats(blob: &[u8]) -> (Result<(), BlobError>, usize) {
     let mut beats = 0;
-    let parsed = Plan::parse_paced(blob, || beats += 1);
+    let parsed = Blob::parse_paced(blob, || beats += 1);
     (parsed.map(|_| ()), beats)
 }
 
@@ -112,12 +112,12 @@ fn add(bytes: &mut [u8], more: u32) {
 }
 
 /// Asks a plan for all that it can be asked for and ticks by it; how many cells were asked for.
-fn ask(plan: &Plan<'_>) -> usize {
+fn ask(blob: &Blob<'_>) -> usize {
     const MAX_CELLS: u32 = 64;
-    let (columns, rows) = (plan.grid().columns, plan.grid().rows);
+    let (columns, rows) = (blob.grid().columns, blob.grid().rows);
     let mut asked = 0;
-    for parallel in (0..plan.plan_count()).filter_map(|index| plan.parallel_plan(index)) {
-        assert!(plan.find(parallel.name()).is_some());
+    for parallel in (0..blob.plan_count()).filter_map(|index| blob.parallel_plan(index)) {
+        assert!(blob.find(parallel.name()).is_some());
         for layer in (0..parallel.layer_count()).filter_map(|index| parallel.layer(index)) {
             assert!(!layer.name().is_empty());
             for (row, column) in (0..=rows.min(MAX_CELLS))
@@ -128,20 +128,20 @@ fn ask(plan: &Plan<'_>) -> usize {
             }
         }
     }
-    let mut state = State::new(plan);
+    let mut state = State::new(blob);
     for tick in 1..=8 {
-        let commands = controller::tick(plan, &mut state, &percepts(plan, tick));
+        let commands = controller::tick(blob, &mut state, &percepts(blob, tick));
         assert!(commands.speed_mps.is_finite() && commands.turn_rate_radps.is_finite());
     }
     asked
 }
 
 /// A robot that is armed and moves over the middle of the map.
-fn percepts(plan: &Plan<'_>, tick: u64) -> Percepts {
+fn percepts(blob: &Blob<'_>, tick: u64) -> Percepts {
     let time_us = tick * 50_000;
-    let corner = plan.grid().corner_m;
+    let corner = blob.grid().corner_m;
     let at = math::Vec2::new(corner[0] as f32 + tick as f32 * 0.5, corner[1] as f32 + 0.5);
-    let fix = plan.frame().map(|frame| Fix {
+    let fix = blob.frame().map(|frame| Fix {
         time_us,
         is_valid: true,
         place: frame.to_geodetic(at),
@@ -168,7 +168,7 @@ fn every_byte_behind_a_mended_checksum_is_refused_or_answered() {
             for other in (0..=u8::MAX).filter(|&other| other != blob[at]) {
                 let mut spoilt = blob.clone();
                 spoilt[at] = other;
-                match Plan::parse(&resealed(spoilt)) {
+                match Blob::parse(&resealed(spoilt)) {
                     Ok(plan) => answered += usize::from(ask(&plan) < usize::MAX),
                     Err(_) => refused += 1,
                 }
@@ -186,7 +186,7 @@ fn every_truncation_behind_a_mended_checksum_is_refused() {
         for length in HEADER_BYTES..blob.len() {
             let mut cut = blob[..length].to_vec();
             cut[12..16].copy_from_slice(&(length as u32).to_le_bytes());
-            assert_eq!(Plan::parse(&resealed(cut)).err(), Some(BlobError::Directory), "{length}");
+            assert_eq!(Blob::parse(&resealed(cut)).err(), Some(BlobError::Directory), "{length}");
         }
     }
 }

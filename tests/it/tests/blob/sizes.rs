@@ -3,7 +3,7 @@
 use super::draft;
 use plan_compiler::bitmap::Bitmap;
 use plan_compiler::search::{Corners, Solver};
-use plan_format::{Cell, Field, Plan, write};
+use plan_format::{Blob, Cell, Field, write};
 
 /// Cells along a side of the cities.
 const CITY: u32 = 1024;
@@ -69,7 +69,7 @@ fn size(name: &str, map: &Bitmap) -> Size {
     let (one, two) = (bytes(&fields[..1]), bytes(&fields));
     let a_cell = |bytes: usize| bytes as f64 / (f64::from(columns) * f64::from(rows));
     let size = Size { first: a_cell(one.len()), further: a_cell(two.len() - one.len()) };
-    let layer = Plan::parse(&one).unwrap().parallel_plan(0).unwrap().layer(0).unwrap();
+    let layer = Blob::parse(&one).unwrap().parallel_plan(0).unwrap().layer(0).unwrap();
     println!(
         "{name:>14}: {:7} bytes, {:.3} a cell, {:.3} a further layer, {:.1} raw",
         one.len(),

@@ -25,7 +25,7 @@ fn files_for_flashing_hold_the_blob_at_the_boards_address() {
     assert!(payload.starts_with(&blob) && payload.len() - blob.len() < 256);
     assert_eq!(uf2[12..16], 0x1020_0000_u32.to_le_bytes());
     // The robot reads it with the filling behind it.
-    assert!(plan_format::Plan::parse(&payload).is_ok());
+    assert!(plan_format::Blob::parse(&payload).is_ok());
 }
 
 /// The address and the bytes of Intel HEX without gaps.

@@ -5,7 +5,7 @@ use plan_compiler::compile::{Input, Options, compile};
 use plan_compiler::formats::{self, ReadOptions};
 use plan_compiler::mission::{self, Goal, GoalAt, Mission};
 use plan_compiler::problem::{Source, draw};
-use plan_format::Plan;
+use plan_format::Blob;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -57,7 +57,7 @@ fn build(path: &Path, bytes: Vec<u8>, mission: &Mission, at: [f64; 2]) -> bool {
         let source = loaded.source.as_ref();
         let input = Input { map, source, mission, options: &options };
         if let Some(blob) = compile(&input, &|_, _| (), &mut problems) {
-            is_built = Plan::parse_exact(&blob).is_ok();
+            is_built = Blob::parse_exact(&blob).is_ok();
             assert!(is_built, "{}", path.display());
         }
     }

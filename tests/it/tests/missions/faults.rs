@@ -46,12 +46,12 @@ pub(super) fn within(
 /// Drives with a failing channel; whatever happens, nothing is touched and the robot arrives.
 fn fail(fault: Fault, channel: Channel) -> Vec<Moment> {
     let blob = blob(&[]);
-    let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+    let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
     let Campus { world, reference, .. } = campus();
     let suite = SensorSuite::new(SensorSettings::USUAL, reference, 1);
     let sensors = Faulty::new(suite, fault, channel, FAILURE_S, 1);
-    let body = Body::new(chassis(&plan), START, 0.0);
-    let run = Run::new(world, body, sensors, HostPilot::new(plan), limits(&plan, 1.0));
+    let body = Body::new(chassis(&blob), START, 0.0);
+    let run = Run::new(world, body, sensors, HostPilot::new(blob), limits(&blob, 1.0));
     let (moments, outcome) = watch(run, f64::INFINITY);
     let picture = || sim::picture::text(world, &outcome.route, [125.5, 240.5], 2.0);
     assert!(outcome.reached(), "{fault:?} of {channel:?}: {:?}\n{}", outcome.reasons, picture());
@@ -115,13 +115,13 @@ fn a_jump_that_lasts_is_believed_and_then_the_way_back_is_one_too() {
 #[test]
 fn a_short_jump_is_ridden_out_by_dead_reckoning() {
     let blob = blob(&[]);
-    let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+    let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
     let Campus { world, reference, .. } = campus();
     let suite = SensorSuite::new(SensorSettings::USUAL, reference, 1);
     let jump = Fault::Jump { offset: [0.0, 120.0] };
     let sensors = Faulty::new(suite, jump, Channel::Gps, 20.0..21.5, 1);
-    let body = Body::new(chassis(&plan), START, 0.0);
-    let run = Run::new(world, body, sensors, HostPilot::new(plan), limits(&plan, 1.0));
+    let body = Body::new(chassis(&blob), START, 0.0);
+    let run = Run::new(world, body, sensors, HostPilot::new(blob), limits(&blob, 1.0));
     let (moments, _) = watch(run, 30.0);
     assert!(within(&moments, 5.0..30.0).all(|moment| moment.reason == Reason::Driving));
 }
@@ -158,15 +158,15 @@ fn garbled_and_lost_readings_of_the_other_sensors_are_survived() {
 fn faults_add_up_and_the_same_seed_gives_the_same_mission() {
     let drive = |seed| {
         let blob = blob(&[]);
-        let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+        let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
         let Campus { world, reference, .. } = campus();
         let suite = SensorSuite::new(SensorSettings::USUAL, reference, seed);
         let lossy = Faulty::new(suite, Fault::Drop { chance: 0.3 }, Channel::Gps, 5.0..60.0, seed);
         let bad = Fault::Garble { chance: 0.01 };
         let worse = Faulty::new(lossy, bad, Channel::Gps, 20.0..90.0, seed + 1);
         let late = Faulty::new(worse, Fault::Delay { ticks: 4 }, Channel::Ranges, 0.0..90.0, seed);
-        let body = Body::new(chassis(&plan), START, 0.0);
-        let run = Run::new(world, body, late, HostPilot::new(plan), limits(&plan, 1.0));
+        let body = Body::new(chassis(&blob), START, 0.0);
+        let run = Run::new(world, body, late, HostPilot::new(blob), limits(&blob, 1.0));
         run.finish().expect("the robot answers")
     };
     let outcome = drive(7);
@@ -178,9 +178,9 @@ fn faults_add_up_and_the_same_seed_gives_the_same_mission() {
 #[test]
 fn a_robot_without_a_receiver_stands_still() {
     let blob = blob(&[]);
-    let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+    let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
     let deaf = SensorSettings { gps: None, ..SensorSettings::USUAL };
-    let (moments, outcome) = watch(mission(plan, START, 0.0, deaf, 1), 20.0);
+    let (moments, outcome) = watch(mission(blob, START, 0.0, deaf, 1), 20.0);
     assert!(moments.iter().all(|moment| moment.reason == Reason::NoFix));
     assert_eq!(outcome.distance_m, 0.0);
 }
@@ -188,11 +188,11 @@ fn a_robot_without_a_receiver_stands_still() {
 #[test]
 fn a_robot_beside_a_wall_escapes_and_arrives() {
     let blob = blob(&[]);
-    let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
-    // 0.6 m south of the library's western arm, where no plan would lead.
+    let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
+    // 0.6 m south of the library's western arm, where no blob would lead.
     let beside = [45.0, 59.4];
     let (moments, outcome) =
-        watch(mission(plan, beside, 0.0, SensorSettings::PERFECT, 1), f64::INFINITY);
+        watch(mission(blob, beside, 0.0, SensorSettings::PERFECT, 1), f64::INFINITY);
     let first = moments.iter().find(|moment| moment.reason != Reason::NoFix);
     assert_eq!(first.map(|moment| moment.reason), Some(Reason::Escaping));
     assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
@@ -202,34 +202,34 @@ fn a_robot_beside_a_wall_escapes_and_arrives() {
 fn outside_the_map_the_robot_stops_or_reacts_as_its_mission_says() {
     let west_of_the_map = [-6.0, 30.0];
     let stopping = blob(&[]);
-    let plan = Plan::parse(&stopping).expect("the compiler writes what the robot reads");
+    let plans = Blob::parse(&stopping).expect("the compiler writes what the robot reads");
     let (moments, outcome) =
-        watch(mission(plan, west_of_the_map, 0.0, SensorSettings::PERFECT, 1), 10.0);
+        watch(mission(plans, west_of_the_map, 0.0, SensorSettings::PERFECT, 1), 10.0);
     assert!(moments.iter().skip(1).all(|moment| moment.reason == Reason::OffMap));
     assert_eq!(outcome.distance_m, 0.0);
 
     let reacting = blob(&[("[goals]", "[trouble]\noff_map = \"reactive\"\n\n[goals]")]);
-    let plan = Plan::parse(&reacting).expect("the compiler writes what the robot reads");
-    let run = mission(plan, west_of_the_map, 0.0, SensorSettings::PERFECT, 1);
+    let plans = Blob::parse(&reacting).expect("the compiler writes what the robot reads");
+    let run = mission(plans, west_of_the_map, 0.0, SensorSettings::PERFECT, 1);
     let (_, outcome) = watch(run, f64::INFINITY);
     assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
 }
 
 #[test]
 fn with_a_damaged_blob_the_robot_reacts_if_it_was_told_how_and_else_stands_still() {
-    let mut blob = blob(&[]);
-    let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
-    let (parameters, origin, limits) = (*plan.parameters(), plan.origin(), limits(&plan, 0.0));
-    let body = Body::new(chassis(&plan), [125.5, 60.5], 0.0);
-    let middle = blob.len() / 2;
-    blob[middle] ^= 4;
+    let mut bytes = blob(&[]);
+    let blob = Blob::parse(&bytes).expect("the compiler writes what the robot reads");
+    let (parameters, origin, limits) = (*blob.parameters(), blob.origin(), limits(&blob, 0.0));
+    let body = Body::new(chassis(&blob), [125.5, 60.5], 0.0);
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 4;
 
     let Campus { world, reference, .. } = campus();
     let drive = |fallback: &Fallback| {
-        let loaded = load(&blob, fallback);
+        let loaded = load(&bytes, fallback);
         assert!(loaded.refusal.is_some());
         let sensors = SensorSuite::new(SensorSettings::PERFECT, reference, 1);
-        let pilot = HostPilot::new(loaded.plan);
+        let pilot = HostPilot::new(loaded.blob);
         watch(Run::new(world, body, sensors, pilot, limits), 300.0)
     };
     let goal = Some(Vec2::new(125.5, 240.5));
@@ -245,9 +245,9 @@ fn with_a_damaged_blob_the_robot_reacts_if_it_was_told_how_and_else_stands_still
 #[test]
 fn a_receiver_that_speaks_nmea_serves_as_well() {
     let blob = blob(&[]);
-    let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+    let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
     let gps = ReceiverSettings { dialect: Dialect::Nmea, ..ReceiverSettings::ONE_METRE };
     let sensors = SensorSettings { gps: Some(gps), ..SensorSettings::USUAL };
-    let outcome = mission(plan, START, 0.0, sensors, 1).finish().expect("the robot answers");
+    let outcome = mission(blob, START, 0.0, sensors, 1).finish().expect("the robot answers");
     assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
 }

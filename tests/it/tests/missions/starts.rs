@@ -39,11 +39,11 @@ fn plans_lead_from_everywhere_to_the_goal() {
     let mut rows = Vec::new();
     for gains in ["100:0", "66:34", "34:66", "0:100"] {
         let blob = blob(&[("\"34:66\"", &format!("\"{gains}\""))]);
-        let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+        let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
         for (receiver, sensors) in receivers {
             // Advice alone is followed to the cell, and does not look where it goes.
             if gains != "0:100" || receiver == "perfect" {
-                rows.push(Row { gains, receiver, outcomes: drive(plan, sensors) });
+                rows.push(Row { gains, receiver, outcomes: drive(blob, sensors) });
             }
         }
     }
@@ -72,9 +72,9 @@ fn plans_lead_from_everywhere_to_the_goal() {
 fn a_hollow_holds_the_reactive_robot_and_not_the_advised_one() {
     for (gains, wanted) in [("100:0", Ending::Trapped), ("34:66", Ending::Reached)] {
         let blob = blob(&[("\"34:66\"", &format!("\"{gains}\""))]);
-        let plan = Plan::parse(&blob).expect("the compiler writes what the robot reads");
+        let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
         // Between the arms of the library.
-        let run = mission(plan, [59.5, 75.5], 0.0, SensorSettings::USUAL, SEED);
+        let run = mission(blob, [59.5, 75.5], 0.0, SensorSettings::USUAL, SEED);
         let outcome = run.finish().expect("the robot answers");
         assert_eq!(outcome.ending, Some(wanted), "{gains}: {:?}", outcome.reasons);
         assert_eq!(outcome.touches, 0);
@@ -82,8 +82,8 @@ fn a_hollow_holds_the_reactive_robot_and_not_the_advised_one() {
 }
 
 /// One mission from each start, on all cores.
-fn drive(plan: Plan<'_>, sensors: SensorSettings) -> Vec<(Point, Outcome)> {
-    let starts = starts(&plan);
+fn drive(blob: Blob<'_>, sensors: SensorSettings) -> Vec<(Point, Outcome)> {
+    let starts = starts(&blob);
     let next = AtomicUsize::new(0);
     let workers = std::thread::available_parallelism().map_or(1, usize::from);
     let mut outcomes: Vec<(usize, Outcome)> = std::thread::scope(|scope| {
@@ -92,7 +92,7 @@ fn drive(plan: Plan<'_>, sensors: SensorSettings) -> Vec<(Point, Outcome)> {
             loop {
                 let number = next.fetch_add(1, Ordering::Relaxed);
                 let Some(&(start, heading_rad)) = starts.get(number) else { return done };
-                let run = mission(plan, start, heading_rad, sensors, SEED + number as u64);
+                let run = mission(blob, start, heading_rad, sensors, SEED + number as u64);
                 done.push((number, run.finish().expect("the robot answers")));
             }
         };
@@ -104,14 +104,14 @@ fn drive(plan: Plan<'_>, sensors: SensorSettings) -> Vec<(Point, Outcome)> {
 }
 
 /// Random places and headings with a route to the goal and a metre of room around the body.
-fn starts(plan: &Plan<'_>) -> Vec<(Point, f64)> {
+fn starts(blob: &Blob<'_>) -> Vec<(Point, f64)> {
     let mut random = Random::new(SEED, Stream::Start);
-    let advice = plan.parallel_plan(0).and_then(|plan| plan.layer(0)).expect("layer `physical`");
+    let advice = blob.parallel_plan(0).and_then(|plan| plan.layer(0)).expect("layer `physical`");
     let mut starts = Vec::new();
     while starts.len() < STARTS {
         let at = [random.between(2.0, 248.0), random.between(2.0, 248.0)];
         let heading_rad = random.between(-PI, PI);
-        let cell = plan.cell_at(Vec2::new(at[0] as f32, at[1] as f32));
+        let cell = blob.cell_at(Vec2::new(at[0] as f32, at[1] as f32));
         let has_route =
             cell.is_some_and(|cell| matches!(advice.look_up(cell), Answer::Move { .. }));
         if has_route && campus().world.is_clear(at, 1.4) {

@@ -15,7 +15,7 @@ use math::{Frame, Vec2};
 ///
 /// A view of a few hundred bytes; the plans themselves stay where the blob lies.
 #[derive(Clone, Copy, Debug)]
-pub struct Plan<'a> {
+pub struct Blob<'a> {
     grid: Grid,
     single: SingleGrid,
     origin: Option<Origin>,
@@ -63,16 +63,16 @@ struct Sections<'a> {
 /// The grid of a plan without a map: no cells at all.
 const NO_GRID: Grid = Grid { columns: 0, rows: 0, resolution_m: 1.0, corner_m: [0.0, 0.0] };
 
-impl<'a> Plan<'a> {
+impl<'a> Blob<'a> {
     /// Reads the blob at the start of a region of memory and validates all of it.
     ///
     /// A region of flash is larger than its blob: what follows the length that the header
-    /// names is ignored. For a file, where nothing may follow, see [`Plan::parse_exact`].
+    /// names is ignored. For a file, where nothing may follow, see [`Blob::parse_exact`].
     pub fn parse(region: &'a [u8]) -> Result<Self, BlobError> {
         Self::parse_paced(region, || ())
     }
 
-    /// As [`Plan::parse`], with a call of `beat` now and then, for a watchdog that is awake
+    /// As [`Blob::parse`], with a call of `beat` now and then, for a watchdog that is awake
     /// already. What lies between two beats is bounded, and so is their number: by the length of
     /// the blob ([`limits::MAX_CHECKS_PER_WORD`]).
     pub fn parse_paced(region: &'a [u8], mut beat: impl FnMut()) -> Result<Self, BlobError> {
@@ -105,7 +105,7 @@ impl<'a> Plan<'a> {
         Ok(Self { mission, ..plan })
     }
 
-    /// As [`Plan::parse`], for a file: refuses bytes after the end of the blob.
+    /// As [`Blob::parse`], for a file: refuses bytes after the end of the blob.
     pub fn parse_exact(file: &'a [u8]) -> Result<Self, BlobError> {
         let plan = Self::parse(file)?;
         if plan.bytes == file.len() { Ok(plan) } else { Err(BlobError::TrailingBytes) }
@@ -190,7 +190,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-impl Plan<'static> {
+impl Blob<'static> {
     /// A plan without a map: the robot drives by its reactive schemas alone.
     ///
     /// The same promises hold as for a parsed plan: parameters out of range are replaced by

@@ -1,6 +1,6 @@
 //! The region that holds the plans, as QEMU's loader filled it.
 
-use plan_format::Plan;
+use plan_format::Blob;
 use static_cell::StaticCell;
 
 unsafe extern "C" {
@@ -16,11 +16,11 @@ pub fn region() -> &'static [u8] {
 }
 
 /// The plan in the region, or one to stand still by. A refusal is told to the harness. Once.
-pub fn load() -> &'static Plan<'static> {
-    static PLAN: StaticCell<Plan<'static>> = StaticCell::new();
+pub fn load() -> &'static Blob<'static> {
+    static BLOB: StaticCell<Blob<'static>> = StaticCell::new();
     let loaded = runtime::load(region(), &runtime::Fallback::default());
     if let Some(refusal) = loaded.refusal {
         semihosting::eprintln!("plan refused: code {}, {}", refusal.code(), refusal);
     }
-    PLAN.init(loaded.plan)
+    BLOB.init(loaded.blob)
 }
