@@ -15,20 +15,18 @@
 //! a person can check.
 
 pub mod draw;
-mod fields;
 pub mod graph_text;
 mod language;
 pub mod lints;
 mod lower;
 mod syntax;
 
-pub use fields::{Span, Spanned, Text};
 pub use language::{TABLES, read};
 pub use lower::{PlanNames, Plans, lower};
 pub use syntax::Syntax;
 
-use crate::compile::has_errors;
-use crate::problem::Problem;
+use maps::problem::Problem;
+use maps::problem::has_errors;
 use plan_format::mission::MissionDraft;
 
 /// A behaviour is dormant up to this criticality unless it says otherwise: NB alone gives 1/18, NM

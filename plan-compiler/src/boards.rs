@@ -6,7 +6,7 @@
 //!
 //! Deliberately absent: everything else about a board.
 
-use crate::problem::Problem;
+use maps::problem::Problem;
 
 /// A board, as far as its plans are concerned.
 #[derive(Debug, PartialEq, Eq)]
@@ -110,7 +110,7 @@ impl Board {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::Severity;
+    use maps::problem::Severity;
 
     #[test]
     fn regions_are_two_slots_in_segments_of_their_own() {

@@ -2,14 +2,15 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use math::GeoPoint;
-use plan_compiler::boards::{BOARDS, Board};
-use plan_compiler::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
-use plan_compiler::formats::{
+use maps::Unknown;
+use maps::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
+use maps::formats::{
     Format, OparOptions, ReadOptions, TagRule, TagRules, geojson, iplan, movingai, osm, pcf, ros,
     tags,
 };
-use plan_compiler::map::Unknown;
+use maps::names::Word;
+use math::GeoPoint;
+use plan_compiler::boards::{BOARDS, Board};
 use plan_compiler::mission::words::{goal, number, pair};
 use plan_compiler::mission::{self, Goal};
 use plan_compiler::render::{SIZES_PX, Style};
@@ -397,16 +398,16 @@ pub(crate) struct Man {
 #[derive(Debug, Args)]
 pub(crate) struct Reading {
     /// The map's format; otherwise by its content
-    #[arg(long, value_name = "FORMAT")]
+    #[arg(long, value_name = "FORMAT", value_parser = words::<Format>())]
     pub(crate) format: Option<Format>,
-    /// What cells count as that a map leaves unknown
-    #[arg(long, value_name = "CELLS", default_value = "obstacle")]
+    /// How cells that the map marks unknown are treated
+    #[arg(long, value_name = "CELLS", default_value = "obstacle", value_parser = words::<Unknown>())]
     pub(crate) unknown: Unknown,
     /// What OPAR's deltas are measured in
-    #[arg(long, value_name = "UNIT", default_value = "m")]
+    #[arg(long, value_name = "UNIT", default_value = "m", value_parser = words::<DeltaUnit>())]
     pub(crate) opar_units: DeltaUnit,
     /// Which of a pair of OPAR's deltas comes first: east or north
-    #[arg(long, value_name = "ORDER", default_value = "en")]
+    #[arg(long, value_name = "ORDER", default_value = "en", value_parser = words::<DeltaOrder>())]
     pub(crate) opar_order: DeltaOrder,
     /// What a type of OPAR's obstructions is, besides 1=building and 2=foliage; repeatable
     #[arg(long = "opar-type", value_name = "N=building|foliage")]
@@ -443,6 +444,13 @@ impl Reading {
             origin: self.origin,
         }
     }
+}
+
+/// Reads one of the words of a choice.
+fn words<T: Word + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    let values = T::WORDS.iter().map(|(word, meaning, _)| PossibleValue::new(word).help(*meaning));
+    PossibleValuesParser::new(values)
+        .try_map(|word| T::of_word(&word).ok_or_else(|| format!("`{word}` is not one of them")))
 }
 
 /// Whether diagonal steps may cut corners.

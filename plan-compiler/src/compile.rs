@@ -18,20 +18,18 @@ mod layers;
 mod memory;
 mod warnings;
 
-pub use area::{metres, pair};
-pub(crate) use layers::PHYSICAL;
 pub use memory::{Need, gib};
 
 use crate::behaviours::{self, PlanNames, Plans};
-use crate::bitmap::Bitmap;
-use crate::formats::ReadOptions;
-use crate::map::Map;
-use crate::mission::{Goal, Mission};
-use crate::problem::{Problem, Severity, Source};
+use crate::input::Input;
 use crate::recipe;
 use crate::search::{Corners, MAX_COST, Solver, is_cut_short};
 use goals::Placed;
 use layers::Level;
+use maps::Bitmap;
+use maps::Problem;
+use maps::numbers::metres;
+use maps::problem::has_errors;
 use plan_format::grid::cost_metres;
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Vehicle;
@@ -40,41 +38,8 @@ use plan_format::{
     write_with_recipe,
 };
 use rayon::prelude::*;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
-
-/// What the command line sets; each option outranks the mission.
-#[derive(Clone, Debug, Default)]
-pub struct Options {
-    /// Goals; where there are any, those of mission and map are not used.
-    pub goals: Vec<Goal>,
-    /// Side of a cell, metres.
-    pub resolution_m: Option<f64>,
-    /// How far obstacles are grown, metres.
-    pub robot_radius_m: Option<f64>,
-    /// Whether a diagonal step may pass a blocked cell beside it.
-    pub corners: Option<Corners>,
-    /// Whether closed walls are solid.
-    pub fill_walls: bool,
-    /// How the map was read: kept in the blob, so that it can be compared with its map again.
-    pub reading: ReadOptions,
-    /// Bytes of memory that searches may take; 4 GiB where nothing is said.
-    pub max_memory_bytes: Option<u64>,
-}
-
-/// What is compiled.
-#[derive(Clone, Copy, Debug)]
-pub struct Input<'a> {
-    /// The map.
-    pub map: &'a Map,
-    /// The map's text, for excerpts.
-    pub source: Option<&'a Arc<Source>>,
-    /// The mission; the default one where there is none.
-    pub mission: &'a Mission,
-    /// The command line's.
-    pub options: &'a Options,
-}
 
 /// Steps of the work on one layer that progress counts: searching it and packing it.
 pub const STEPS_A_LAYER: usize = 2;
@@ -82,6 +47,9 @@ pub const STEPS_A_LAYER: usize = 2;
 /// Called with the steps done and the steps to do, [`STEPS_A_LAYER`] for each layer, from any
 /// thread.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
+
+/// Problems beyond this number come without a suggestion, which takes time to find.
+const MAX_SUGGESTIONS: usize = 300;
 
 /// Packed layers beyond this cannot fit a blob even if equal ones are stored once.
 const PACKED_BUDGET_BYTES: usize = 16 * limits::MAX_BLOB_BYTES;
@@ -97,19 +65,9 @@ pub fn compile(
     prepare(input, problems)?.finish(progress, problems)
 }
 
-/// Whether any of the problems is an error.
-pub fn has_errors(problems: &[Problem]) -> bool {
-    problems.iter().any(|problem| problem.severity == Severity::Error)
-}
-
 /// The grid of a map under a mission; `None` after an error.
 pub fn grid(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Grid> {
     area::grid(input, problems)
-}
-
-/// How far obstacles are grown, metres; 0 where that is wrong, which [`prepare`] reports.
-pub(crate) fn robot_radius_m(input: &Input<'_>) -> f64 {
-    area::robot_radius(input, &mut Vec::new()).unwrap_or_default()
 }
 
 /// Where the map lies on the globe, as a blob carries it.
@@ -177,7 +135,7 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     let jobs = goals.iter().map(|goal| goal.levels.len()).sum();
     let threads = thread::available_parallelism().map_or(1, |threads| threads.get());
     let need = Need::within(limit_bytes, &grid, levels.len(), jobs, threads)?;
-    let recipe = recipe::write(input);
+    let recipe = recipe::write(input, radius);
     Some(Prepared { grid, origin, parameters, corners, levels, goals, mission, recipe, need })
 }
 
@@ -217,7 +175,7 @@ fn too_narrow(input: &Input<'_>, radius: f64) -> Option<Problem> {
 }
 
 fn no_free_cell(grid: &Grid, radius: f64) -> Problem {
-    let (columns, rows, side) = (grid.columns, grid.rows, area::metres(grid.resolution_m));
+    let (columns, rows, side) = (grid.columns, grid.rows, metres(grid.resolution_m));
     let problem = Problem::error(format!(
         "the map has no free cell: obstacles touch all {columns} x {rows} cells of {side} m"
     ));

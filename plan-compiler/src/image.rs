@@ -70,15 +70,6 @@ impl Image {
     }
 }
 
-/// What a file is called that begins like this and is not the blob itself.
-pub fn wrapped(bytes: &[u8]) -> Option<&'static str> {
-    if bytes.starts_with(&UF2_START[0].to_le_bytes()) {
-        Some("UF2")
-    } else {
-        bytes.starts_with(b":").then_some("Intel HEX")
-    }
-}
-
 /// Bytes of one data record, as most tools write them.
 const RECORD_BYTES: usize = 16;
 /// What an extended linear address reaches.
@@ -149,6 +140,7 @@ fn uf2(address: u32, family: u32, bytes: &[u8]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use maps::formats::foreign::wrapped;
 
     #[test]
     fn names_and_boards_say_how_a_blob_is_written() {
@@ -167,7 +159,7 @@ mod tests {
     fn wrapped_blobs_are_known_by_their_first_bytes() {
         assert_eq!(wrapped(hex(0, b"x").as_bytes()), Some("Intel HEX"));
         assert_eq!(wrapped(&uf2(0, 0, b"x")), Some("UF2"));
-        assert_eq!(wrapped(b"WAYFIELD"), None);
+        assert_eq!(wrapped(&plan_format::MAGIC), None);
     }
 
     #[test]

@@ -5,22 +5,20 @@
 //! they return what they understood and every [`problem::Problem`] they found.
 
 pub mod behaviours;
-pub mod bitmap;
 pub mod boards;
 pub mod compile;
-mod escape;
-pub mod formats;
 pub mod image;
-pub mod map;
+pub mod input;
+pub mod iplan;
 pub mod mission;
 pub mod output;
-pub mod problem;
-pub mod raster;
 pub mod recipe;
 pub mod render;
 pub mod route;
 pub mod search;
-pub mod source;
-pub mod terminal;
+pub mod toml;
 pub mod trace;
 pub mod verify;
+
+// Until every user names the crate.
+pub use maps::{bitmap, formats, model as map, names, numbers, problem, raster, source, terminal};

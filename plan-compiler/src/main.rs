@@ -6,8 +6,8 @@ mod tips;
 
 use clap::Parser;
 use commands::Failure;
-use plan_compiler::problem::draw;
-use plan_compiler::terminal::{safe, safe_line};
+use maps::problem::draw;
+use maps::terminal::{safe, safe_line};
 use std::io::{self, IsTerminal};
 use std::process::ExitCode;
 use tips::Tip;

@@ -18,19 +18,23 @@ pub use masks::Mask;
 pub use place::{geo_uri, is_geo_uri, place_of};
 
 use crate::behaviours;
-use crate::formats::TagRules;
-use crate::map::Point;
-use crate::problem::{MAX_PROBLEMS, Place, Problem, Source};
 use crate::search::Corners;
+use crate::toml::{Report, Span, key_span, number};
 use keys::{KEYS, Key, Kind, SECTIONS};
+use maps::Point;
+use maps::formats::TagRules;
+use maps::problem::MAX_PROBLEMS;
+use maps::problem::{Place, Problem, Source};
 use math::GeoPoint;
 use plan_format::{Parameters, limits};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml_edit::{Document, Item, TableLike, Value};
-use toml_parser::Expected;
-use toml_parser::parser::{RecursionGuard, parse_document};
+
+/// The layer that every map has: obstacles.
+pub const PHYSICAL: &str = "physical";
+/// The layer of a map with areas that weaken radio: obstacles and those areas.
+pub const COMMS: &str = "comms";
 
 /// What a mission file sets. The default is the mission of a map that has none.
 #[derive(Clone, Debug, Default)]
@@ -111,22 +115,31 @@ pub struct LayerRule {
 
 /// Reads a mission file's text. The mission holds whatever was understood.
 pub fn parse(source: &Arc<Source>) -> (Mission, Vec<Problem>) {
-    let mut reader = Reader { source, problems: Vec::new(), mission: Mission::default() };
-    match Document::parse(source.text.as_str()) {
-        Ok(document) => {
-            reader.section("", document.as_table());
-            let parameters = &mut reader.mission.parameters;
-            speeds::settle(source, document.as_table(), parameters, &mut reader.problems);
-            // Last, since they may add layers to those that the file lists.
-            if let Some(masks) = document.get("masks").and_then(Item::as_table_like) {
-                reader.masks(masks);
-            }
-            reader.mission.behaviours =
-                behaviours::read(source, document.as_table(), &mut reader.problems);
+    let mut problems = Vec::new();
+    let mission = read(&mut Report { source, problems: &mut problems });
+    (mission, problems)
+}
+
+fn read(report: &mut Report<'_>) -> Mission {
+    let Report { source, problems } = report;
+    let document = match Document::parse(source.text.as_str()) {
+        Ok(document) => document,
+        Err(first) => {
+            report.syntax(&first);
+            return Mission::default();
         }
-        Err(first) => reader.syntax(&first),
+    };
+    let report = Report { source, problems };
+    let mut reader = Reader { report, mission: Mission::default() };
+    reader.section("", document.as_table());
+    speeds::settle(&mut reader.report, document.as_table(), &mut reader.mission.parameters);
+    // Last, since they may add layers to those that the file lists.
+    if let Some(masks) = document.get("masks").and_then(Item::as_table_like) {
+        reader.masks(masks);
     }
-    (reader.mission, reader.problems)
+    let Reader { report, mut mission } = reader;
+    mission.behaviours = behaviours::read(report.source, document.as_table(), report.problems);
+    mission
 }
 
 /// The name of a plan or a layer, trimmed and without an overlay's trailing `*`; otherwise
@@ -147,86 +160,29 @@ pub fn tidy_name(raw: &str) -> Result<&str, String> {
     }
 }
 
-/// The candidate that `word` was probably meant to be. Of a word that nobody types and of more
-/// candidates than anybody has none is looked for.
-pub fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
-    const MAX_WORD_BYTES: usize = 100;
-    const MAX_CANDIDATES: usize = 10_000;
-    if word.len() > MAX_WORD_BYTES {
-        return None;
-    }
-    let word = word.to_lowercase();
-    candidates
-        .take(MAX_CANDIDATES)
-        .filter(|candidate| candidate.len() <= MAX_WORD_BYTES)
-        .map(|candidate| (strsim::jaro_winkler(&word, &candidate.to_lowercase()), candidate))
-        .filter(|(similarity, _)| *similarity > 0.8)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate)
-}
-
 /// Keys of a goal that is a table.
 const GOAL_KEYS: [&str; 4] = ["at", "lat", "lon", "layers"];
 
 /// Walks the document and gathers.
-struct Reader<'s> {
-    source: &'s Arc<Source>,
-    problems: Vec<Problem>,
+struct Reader<'r> {
+    report: Report<'r>,
     mission: Mission,
 }
 
 impl Reader<'_> {
-    fn error(&mut self, message: impl Into<String>, span: Range<usize>, label: &str, mend: &str) {
-        self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
-    }
-
-    /// Every mistake in the grammar of the file, of which the document's parser names one.
-    fn syntax(&mut self, first: &toml_edit::TomlError) {
-        /// What is no TOML at all has one mistake a line; a few are enough.
-        const SAID: usize = 10;
-        /// As deep as the document's parser goes.
-        const MAX_DEPTH: u32 = 80;
-        const MEND: &str =
-            "each line is `key = value`, `[section]` or `# comment`; texts stand in \"quotes\"";
-        let text = toml_parser::Source::new(&self.source.text);
-        let mut errors: Vec<toml_parser::ParseError> = Vec::new();
-        let mut nothing = ();
-        let mut receiver = RecursionGuard::new(&mut nothing, MAX_DEPTH);
-        parse_document(&text.lex().into_vec(), &mut receiver, &mut errors);
-        for error in errors.iter().take(SAID) {
-            let span = error.unexpected().or(error.context());
-            let span = span.map_or(0..0, |span| span.start()..span.end());
-            let expected = match error.expected() {
-                Some([Expected::Literal(text), ..]) => format!(", expected `{text}`"),
-                Some([Expected::Description(text), ..]) => format!(", expected {text}"),
-                _ => String::new(),
-            };
-            let label = format!("{}{expected}", error.description());
-            self.error("this is not TOML", span, &label, MEND);
-        }
-        if errors.is_empty() {
-            // The grammar is right and the meaning is not: a key written twice, a number too large.
-            let span = first.span().unwrap_or(0..0);
-            self.error("this is not TOML", span, first.message(), MEND);
-        }
-        self.problems.sort_by_key(|problem| problem.place.as_ref().map(|place| place.span.start));
-    }
-
-    fn place(&self, span: Range<usize>) -> Place {
-        Place { source: Arc::clone(self.source), span, label: String::new() }
-    }
-
     fn section(&mut self, section: &str, table: &dyn TableLike) {
         // A preset comes first, so that it never undoes what stands beside it.
         let mut items: Vec<(&str, &Item)> = table.iter().collect();
         items.sort_by_key(|(name, _)| *name != "preset");
         for (name, item) in items {
-            let key_span = table.key(name).and_then(toml_edit::Key::span).unwrap_or(0..0);
+            let key_span = key_span(table, name);
             let span = item.span().unwrap_or_else(|| key_span.clone());
             if section.is_empty() && SECTIONS.contains(&name) {
                 match item.as_table_like() {
                     Some(inner) => self.named_section(name, inner),
-                    None => self.wrong_type(name, item, span, "a section", &format!("[{name}]")),
+                    None => {
+                        self.report.wrong_type(name, item, &span, "a section", &format!("[{name}]"))
+                    }
                 }
             } else if section.is_empty() && behaviours::TABLES.contains(&name) {
                 // Read by their own reader, since they may refer to each other.
@@ -242,7 +198,7 @@ impl Reader<'_> {
         match name {
             "goals" => {
                 let goals = table.iter().filter_map(|(name, item)| {
-                    let span = table.key(name).and_then(toml_edit::Key::span).unwrap_or(0..0);
+                    let span = key_span(table, name);
                     self.goal(name, item, span)
                 });
                 let goals = goals.collect();
@@ -250,7 +206,7 @@ impl Reader<'_> {
             }
             "layers" => {
                 for (name, item) in table.iter() {
-                    let span = table.key(name).and_then(toml_edit::Key::span).unwrap_or(0..0);
+                    let span = key_span(table, name);
                     self.layer(name, item, span);
                 }
             }
@@ -260,13 +216,13 @@ impl Reader<'_> {
         }
     }
 
-    fn value(&mut self, key: &Key, item: &Item, span: Range<usize>) {
+    fn value(&mut self, key: &Key, item: &Item, span: Span) {
         let expected = key.expected();
         match (&key.kind, item.as_value()) {
             (Kind::Number { set, .. }, Some(value)) => match number(value) {
                 Some(number) if key.accepts(number) => set(&mut self.mission, number),
-                Some(_) => self.out_of_range(key, span),
-                None => self.wrong_type(&key.path(), item, span, &expected, &key.example()),
+                Some(_) => self.report.out_of_range(&key.path(), &span, &expected),
+                None => self.report.wrong_type(&key.path(), item, &span, &expected, &key.example()),
             },
             (Kind::Flag { set, .. }, Some(Value::Boolean(flag))) => {
                 set(&mut self.mission, *flag.value());
@@ -274,33 +230,34 @@ impl Reader<'_> {
             (Kind::Word { words, .. }, Some(Value::String(word))) => {
                 match words.iter().find(|(name, _)| name == word.value()) {
                     Some((_, set)) => set(&mut self.mission),
-                    None => self.unknown_word(key, word.value(), span),
+                    None => self.report.unknown_word(&key.path(), word.value(), &span, key.words()),
                 }
             }
             (Kind::Text, Some(Value::String(text))) => self.text(key, text.value(), span),
             (Kind::Tags { set }, _) => match self.tags(item) {
                 Some(tags) => set(&mut self.mission, tags),
-                None => self.wrong_type(&key.path(), item, span, &expected, &key.example()),
+                None => self.report.wrong_type(&key.path(), item, &span, &expected, &key.example()),
             },
             (Kind::Place { set }, _) => match self.place_on_globe(item) {
                 Some(place) => set(&mut self.mission, place),
-                None => self.wrong_type(&key.path(), item, span, &expected, &key.example()),
+                None => self.report.wrong_type(&key.path(), item, &span, &expected, &key.example()),
             },
-            _ => self.wrong_type(&key.path(), item, span, &expected, &key.example()),
+            _ => self.report.wrong_type(&key.path(), item, &span, &expected, &key.example()),
         }
     }
 
-    fn text(&mut self, key: &Key, text: &str, span: Range<usize>) {
+    fn text(&mut self, key: &Key, text: &str, span: Span) {
         if key.is("", "map") {
-            let folder = Path::new(&self.source.name).parent().unwrap_or(Path::new(""));
+            let folder = Path::new(&self.report.source.name).parent().unwrap_or(Path::new(""));
             self.mission.map = Some(folder.join(text));
-            self.mission.map_place = Some(self.place(span));
+            self.mission.map_place = Some(self.report.place(&span));
         } else {
-            self.mission.plan = Some(Named { name: text.trim().into(), place: self.place(span) });
+            self.mission.plan =
+                Some(Named { name: text.trim().into(), place: self.report.place(&span) });
         }
     }
 
-    fn goal(&mut self, raw: &str, item: &Item, span: Range<usize>) -> Option<Goal> {
+    fn goal(&mut self, raw: &str, item: &Item, span: Span) -> Option<Goal> {
         let name = self.name("goal", raw, span.clone());
         let here = item.span().unwrap_or_else(|| span.clone());
         let (at, layers) = match item.as_table_like() {
@@ -308,26 +265,26 @@ impl Reader<'_> {
             Some(table) => {
                 let mut layers = None;
                 for (key, inner) in table.iter() {
-                    let key_span = table.key(key).and_then(toml_edit::Key::span).unwrap_or(0..0);
+                    let key_span = key_span(table, key);
                     match key {
                         "at" | "lat" | "lon" => {}
                         "layers" => layers = self.names(&format!("goals.{raw}.layers"), inner),
-                        other => self.unknown_goal_key(raw, other, key_span),
+                        other => self.unknown_goal_key(raw, other, &key_span),
                     }
                 }
                 (self.goal_table(raw, table, span.clone()), layers)
             }
         };
-        Some(Goal { name: name?, at: at?, layers, place: Some(self.place(span)) })
+        Some(Goal { name: name?, at: at?, layers, place: Some(self.report.place(&span)) })
     }
 
-    fn goal_position(&mut self, name: &str, item: &Item, span: Range<usize>) -> Option<GoalAt> {
+    fn goal_position(&mut self, name: &str, item: &Item, span: Span) -> Option<GoalAt> {
         match item.as_value() {
             Some(Value::String(uri)) if is_geo_uri(uri.value()) => match geo_uri(uri.value()) {
                 Ok(place) => Some(GoalAt::Globe(place)),
                 Err(reason) => {
                     let message = format!("goal `{name}` is not a place on the globe");
-                    self.error(message, span, &reason, "write \"geo:LAT,LON\", degrees");
+                    self.report.error(message, &span, &reason, "write \"geo:LAT,LON\", degrees");
                     None
                 }
             },
@@ -339,9 +296,9 @@ impl Reader<'_> {
                         Some(GoalAt::Position([x, y]))
                     }
                     _ => {
-                        self.error(
+                        self.report.error(
                             format!("goal `{name}` is not a position"),
-                            span,
+                            &span,
                             "expected two finite numbers",
                             &format!("write {name} = [x, y] in the map's metres, x east, y north"),
                         );
@@ -352,27 +309,33 @@ impl Reader<'_> {
             _ => {
                 let expected = "a position or the name of a point of the map";
                 let path = format!("goals.{name}");
-                self.wrong_type(&path, item, span, expected, &format!("{name} = [12.5, 40.0]"));
+                self.report.wrong_type(
+                    &path,
+                    item,
+                    &span,
+                    expected,
+                    &format!("{name} = [12.5, 40.0]"),
+                );
                 None
             }
         }
     }
 
-    fn layer(&mut self, raw: &str, item: &Item, span: Range<usize>) {
+    fn layer(&mut self, raw: &str, item: &Item, span: Span) {
         let name = self.name("layer", raw, span.clone());
         let areas = self.names(&format!("layers.{raw}"), item);
         if let (Some(name), Some(areas)) = (name, areas) {
-            let name = Named { name, place: self.place(span) };
+            let name = Named { name, place: self.report.place(&span) };
             self.mission.layers.push(LayerRule { name, areas });
         }
     }
 
-    fn name(&mut self, what: &str, raw: &str, span: Range<usize>) -> Option<String> {
+    fn name(&mut self, what: &str, raw: &str, span: Span) -> Option<String> {
         match tidy_name(raw) {
             Ok(name) => Some(name.to_owned()),
             Err(reason) => {
                 let message = format!("`{raw}` cannot be the name of a {what}");
-                self.error(message, span, &reason, "choose another name");
+                self.report.error(message, &span, &reason, "choose another name");
                 None
             }
         }
@@ -381,7 +344,7 @@ impl Reader<'_> {
     fn names(&mut self, path: &str, item: &Item) -> Option<Vec<Named>> {
         let span = item.span().unwrap_or(0..0);
         let named = |value: &Value| {
-            let place = self.place(value.span().unwrap_or_else(|| span.clone()));
+            let place = self.report.place(&value.span().unwrap_or_else(|| span.clone()));
             value.as_str().map(|name| Named { name: name.trim().into(), place })
         };
         let names = match item.as_value() {
@@ -391,85 +354,43 @@ impl Reader<'_> {
         };
         if names.is_none() {
             let example = format!("{} = [\"NoFlyZone1\"]", path.rsplit('.').next().unwrap_or(path));
-            self.wrong_type(path, item, span, "a list of names", &example);
+            self.report.wrong_type(path, item, &span, "a list of names", &example);
         }
         names
     }
 
-    fn wrong_type(
-        &mut self,
-        path: &str,
-        item: &Item,
-        span: Range<usize>,
-        expected: &str,
-        example: &str,
-    ) {
-        let label = format!("this is {}", with_article(item.type_name()));
-        self.error(
-            format!("`{path}` must be {expected}"),
-            span,
-            &label,
-            &format!("write {example}"),
-        );
-    }
-
-    fn out_of_range(&mut self, key: &Key, span: Range<usize>) {
-        let message = format!("`{}` is out of range", key.path());
-        let mend = format!("write {}", key.expected());
-        self.error(message, span, "this number", &mend);
-    }
-
-    fn unknown_word(&mut self, key: &Key, word: &str, span: Range<usize>) {
-        let mend = format!("write {}", key.expected());
-        let label = match nearest(word, key.words()) {
-            Some(meant) => format!("did you mean \"{meant}\"?"),
-            None => "not one of its words".into(),
-        };
-        self.error(format!("`{}` cannot be \"{word}\"", key.path()), span, &label, &mend);
-    }
-
-    fn unknown_key(&mut self, section: &str, name: &str, span: Range<usize>) {
-        let message = match section {
-            "" => format!("`{name}` is not a key of a mission"),
-            section => format!("`{name}` is not a key of [{section}]"),
-        };
-        // Of so many mistakes the last are not shown, and looking for what was meant takes time.
-        if self.problems.len() >= MAX_PROBLEMS {
-            return self.problems.push(Problem::error(message));
+    fn unknown_key(&mut self, section: &str, name: &str, span: Span) {
+        let table = if section.is_empty() { "a mission".into() } else { format!("[{section}]") };
+        // Problems beyond this number are not shown, and the search for a likely name takes time.
+        if self.report.problems.len() >= MAX_PROBLEMS {
+            let message = format!("`{name}` is not a key of {table}");
+            return self.report.problems.push(Problem::error(message));
         }
         let here = KEYS.iter().filter(|key| key.section == section).map(|key| key.name);
         let sections = SECTIONS.iter().chain(&behaviours::TABLES).copied();
         let sections = sections.filter(|_| section.is_empty());
         let elsewhere = KEYS.iter().find(|key| key.name == name);
         let known: Vec<&str> = here.chain(sections).collect();
-        let mend = match (elsewhere, nearest(name, known.iter().copied())) {
-            (Some(key), _) if key.section.is_empty() => {
-                format!("`{name}` stands at the top, above every [section]")
+        match elsewhere {
+            Some(key) => {
+                let mend = match key.section {
+                    "" => format!("`{name}` belongs at the top, above every [section]"),
+                    section => format!("`{name}` belongs in [{section}]"),
+                };
+                let message = format!("`{name}` is not a key of {table}");
+                self.report.error(message, &span, "unknown key", &mend);
             }
-            (Some(key), _) => format!("`{name}` belongs into [{}]", key.section),
-            (None, Some(meant)) => format!("did you mean `{meant}`?"),
-            (None, None) => format!("known here: {}", known.join(", ")),
-        };
-        self.error(message, span, "unknown key", &mend);
+            None => {
+                let how = format!("known here: {}", known.join(", "));
+                self.report.unknown_key(&table, name, &span, known.iter().copied(), &how);
+            }
+        }
     }
 
-    fn unknown_goal_key(&mut self, goal: &str, name: &str, span: Range<usize>) {
-        let mend = match nearest(name, GOAL_KEYS.into_iter()) {
-            Some(meant) => format!("did you mean `{meant}`?"),
-            None => "a goal has `at`, or `lat` and `lon`, and `layers`".into(),
-        };
-        self.error(format!("`{name}` is not a key of goal `{goal}`"), span, "unknown key", &mend);
+    fn unknown_goal_key(&mut self, goal: &str, name: &str, span: &Span) {
+        let how = "a goal has `at`, or `lat` and `lon`, and `layers`";
+        self.report.unknown_key(&format!("goal `{goal}`"), name, span, GOAL_KEYS.into_iter(), how);
     }
-}
-
-/// A TOML integer or float.
-pub(crate) fn number(value: &Value) -> Option<f64> {
-    value.as_float().or_else(|| value.as_integer().map(|integer| integer as f64))
-}
-
-pub(crate) fn with_article(noun: &str) -> String {
-    let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
-    format!("{article} {noun}")
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! A file is written beside its destination and renamed onto it, so that nobody ever sees
 //! half of it and a failure leaves what was there before.
 
-use crate::problem::Problem;
+use maps::problem::Problem;
 use plan_format::grid::cost_metres;
 use plan_format::{Answer, Cell, Grid, Layer};
 use std::fs;

@@ -4,13 +4,13 @@
 //! Kept is what decides which cells are blocked: the radius, walls that are filled, what the map
 //! leaves open, the areas of each layer. The resolution is in the grid, and goals do not matter.
 
-use crate::compile::{Input, Options, robot_radius_m};
-use crate::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
-use crate::formats::{Format, ReadOptions, TagRules};
-use crate::map::Unknown;
+use crate::input::{Input, Options};
 use crate::mission::{self, LayerRule, Mission};
-use crate::problem::Source;
-use clap::ValueEnum;
+use maps::Unknown;
+use maps::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
+use maps::formats::{Format, ReadOptions, TagRules};
+use maps::names::Word;
+use maps::problem::Source;
 use std::sync::Arc;
 use toml_edit::{Array, DocumentMut, Item, Value};
 
@@ -28,25 +28,25 @@ pub struct Recipe {
 }
 
 /// The recipe of what is compiled, as text.
-pub(crate) fn write(input: &Input<'_>) -> String {
+pub(crate) fn write(input: &Input<'_>, robot_radius_m: f64) -> String {
     let mut document = DocumentMut::new();
     let mut put = |key: &str, value: Value| document[key] = Item::Value(value);
-    put("robot_radius", robot_radius_m(input).into());
+    put("robot_radius", robot_radius_m.into());
     if input.options.fill_walls || input.mission.fill_walls.unwrap_or(false) {
         put("fill_walls", true.into());
     }
     let reading = &input.options.reading;
     if let Some(format) = reading.format {
-        put("format", word(format).into());
+        put("format", format.word().into());
     }
     if reading.unknown != Unknown::default() {
-        put("unknown", word(reading.unknown).into());
+        put("unknown", reading.unknown.word().into());
     }
     if reading.opar.units != DeltaUnit::default() {
-        put("opar_units", word(reading.opar.units).into());
+        put("opar_units", reading.opar.units.word().into());
     }
     if reading.opar.order != DeltaOrder::default() {
-        put("opar_order", word(reading.opar.order).into());
+        put("opar_order", reading.opar.order.word().into());
     }
     if !reading.opar.types.is_empty() {
         let types = reading.opar.types.iter().map(ToString::to_string);
@@ -86,12 +86,12 @@ fn parse(text: &str) -> Option<Recipe> {
     let document: DocumentMut = text.parse().ok()?;
     let text_of = |key: &str| document.get(key).and_then(Item::as_str);
     let mut reading = ReadOptions {
-        format: text_of("format").and_then(named::<Format>),
-        unknown: text_of("unknown").and_then(named).unwrap_or_default(),
+        format: text_of("format").and_then(Format::of_word),
+        unknown: text_of("unknown").and_then(Unknown::of_word).unwrap_or_default(),
         ..ReadOptions::default()
     };
-    reading.opar.units = text_of("opar_units").and_then(named).unwrap_or_default();
-    reading.opar.order = text_of("opar_order").and_then(named).unwrap_or_default();
+    reading.opar.units = text_of("opar_units").and_then(DeltaUnit::of_word).unwrap_or_default();
+    reading.opar.order = text_of("opar_order").and_then(DeltaOrder::of_word).unwrap_or_default();
     let types = document.get("opar_type").and_then(Item::as_array);
     let types = types.into_iter().flatten().filter_map(Value::as_str);
     reading.opar.types = types.filter_map(|kind| kind.parse::<ObstructionType>().ok()).collect();
@@ -105,7 +105,7 @@ fn parse(text: &str) -> Option<Recipe> {
         robot_radius_m: document
             .get("robot_radius")
             .and_then(Item::as_value)
-            .and_then(mission::number),
+            .and_then(crate::toml::number),
         fill_walls: document.get("fill_walls").and_then(Item::as_bool).unwrap_or(false),
         reading,
         layers,
@@ -145,14 +145,4 @@ impl Recipe {
 /// What was asked for if that says anything, otherwise the blob's own.
 fn given<T: Clone + Default + PartialEq>(asked: &T, own: &T) -> T {
     if *asked == T::default() { own.clone() } else { asked.clone() }
-}
-
-/// The word that stands for a value on the command line.
-fn word(value: impl ValueEnum) -> String {
-    value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
-}
-
-/// The value that a word stands for.
-fn named<T: ValueEnum>(word: &str) -> Option<T> {
-    T::from_str(word, false).ok()
 }

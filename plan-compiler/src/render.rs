@@ -13,20 +13,24 @@ mod marks;
 pub(crate) mod palette;
 mod scale;
 mod sheet;
+mod stroke;
 pub(crate) mod text;
+mod view;
 
 pub use marks::Mark;
 
-use crate::map::{Feature, Point, Role};
 use cells::{Bands, Sampled};
-use legend::{Entry, Symbol, stroke};
+use legend::{Entry, Symbol};
+use maps::{Feature, Point, Role};
 use marks::Names;
 use palette::{ATTENUATING, BLOCKED, INK, OBSTACLE, PAPER, ZONE};
 use plan_format::{Blob, Layer, ParallelPlan};
-use sheet::{Contents, Sheet, TITLE_EM, View};
+use sheet::{Contents, Sheet, TITLE_EM};
+use stroke::stroke;
 use svg::Document;
 use svg::node::element::{ClipPath, Definitions, Group, Rectangle, Title};
 use text::Anchor;
+use view::View;
 
 /// What is drawn over the cells. Positions in the map's metres.
 #[derive(Clone, Copy, Debug, Default)]

@@ -3,7 +3,7 @@
 //! What a robot would drive that follows the advice alone: from the centre of a cell to the
 //! centre of the next one. Out of an obstacle it is led by the escape.
 
-use crate::map::Point;
+use maps::Point;
 use plan_format::grid::cost_metres;
 use plan_format::{Answer, Grid, Layer};
 
@@ -66,8 +66,8 @@ pub fn follow(grid: &Grid, layer: &Layer<'_>, goal: Point, start: Point) -> Resu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bitmap::Bitmap;
     use crate::search::{Corners, solve};
+    use maps::Bitmap;
     use plan_format::{Blob, Cell, Draft, LayerDraft, Parameters, PlanDraft, pack, write};
 
     /// Follows a layer over cells of half a metre that starts at (10, 20): `#` is blocked,

@@ -13,7 +13,7 @@
 //!   narrow corridors, where tiles would be visited again and again for a single cell.
 //!
 //! Each is one file that says how it works and why it is exact. `advice` then finds the moves
-//! in one pass over the costs, and [`crate::escape`] the ways out of blocked cells.
+//! in one pass over the costs, and `escape` the ways out of blocked cells.
 //!
 //! A cost needs 32 bits, which is enough for [`MAX_COST`]: some 700,000 cells of path. Cells
 //! farther away than that are left without a route; [`is_cut_short`] tells whether any was.
@@ -26,12 +26,14 @@
 
 pub(crate) mod advice;
 mod buckets;
+mod escape;
 pub(crate) mod open;
+mod shores;
 pub(crate) mod tiles;
 mod vectors;
 
-use crate::bitmap::Bitmap;
-use crate::escape;
+use maps::Bitmap;
+
 use open::Passable;
 use plan_format::field::{self, Field};
 use plan_format::grid::DIAGONAL_STEP;

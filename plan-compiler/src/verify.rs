@@ -16,9 +16,9 @@
 //!
 //! Deliberately absent: the compiler's search.
 
-use crate::bitmap::Bitmap;
 use crate::compile::Progress;
 use crate::search::Corners;
+use maps::Bitmap;
 use plan_format::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
 use plan_format::field::{advised, escape, is_blocked};
 use plan_format::{Answer, Blob, Cell, Direction, Grid, Layer, ParallelPlan};

@@ -15,9 +15,9 @@
 mod maps;
 mod peers;
 
+use ::maps::Bitmap;
 use criterion::{Criterion, SamplingMode, Throughput};
 use peers::{Eikonal, GridSearch, Petgraph, pathfinding};
-use plan_compiler::bitmap::Bitmap;
 use plan_compiler::search::{Corners, Solver, Vectors};
 use plan_format::field::UNREACHED;
 use plan_format::grid::STRAIGHT_STEP;

@@ -1,6 +1,6 @@
 //! Maps to be searched, drawn from seeds.
 
-use plan_compiler::bitmap::Bitmap;
+use ::maps::Bitmap;
 use plan_format::{Cell, Direction};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};

@@ -2,12 +2,12 @@
 //! neighbours and costs. What does not depend on the goal is built before it is timed.
 
 use crate::maps::cells;
+use ::maps::Bitmap;
 use direction::Directions;
 use grid_search::{
     Coord, CostCell, CostGrid, DistanceMap, SearchConfig, SearchContext, Size, SolidGrid,
 };
 use petgraph::csr::Csr;
-use plan_compiler::bitmap::Bitmap;
 use plan_compiler::search::{Corners, step};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};

@@ -11,7 +11,7 @@
 mod lexer;
 mod parser;
 
-use super::fields::Span;
+use crate::toml::Span;
 use plan_format::limits;
 
 /// A production's right-hand side.

@@ -3,10 +3,10 @@
 mod components;
 mod inputs;
 
-use super::fields::{Fields, Report, Span, Spanned, Text, key_span};
 use super::syntax::{Behaviour, Literal, Rules, Syntax};
 use super::{DEFAULT_DORMANT, DEFAULT_DWELL_S, DEFAULT_HYSTERESIS, DEFAULT_UNCONDITIONAL};
-use crate::problem::{Problem, Source};
+use crate::toml::{Fields, Report, Span, Spanned, Text, key_span};
+use maps::problem::{Problem, Source};
 use plan_format::limits;
 use plan_format::mission::{Inference, Label, SwitchPoint};
 use std::sync::Arc;

@@ -18,10 +18,10 @@ mod waits;
 pub use budget::Need;
 pub use waits::Wait;
 
-use super::fields::Report;
 use super::syntax::Syntax;
-use crate::compile::has_errors;
-use crate::problem::Problem;
+use crate::toml::Report;
+use maps::problem::Problem;
+use maps::problem::has_errors;
 use plan_format::mission::{MissionDraft, Symbol};
 use situations::Situations;
 

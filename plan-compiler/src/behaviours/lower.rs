@@ -4,9 +4,9 @@ mod components;
 pub(super) mod effects;
 mod intervals;
 
-use super::fields::{Report, Span, Text};
 use super::syntax::{FactSyntax, InputSource, Literal, Rules, Syntax};
-use crate::problem::{Problem, Severity};
+use crate::toml::{Report, Span, Text};
+use maps::problem::{Problem, Severity};
 use plan_format::limits;
 use plan_format::mission::{
     Behaviour, Condition, Fact, FactKind, Facts, Input, MissionDraft, Rule, RuleBase, Source,

@@ -2,9 +2,9 @@
 //!
 //! The order of each list is the order of the file, and the order of the records later.
 
-use super::fields::{Span, Spanned, Text};
 use super::graph_text::Graph;
-use crate::problem::Source;
+use crate::toml::{Span, Spanned, Text};
+use maps::problem::Source;
 use plan_format::mission::{Inference, Label, SwitchPoint};
 use std::sync::Arc;
 

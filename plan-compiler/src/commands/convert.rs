@@ -3,11 +3,11 @@
 use super::build::{build, compile};
 use super::{Failure, check_output, open, read_blob, tell};
 use crate::cli::{Compiling, Convert};
-use plan_compiler::compile::has_errors;
-use plan_compiler::formats::{ReadOptions, iplan};
-use plan_compiler::image::{self, Image};
-use plan_compiler::output;
-use plan_compiler::problem::Problem;
+use maps::formats::{ReadOptions, foreign};
+use maps::problem::Problem;
+use maps::problem::has_errors;
+use plan_compiler::image::Image;
+use plan_compiler::{iplan, output};
 use plan_format::MAGIC;
 use std::path::Path;
 
@@ -22,7 +22,7 @@ pub(super) fn run(args: &Convert, quiet: bool) -> Result<(), Failure> {
         }
     };
     let bytes = read_blob(&args.input)?;
-    let is_blob = bytes.starts_with(&MAGIC) || image::wrapped(&bytes).is_some();
+    let is_blob = bytes.starts_with(&MAGIC) || foreign::wrapped(&bytes).is_some();
     let mut problems = Vec::new();
     let blob = match (is_blob, to_iplan) {
         (false, false) => {

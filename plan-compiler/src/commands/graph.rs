@@ -2,10 +2,10 @@
 
 use super::{Failure, open, parallel_plans, read_blob, refuse_output, tell};
 use crate::cli::Graph;
+use maps::problem::Problem;
+use maps::problem::has_errors;
 use plan_compiler::behaviours::draw::{Drawn, dot, picture};
 use plan_compiler::behaviours::{self, Plans};
-use plan_compiler::compile::has_errors;
-use plan_compiler::problem::Problem;
 use plan_compiler::render::png;
 use plan_compiler::{mission, output, source};
 use plan_format::mission::Mission;

@@ -3,7 +3,7 @@
 use super::description::{bytes_per_cell, describe, raw_bytes};
 use super::{Failure, layers, open, parallel_plans, print, print_text, read_blob};
 use crate::cli::Inspect;
-use plan_compiler::compile::{metres, pair};
+use maps::numbers::{metres, pair};
 use plan_format::parameters::{OnTrouble, Selection, Steering};
 use plan_format::{Blob, FORMAT_VERSION};
 use std::io::{self, Write};

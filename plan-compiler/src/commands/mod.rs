@@ -16,12 +16,13 @@ mod render;
 mod verify;
 
 use crate::cli::{Cli, Command, LayerName};
-use plan_compiler::formats::Format;
-use plan_compiler::image;
-use plan_compiler::mission::nearest;
-use plan_compiler::problem::{Problem, Severity, draw};
-use plan_compiler::terminal::safe;
-use plan_compiler::{output, source, trace};
+use maps::formats::Format;
+use maps::formats::foreign;
+use maps::names::nearest;
+use maps::problem::{Problem, Severity, draw};
+use maps::source;
+use maps::terminal::safe;
+use plan_compiler::{output, trace};
 use plan_format::{Blob, Layer, MAGIC, ParallelPlan};
 use std::fs;
 use std::io::{self, Write};
@@ -114,7 +115,7 @@ fn read_blob(path: &Path) -> Result<Vec<u8>, Failure> {
 fn open<'b>(path: &Path, bytes: &'b [u8]) -> Result<Blob<'b>, Failure> {
     Blob::parse_exact(bytes).map_err(|error| {
         let name = path.display();
-        if let Some(kind) = image::wrapped(bytes) {
+        if let Some(kind) = foreign::wrapped(bytes) {
             return Problem::error(format!("{name} is {kind}, which is for flashing only"))
                 .mend("name the blob itself: `plan-compiler build MAP -o plans.bin` writes it")
                 .into();

@@ -2,14 +2,14 @@
 
 use crate::cli::{CornersRule, MapOptions};
 use crate::commands::Failure;
-use plan_compiler::compile::{Input, Options};
-use plan_compiler::formats::{self, Loaded};
-use plan_compiler::map::{Feature, Map};
+use maps::formats::{self, Loaded};
+use maps::problem::{Problem, Source};
+use maps::source;
+use maps::{Feature, Map};
+use plan_compiler::input::{Input, Options};
 use plan_compiler::mission::{self, Goal, Mission};
-use plan_compiler::problem::{Problem, Source};
 use plan_compiler::recipe::{self, Recipe};
 use plan_compiler::search::Corners;
-use plan_compiler::source;
 use plan_format::Blob;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -118,7 +118,7 @@ fn read_as(
         Some(bytes) => formats::load_bytes(&map_path, bytes, &options.reading),
         None => formats::load(&map_path, &options.reading),
     };
-    let incomplete = plan_compiler::compile::has_errors(&found);
+    let incomplete = maps::problem::has_errors(&found);
     let named_at = mission.map_place.as_ref().filter(|_| is_mission);
     problems.extend(found.into_iter().map(|problem| match (&problem.place, named_at) {
         (None, Some(at)) => problem.at(&at.source, at.span.clone(), "named here"),

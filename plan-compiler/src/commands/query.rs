@@ -5,8 +5,8 @@ mod route;
 
 use super::{Failure, find, open, read_blob};
 use crate::cli::{PointAt, Query};
+use maps::problem::Problem;
 use math::GeoPoint;
-use plan_compiler::problem::Problem;
 use plan_format::grid::cost_metres;
 use plan_format::{Answer, Blob, Layer};
 use serde::Serialize;

@@ -3,10 +3,12 @@
 use super::verify::compare_cells;
 use super::{Failure, find, layers, open, project, read_blob, refuse_output, tell};
 use crate::cli::Render;
-use plan_compiler::compile::{Options, has_errors, metres, pair};
-use plan_compiler::map::{Feature, Point};
+use maps::numbers::{metres, pair};
+use maps::problem::Problem;
+use maps::problem::has_errors;
+use maps::{Feature, Point};
+use plan_compiler::input::Options;
 use plan_compiler::output;
-use plan_compiler::problem::Problem;
 use plan_compiler::render::{Mark, Overlay, Panel, Piece, Style, lacking, png, side_by_side};
 use plan_compiler::route::{self, NoRoute, Route};
 use plan_format::{Blob, Layer, ParallelPlan};

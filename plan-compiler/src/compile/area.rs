@@ -1,7 +1,8 @@
 //! The grid: its resolution, its extent, and where it lies on the globe.
 
-use super::Input;
-use crate::problem::Problem;
+use crate::input::Input;
+use maps::numbers::{metres, pair};
+use maps::problem::Problem;
 use math::scalar::wide;
 use plan_format::{Grid, Origin, limits};
 
@@ -146,17 +147,12 @@ pub(super) fn two_digits_up(x: f64) -> f64 {
     wide::ceil(x / unit) * unit
 }
 
-/// A length for a person: to the millimetre, and in powers of ten where it is absurd.
-pub fn metres(value: f64) -> String {
-    if value != 0.0 && !(1e-3..1e12).contains(&value.abs()) {
-        return format!("{value:e}");
-    }
-    format!("{}", (value * 1e3).round() / 1e3)
-}
-
-/// A point for a person: `(12.5, -40)`.
-pub fn pair(at: [f64; 2]) -> String {
-    format!("({}, {})", metres(at[0]), metres(at[1]))
+/// Where a grid lies, as a sentence for help.
+pub(super) fn reach(grid: &Grid) -> String {
+    let [x, y] = grid.corner_m;
+    let far = |from: f64, cells: u32| from + f64::from(cells) * grid.resolution_m;
+    let corner = [far(x, grid.columns), far(y, grid.rows)];
+    format!("the map reaches from {} to {}, metres east and north", pair([x, y]), pair(corner))
 }
 
 #[cfg(test)]
@@ -178,14 +174,5 @@ mod tests {
             let fitting = two_digits_up(size / f64::from(limits::MAX_SIDE_CELLS));
             assert!(whole_cells(size / fitting) <= f64::from(limits::MAX_SIDE_CELLS), "{size}");
         }
-    }
-
-    #[test]
-    fn lengths_are_short() {
-        assert_eq!(metres(1e9), "1000000000");
-        assert_eq!(metres(0.1 + 0.2), "0.3");
-        assert_eq!(metres(1e300), "1e300");
-        assert_eq!(metres(f64::NAN), "NaN");
-        assert_eq!(metres(-0.0), "-0");
     }
 }

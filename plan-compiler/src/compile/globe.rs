@@ -1,9 +1,9 @@
 //! Goals that are places on the globe, and positions that look as if they were.
 
-use super::Input;
-use super::area::metres;
-use crate::map::Point;
-use crate::problem::Problem;
+use crate::input::Input;
+use maps::Point;
+use maps::numbers::metres;
+use maps::problem::Problem;
 use math::geodetic::SEMI_MAJOR_M;
 use math::scalar::wide;
 use math::{Frame, GeoPoint};

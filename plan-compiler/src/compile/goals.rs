@@ -1,18 +1,19 @@
 //! Which goals there are, where they lie, and the layers that each can have.
 
-use super::area::pair;
+use super::area::reach;
 use super::layers::Level;
-use super::{Input, globe, has_errors};
-use crate::bitmap::Bitmap;
-use crate::map::Point;
-use crate::mission::{Goal, GoalAt, Named, nearest, tidy_name};
-use crate::problem::{Place, Problem};
+use super::{MAX_SUGGESTIONS, globe};
+use crate::input::Input;
+use crate::mission::{Goal, GoalAt, Named, tidy_name};
+use maps::Bitmap;
+use maps::Point;
+use maps::names::nearest;
+use maps::numbers::pair;
+use maps::problem::has_errors;
+use maps::problem::{Place, Problem};
 use math::scalar::wide;
 use plan_format::{Cell, Grid, limits};
 use std::collections::{BTreeMap, HashSet};
-
-/// Of a flood of mistakes only the first are told with what was meant, which takes time to find.
-pub(super) const ADVISED: usize = 300;
 
 /// A goal on the grid.
 pub(super) struct Placed {
@@ -159,7 +160,7 @@ fn candidate<'a>(
                 let message = format!("the map has no point named `{name}`");
                 let error = with_place(Problem::error(message), goal.place.as_ref(), "this goal");
                 let meant = || nearest(name, points.keys().copied());
-                let meant = if problems.len() < ADVISED { meant() } else { None };
+                let meant = if problems.len() < MAX_SUGGESTIONS { meant() } else { None };
                 problems.push(match meant {
                     Some(meant) => error.mend(format!("did you mean `{meant}`?")),
                     None => error.mend(format!("give a position: {} = [x, y]", goal.name)),
@@ -225,7 +226,7 @@ fn place_one(
     if physical.blocked.get(cell) {
         let message = format!("goal `{name}` at {} is inside an obstacle", pair(at));
         let problem = goal.problem(message, "this goal");
-        let is_advised = problems.len() < ADVISED;
+        let is_advised = problems.len() < MAX_SUGGESTIONS;
         let free = if is_advised { nearest_free(grid, &physical.blocked, at) } else { None };
         problems.push(match free {
             Some(free) => {
@@ -382,13 +383,6 @@ fn with_place(problem: Problem, place: Option<&Place>, label: &str) -> Problem {
         Some(place) => problem.at(&place.source, place.span.clone(), label),
         None => problem,
     }
-}
-
-pub(super) fn reach(grid: &Grid) -> String {
-    let [x, y] = grid.corner_m;
-    let far = |from: f64, cells: u32| from + f64::from(cells) * grid.resolution_m;
-    let corner = [far(x, grid.columns), far(y, grid.rows)];
-    format!("the map reaches from {} to {}, metres east and north", pair([x, y]), pair(corner))
 }
 
 #[cfg(test)]

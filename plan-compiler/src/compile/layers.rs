@@ -1,19 +1,17 @@
 //! The stack of layers and the blocked cells of each.
 
-use super::goals::{ADVISED, reach};
-use super::{Input, pair};
-use crate::bitmap::Bitmap;
-use crate::map::{Feature, Role};
-use crate::mission::{Mask, Named, nearest};
-use crate::problem::Problem;
-use crate::raster::{RasterOptions, keep_out, rasterise};
+use super::MAX_SUGGESTIONS;
+use super::area::reach;
+use crate::input::Input;
+use crate::mission::{COMMS, Mask, Named, PHYSICAL};
+use maps::Bitmap;
+use maps::names::nearest;
+use maps::numbers::pair;
+use maps::problem::Problem;
+use maps::raster::{RasterOptions, keep_out, rasterise};
+use maps::{Feature, Role};
 use plan_format::{Grid, limits};
 use std::collections::HashSet;
-
-/// Obstacles.
-pub(crate) const PHYSICAL: &str = "physical";
-/// Obstacles and areas that weaken radio.
-const COMMS: &str = "comms";
 
 /// A layer before any goal: its name and its blocked cells.
 pub(super) struct Level {
@@ -121,7 +119,7 @@ fn check_areas(input: &Input<'_>, problems: &mut Vec<Problem>) {
                 "asked for here",
             );
             // Of a flood of mistakes only the first need advice.
-            let needs_advice = problems.len() < ADVISED;
+            let needs_advice = problems.len() < MAX_SUGGESTIONS;
             problems.push(if needs_advice {
                 error.mend(other_areas(area, &sorted))
             } else {

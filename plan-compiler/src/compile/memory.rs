@@ -4,8 +4,9 @@
 //! bytes for each cell. As many run at once as there is room for; where there is no room for
 //! one, the build is refused.
 
-use super::area::{metres, two_digits_up};
-use crate::problem::Problem;
+use super::area::two_digits_up;
+use maps::numbers::metres;
+use maps::problem::Problem;
 use math::scalar::wide;
 use plan_format::{Grid, limits};
 

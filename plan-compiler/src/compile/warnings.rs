@@ -1,9 +1,10 @@
 //! What a build allows and its user probably did not mean.
 
-use super::{Input, metres};
-use crate::bitmap::Bitmap;
-use crate::map::Unknown;
-use crate::problem::Problem;
+use crate::input::Input;
+use maps::Bitmap;
+use maps::Unknown;
+use maps::numbers::metres;
+use maps::problem::Problem;
 use plan_format::{Counts, Grid};
 
 /// Cells of another size than the file's own by this factor are worth a word.

@@ -1,8 +1,8 @@
 //! Every key of a mission file: where it stands, what it means and what it may be.
 
 use super::Mission;
-use crate::formats::TagRule;
 use crate::search::Corners;
+use maps::formats::TagRule;
 use math::GeoPoint;
 use plan_format::limits;
 use plan_format::parameters::{Gains, OnTrouble, Selection, Steering};
@@ -126,7 +126,7 @@ impl Key {
     }
 
     /// Its words, if it has any.
-    pub fn words(&self) -> impl Iterator<Item = &'static str> {
+    pub fn words(&self) -> impl Iterator<Item = &'static str> + Clone {
         let words: Words = if let Kind::Word { words } = self.kind { words } else { &[] };
         words.iter().map(|(word, _)| *word)
     }

@@ -6,12 +6,11 @@
 //! nothing is known, it says nothing. Deliberately absent: speed masks. A plan knows cells that are
 //! blocked and cells that are not, and nothing between.
 
-use super::{LayerRule, Named, Reader};
-use crate::compile::PHYSICAL;
-use crate::formats::{self, ReadOptions};
-use crate::map::{CellMap, Unknown};
-use crate::problem::{Place, Severity};
-use std::ops::Range;
+use super::{LayerRule, Named, PHYSICAL, Reader};
+use crate::toml::{Span, key_span};
+use maps::formats::{self, ReadOptions};
+use maps::problem::{Place, Severity};
+use maps::{CellMap, Unknown};
 use std::path::{Path, PathBuf};
 use toml_edit::{Item, TableLike, Value};
 
@@ -36,18 +35,18 @@ impl Reader<'_> {
     /// The table `[masks]`.
     pub(super) fn masks(&mut self, table: &dyn TableLike) {
         for (name, item) in table.iter() {
-            let key_span = table.key(name).and_then(toml_edit::Key::span).unwrap_or(0..0);
+            let key_span = key_span(table, name);
             match name {
                 "keepout" => self.keepout(item, key_span),
-                "speed" => self.error(
+                "speed" => self.report.error(
                     "speed masks cannot be used yet",
-                    key_span,
+                    &key_span,
                     "a plan has no costs between free and blocked",
                     "leave it out, or name it as `keepout` if the robot must not drive there at all",
                 ),
-                other => self.error(
+                other => self.report.error(
                     format!("`{other}` is not a kind of mask"),
-                    key_span,
+                    &key_span,
                     "unknown key",
                     &format!("write {EXAMPLE}"),
                 ),
@@ -55,7 +54,7 @@ impl Reader<'_> {
         }
     }
 
-    fn keepout(&mut self, item: &Item, key_span: Range<usize>) {
+    fn keepout(&mut self, item: &Item, key_span: Span) {
         let Some(layers) = item.as_table_like() else {
             return self.masks_of(PHYSICAL, "masks.keepout", item);
         };
@@ -65,7 +64,7 @@ impl Reader<'_> {
             let Some(layer) = self.name("layer", raw, span.clone()) else { continue };
             let is_known = self.mission.layers.iter().any(|rule| rule.name.name == layer);
             if !is_known && layer != PHYSICAL {
-                let name = Named { name: layer.clone(), place: self.place(span) };
+                let name = Named { name: layer.clone(), place: self.report.place(&span) };
                 self.mission.layers.push(LayerRule { name, areas: Vec::new() });
             }
             self.masks_of(&layer, &format!("masks.keepout.{raw}"), item);
@@ -87,10 +86,10 @@ impl Reader<'_> {
             values.into_iter().map(text).collect::<Option<Vec<_>>>()
         });
         let Some(texts) = texts else {
-            return self.wrong_type(
+            return self.report.wrong_type(
                 path,
                 item,
-                whole.clone(),
+                &whole,
                 "the name of a file, or a list",
                 EXAMPLE,
             );
@@ -100,28 +99,28 @@ impl Reader<'_> {
         }
     }
 
-    fn mask(&mut self, layer: &str, text: &str, span: Range<usize>) {
-        let folder = Path::new(&self.source.name).parent().unwrap_or(Path::new(""));
+    fn mask(&mut self, layer: &str, text: &str, span: Span) {
+        let folder = Path::new(&self.report.source.name).parent().unwrap_or(Path::new(""));
         let path = folder.join(text);
         let (map, found) = formats::read(&path, &ReadOptions::default());
         let worth_saying = found.into_iter().filter(|problem| problem.severity > Severity::Note);
-        let source = self.source;
-        self.problems.extend(worth_saying.map(|problem| match problem.place {
+        let source = self.report.source;
+        self.report.problems.extend(worth_saying.map(|problem| match problem.place {
             None => problem.at(source, span.clone(), "named here"),
             Some(_) => problem,
         }));
         let Some(map) = map else { return };
         let Some(cells) = map.cells else {
-            return self.error(
+            return self.report.error(
                 format!("{} is not a mask", path.display()),
-                span,
+                &span,
                 "a map without cells",
                 "a mask is a ROS map, a YAML file with its image; areas that a map draws stand in \
                  [layers]",
             );
         };
         let cells = CellMap { unknown_as: Unknown::Free, ..cells };
-        let (layer, place) = (layer.to_owned(), self.place(span));
+        let (layer, place) = (layer.to_owned(), self.report.place(&span));
         self.mission.masks.push(Mask { layer, path, place, cells });
     }
 }

@@ -1,8 +1,8 @@
 //! Goals as places on the globe: `geo:LAT,LON`, as in RFC 5870, and `{ lat = .., lon = .. }`.
 
-use super::{GoalAt, Reader, number};
+use super::{GoalAt, Reader};
+use crate::toml::{Span, number};
 use math::GeoPoint;
-use std::ops::Range;
 use toml_edit::TableLike;
 
 /// How a place is written.
@@ -58,7 +58,7 @@ impl Reader<'_> {
         &mut self,
         name: &str,
         table: &dyn TableLike,
-        span: Range<usize>,
+        span: Span,
     ) -> Option<GoalAt> {
         let here = |key: &str| table.get(key).and_then(toml_edit::Item::span);
         match (table.get("at"), table.get("lat"), table.get("lon")) {
@@ -76,7 +76,7 @@ impl Reader<'_> {
                         let message = format!("goal `{name}` is not a place on the globe");
                         let at = here("lat").unwrap_or_else(|| span.clone());
                         let mend = format!("write {name} = {{ lat = 51.5, lon = -0.1 }}");
-                        self.error(message, at, &reason, &mend);
+                        self.report.error(message, &at, &reason, &mend);
                         None
                     },
                     Some,
@@ -84,7 +84,7 @@ impl Reader<'_> {
             }
             (None, None, None) => {
                 let mend = format!("write {name} = {{ at = [12.5, 40.0] }}");
-                self.error(format!("goal `{name}` has no `at`"), span, "this goal", &mend);
+                self.report.error(format!("goal `{name}` has no `at`"), &span, "this goal", &mend);
                 None
             }
             // A key that was misspelt has been reported.
@@ -95,7 +95,7 @@ impl Reader<'_> {
                      = -0.1 }}"
                 );
                 let message = format!("goal `{name}` needs `at` alone, or `lat` and `lon`");
-                self.error(message, span, "this goal", &mend);
+                self.report.error(message, &span, "this goal", &mend);
                 None
             }
         }

@@ -1,9 +1,9 @@
 //! What a mission says about how its map is read.
 
-use super::{Mission, Reader, number};
-use crate::formats::{ReadOptions, TagRule, TagRules};
+use super::{Mission, Reader};
+use crate::toml::{Span, number};
+use maps::formats::{ReadOptions, TagRule, TagRules};
 use math::GeoPoint;
-use std::ops::Range;
 use toml_edit::{Item, Value};
 
 impl Mission {
@@ -27,7 +27,7 @@ impl Reader<'_> {
     pub(super) fn tags(&mut self, item: &Item) -> Option<Vec<TagRule>> {
         let span = item.span().unwrap_or(0..0);
         let array = item.as_array()?;
-        let texts: Option<Vec<(String, Range<usize>)>> = array
+        let texts: Option<Vec<(String, Span)>> = array
             .iter()
             .map(|value| {
                 let at = value.span().unwrap_or_else(|| span.clone());
@@ -37,8 +37,10 @@ impl Reader<'_> {
         let mut rules = Vec::new();
         for (text, at) in texts? {
             match text.parse::<TagRule>() {
-                Ok(rule) => rules.push(TagRule { place: Some(self.place(at)), ..rule }),
-                Err(mend) => self.error(format!("`{text}` is not a tag"), at, "this", &mend),
+                Ok(rule) => rules.push(TagRule { place: Some(self.report.place(&at)), ..rule }),
+                Err(mend) => {
+                    self.report.error(format!("`{text}` is not a tag"), &at, "this", &mend)
+                }
             }
         }
         Some(rules)
@@ -54,7 +56,7 @@ impl Reader<'_> {
             let span = item.span().unwrap_or(0..0);
             let mend = "latitudes are -90 to 90 degrees, longitudes -180 to 180; the latitude \
                         comes first";
-            self.error("the origin is off the globe", span, "this place", mend);
+            self.report.error("the origin is off the globe", &span, "this place", mend);
         }
         (array.len() == 2).then_some(place)
     }

@@ -5,21 +5,15 @@
 //! to make a slow robot. Two that are given, and one that is given against a default that cannot
 //! follow it, must not contradict each other.
 
-use super::number;
-use crate::problem::{Problem, Source};
+use crate::toml::{Report, number};
+use maps::Problem;
 use plan_format::Parameters;
 use plan_format::parameters::{Steering, Vehicle};
 use std::ops::Range;
-use std::sync::Arc;
 use toml_edit::{Item, TableLike};
 
 /// Makes the speeds that a file leaves out follow the others, and reports contradictions.
-pub(super) fn settle(
-    source: &Arc<Source>,
-    root: &dyn TableLike,
-    parameters: &mut Parameters,
-    problems: &mut Vec<Problem>,
-) {
+pub(super) fn settle(report: &mut Report<'_>, root: &dyn TableLike, parameters: &mut Parameters) {
     let Some(table) = root.get("vehicle").and_then(Item::as_table_like) else { return };
     let given = |key: &str| {
         let item = table.get(key)?;
@@ -37,8 +31,8 @@ pub(super) fn settle(
     let vehicle = *vehicle;
     let mut error = |message: String, at: Option<Range<usize>>, mend: String| {
         let problem = Problem::error(message).mend(mend);
-        problems.push(match at {
-            Some(span) => problem.at(source, span, "this speed"),
+        report.problems.push(match at {
+            Some(span) => problem.at(report.source, span, "this speed"),
             None => problem,
         });
     };
@@ -65,7 +59,7 @@ pub(super) fn settle(
             error(message, lower.2.clone().or_else(|| upper.2.clone()), mend);
         }
     }
-    turning(source, table, &vehicle, problems);
+    turning(report, table, &vehicle);
 }
 
 /// A speed with where it comes from.
@@ -75,12 +69,7 @@ fn said(name: &str, speed: f32, at: &Option<Range<usize>>) -> String {
 }
 
 /// What a file says about turning that its steering cannot do.
-fn turning(
-    source: &Arc<Source>,
-    table: &dyn TableLike,
-    vehicle: &Vehicle,
-    problems: &mut Vec<Problem>,
-) {
+fn turning(report: &mut Report<'_>, table: &dyn TableLike, vehicle: &Vehicle) {
     let radius = table.get("min_turn_radius");
     let place = |item: Option<&Item>| item.and_then(Item::span);
     let is_car = vehicle.steering == Steering::Ackermann;
@@ -97,13 +86,14 @@ fn turning(
     } else {
         None
     };
-    problems.extend(problem.map(|(problem, span)| problem.at(source, span, "said here")));
+    let problem = problem.map(|(problem, span)| problem.at(report.source, span, "said here"));
+    report.problems.extend(problem);
 }
 
 #[cfg(test)]
 mod tests {
     use crate::mission::{Mission, parse};
-    use crate::problem::{Severity, Source};
+    use maps::problem::{Severity, Source};
     use std::sync::Arc;
 
     fn read(vehicle: &str) -> (Mission, Vec<String>) {

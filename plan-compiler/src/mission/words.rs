@@ -1,7 +1,7 @@
 //! Numbers, points and goals as they are written on a command line.
 
 use super::{Goal, GoalAt, geo_uri, is_geo_uri, tidy_name};
-use crate::map::Point;
+use maps::Point;
 
 /// A goal: `NAME=X,Y` in the map's metres, or `NAME=geo:LAT,LON`; otherwise why it is none.
 pub fn goal(text: &str) -> Result<Goal, String> {

@@ -4,11 +4,12 @@ use super::cells::Bands;
 use super::marks::{self, Mark};
 use super::palette::{self, ADVICE, HATCH, INK, PAPER};
 use super::scale::round_number_below;
-use super::sheet::{Measure, View};
+use super::stroke::{dashes, stroke};
 use super::text::{self, Anchor, CAPITALS_EM, width_px};
-use crate::compile::metres;
+use super::view::{Measure, View};
+use maps::numbers::metres;
 use math::scalar::wide;
-use svg::node::element::{Group, Path, Rectangle};
+use svg::node::element::{Group, Rectangle};
 
 /// Something that the legend explains.
 #[derive(Clone, Debug, PartialEq)]
@@ -253,19 +254,6 @@ fn hatching([x, y, width, height]: [f64; 4], apart: f64) -> String {
 }
 
 /// Dashes and gaps in widths of a line.
-pub(super) fn dashes(widths: &[f64], line_px: f64) -> String {
-    let lengths = widths.iter().map(|width| text::round(width * line_px).to_string());
-    if widths.is_empty() { "none".to_owned() } else { lengths.collect::<Vec<_>>().join(" ") }
-}
-
-pub(super) fn stroke(path: String, colour: &str, width: f64) -> Path {
-    Path::new()
-        .set("d", path)
-        .set("fill", "none")
-        .set("stroke", colour)
-        .set("stroke-width", text::round(width))
-}
-
 fn area(x: f64, y: f64, width: f64, height: f64) -> Rectangle {
     let [x, y, width, height] = [x, y, width, height].map(text::round);
     Rectangle::new().set("x", x).set("y", y).set("width", width).set("height", height)

@@ -3,11 +3,11 @@
 //! Marks differ in shape, so that nothing depends on colour; each has a light rim, which keeps it
 //! apart from whatever lies below.
 
-use super::legend::{dashes, stroke};
 use super::palette::{self, ADVICE, ATTENUATING, GOAL, INK, OBSTACLE, PAPER, ZONE};
-use super::sheet::View;
+use super::stroke::{dashes, stroke};
 use super::text::{self, Anchor, CAPITALS_EM, width_px};
-use crate::map::{Feature, Point, Role, Shape};
+use super::view::View;
+use maps::{Feature, Point, Role, Shape};
 use math::scalar::wide;
 use plan_format::{Answer, Cell, Layer};
 use std::fmt::Write;

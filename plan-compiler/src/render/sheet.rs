@@ -5,83 +5,10 @@
 //! never that of the map.
 
 use super::legend::{Entry, Flow};
-use super::scale::{Edge, Ticks};
+use super::scale::Ticks;
 use super::text::width_px;
-use crate::map::Point;
+use super::view::{Measure, View, edge};
 use plan_format::Grid;
-
-/// Sizes of letters and lines, pixels.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Measure {
-    /// Size of the font.
-    pub(super) font: f64,
-    /// One in a picture whose font has 13 pixels; lines are counted in it.
-    pub(super) unit: f64,
-}
-
-impl Measure {
-    /// Legible in small pictures, and not lost in large ones.
-    pub(super) fn of(size_px: u32) -> Self {
-        let font = 9.0 + f64::from(size_px) / 250.0;
-        Self { font, unit: font / 13.0 }
-    }
-
-    /// White space at the edges and between parts.
-    fn margin(&self) -> f64 {
-        self.font
-    }
-
-    /// From the top of a title to its map.
-    fn title(&self) -> f64 {
-        1.9 * self.font
-    }
-
-    /// Length of a tick.
-    pub(super) fn tick(&self) -> f64 {
-        5.0 * self.unit
-    }
-}
-
-/// From the map's metres to pixels.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct View {
-    pub(super) grid: Grid,
-    /// Width and height of the map, pixels.
-    pub(super) map: [u32; 2],
-    pub(super) measure: Measure,
-}
-
-impl View {
-    /// Pixels of a cell's width and height. They differ only where a map is so long that its
-    /// other side would vanish.
-    pub(super) fn cell(&self) -> [f64; 2] {
-        let [width, height] = self.map.map(f64::from);
-        [width / f64::from(self.grid.columns), height / f64::from(self.grid.rows)]
-    }
-
-    /// A point of the map in pixels, from the map's north-west corner.
-    pub(super) fn place(&self, at: Point) -> [f64; 2] {
-        let [width, height] = self.cell().map(|cell| cell / self.grid.resolution_m);
-        let [x, y] = [at[0] - self.grid.corner_m[0], at[1] - self.grid.corner_m[1]];
-        [x * width, f64::from(self.map[1]) - y * height]
-    }
-
-    /// How much longer a metre is drawn to the north than to the east.
-    pub(super) fn stretch(&self) -> f64 {
-        let [width, height] = self.cell();
-        height / width
-    }
-
-    fn edge(&self, axis: usize) -> Edge {
-        edge(&self.grid, axis, self.map[axis].into())
-    }
-}
-
-fn edge(grid: &Grid, axis: usize, length_px: f64) -> Edge {
-    let cells = [grid.columns, grid.rows][axis];
-    let from_m = grid.corner_m[axis];
-    Edge { from_m, to_m: from_m + f64::from(cells) * grid.resolution_m, length_px }
-}
 
 /// The finished arrangement.
 #[derive(Debug)]

@@ -2,9 +2,10 @@
 //! inside it and over no other.
 
 use super::*;
-use crate::compile::{Input, Options, compile};
-use crate::map::{Extent, Map, NamedPoint, Reference, Shape};
+use crate::compile::compile;
+use crate::input::{Input, Options};
 use crate::mission::Mission;
+use maps::{Extent, Map, NamedPoint, Reference, Shape};
 use math::GeoPoint;
 use text::width_px;
 

@@ -1,7 +1,7 @@
 //! Passable cells, 64 columns of a row at a time, and the moves between them.
 
 use super::Corners;
-use crate::bitmap::Bitmap;
+use maps::Bitmap;
 
 /// Columns in a word.
 pub(crate) const SIDE: usize = 64;

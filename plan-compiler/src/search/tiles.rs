@@ -15,8 +15,8 @@ mod relax;
 
 use super::advice::Rows;
 use super::open::{Open, Passable, SIDE};
+use super::shores::Shores;
 use super::{Corners, MAX_COST, Vectors};
-use crate::escape::Shores;
 use plan_format::Cell;
 use plan_format::field::UNREACHED;
 use pulp::Simd;
@@ -88,7 +88,7 @@ impl Tiles {
     }
 
     /// Finds the cheapest ways out of the deep cells, from what is known of the shores.
-    pub(crate) fn flood(&mut self, deep: &Passable, shores: &Shores, vectors: Vectors) {
+    pub(super) fn flood(&mut self, deep: &Passable, shores: &Shores, vectors: Vectors) {
         self.reset(deep);
         let corners = Corners::Allow;
         vectors.run(Run { tiles: self, map: deep, shores: Some(shores), corners });

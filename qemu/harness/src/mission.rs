@@ -3,10 +3,13 @@
 use std::path::Path;
 
 use math::Vec2;
-use plan_compiler::compile::{Input, Options, compile, has_errors, pair};
+use plan_compiler::compile::compile;
 use plan_compiler::formats::{self, ReadOptions};
+use plan_compiler::input::{Input, Options};
 use plan_compiler::map::Map;
 use plan_compiler::mission::{self, Goal, Mission, Named};
+use plan_compiler::numbers::pair;
+use plan_compiler::problem::has_errors;
 use plan_compiler::problem::{self, Place, Problem, Source};
 use plan_compiler::source;
 use plan_format::grid::cost_metres;

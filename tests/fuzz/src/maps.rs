@@ -1,9 +1,11 @@
 //! Maps: read, compiled on a bounded grid, and every cell proved.
 
-use plan_compiler::compile::{Input, Options, blocked, compile, grid, has_errors};
+use plan_compiler::compile::{blocked, compile, grid};
 use plan_compiler::formats::{self, Format, ReadOptions};
+use plan_compiler::input::{Input, Options};
 use plan_compiler::map::Map;
 use plan_compiler::mission::{Goal, GoalAt, Mission};
+use plan_compiler::problem::has_errors;
 use plan_compiler::problem::{Problem, Source, draw};
 use plan_compiler::verify::{compare, verify};
 use plan_compiler::{source, verify};

@@ -10,21 +10,21 @@ const READERS: &[(&str, &str)] = &[
     ("plan-compiler/src/behaviours/graph_text.rs", "graph"),
     ("plan-compiler/src/behaviours/language.rs", "mission"),
     ("plan-compiler/src/cli.rs", "command_line"),
-    ("plan-compiler/src/formats.rs", "any_map"),
-    ("plan-compiler/src/formats/geojson.rs", "geojson"),
-    ("plan-compiler/src/formats/iplan.rs", "iplan"),
-    ("plan-compiler/src/formats/movingai.rs", "movingai"),
-    ("plan-compiler/src/formats/opar.rs", "opar"),
-    ("plan-compiler/src/formats/opar/options.rs", "command_line"),
-    ("plan-compiler/src/formats/osm.rs", "osm_xml"),
-    ("plan-compiler/src/formats/osm.rs", "osm_pbf"),
-    ("plan-compiler/src/formats/overlay.rs", "overlay"),
-    ("plan-compiler/src/formats/pcf.rs", "pcf"),
-    ("plan-compiler/src/formats/ros.rs", "ros_image"),
-    ("plan-compiler/src/formats/ros.rs", "ros_yaml"),
-    ("plan-compiler/src/formats/tags/rules.rs", "command_line"),
+    ("plan-compiler/maps/src/formats.rs", "any_map"),
+    ("plan-compiler/maps/src/formats/geojson.rs", "geojson"),
+    ("plan-compiler/maps/src/formats/iplan.rs", "iplan"),
+    ("plan-compiler/maps/src/formats/movingai.rs", "movingai"),
+    ("plan-compiler/maps/src/formats/opar.rs", "opar"),
+    ("plan-compiler/maps/src/formats/opar/options.rs", "command_line"),
+    ("plan-compiler/maps/src/formats/osm.rs", "osm_xml"),
+    ("plan-compiler/maps/src/formats/osm.rs", "osm_pbf"),
+    ("plan-compiler/maps/src/formats/overlay.rs", "overlay"),
+    ("plan-compiler/maps/src/formats/pcf.rs", "pcf"),
+    ("plan-compiler/maps/src/formats/ros.rs", "ros_image"),
+    ("plan-compiler/maps/src/formats/ros.rs", "ros_yaml"),
+    ("plan-compiler/maps/src/formats/tags/rules.rs", "command_line"),
     ("plan-compiler/src/mission.rs", "mission"),
-    ("plan-compiler/src/source.rs", "any_map"),
+    ("plan-compiler/maps/src/source.rs", "any_map"),
     ("plan-compiler/src/trace.rs", "trace"),
     ("shared/plan-format/src/mission/mod.rs", "blob"),
     ("shared/plan-format/src/plan.rs", "blob"),
@@ -57,7 +57,9 @@ const INPUTS: &[&str] = &["u8", "&str", "Source", "&Path"];
 fn no_reader_is_without_a_fuzz_target() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut found = Vec::new();
-    for top in ["shared", "firmware", "plan-compiler/src", "tests/sim/src"] {
+    for top in
+        ["shared", "firmware", "plan-compiler/src", "plan-compiler/maps/src", "tests/sim/src"]
+    {
         visit(&root, &root.join(top), &mut found);
     }
     found.sort();

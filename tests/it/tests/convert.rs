@@ -3,8 +3,9 @@
 //!
 //! What it says of mistakes is in `tests/golden/errors`, beside that of the other commands.
 
-use plan_compiler::compile::{Input, Options, compile};
+use plan_compiler::compile::compile;
 use plan_compiler::formats::iplan;
+use plan_compiler::input::{Input, Options};
 use plan_compiler::map::Map;
 use plan_compiler::mission::Mission;
 use plan_compiler::problem::Source;
@@ -247,9 +248,9 @@ fn there_and_back(text: &str) -> (Map, String) {
     };
     let blob = compile(&input, &|_, _| {}, &mut problems).unwrap();
     let blob = Blob::parse_exact(&blob).unwrap();
-    assert!(iplan::check(&blob).is_empty());
+    assert!(plan_compiler::iplan::check(&blob).is_empty());
     let mut out = Vec::new();
-    iplan::write(&mut out, &blob, "plans.bin").unwrap();
+    plan_compiler::iplan::write(&mut out, &blob, "plans.bin").unwrap();
     (map, String::from_utf8(out).unwrap())
 }
 

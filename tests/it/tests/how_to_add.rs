@@ -163,20 +163,20 @@ fn a_schema_and_a_format_are_added_by_the_steps_of_the_readme() {
 
     let format = Tree { steps: Tree::following("A map format").steps, ..tree };
     format.new_file(
-        "plan-compiler/src/formats/sketch.rs",
-        "plan-compiler/src/formats",
+        "plan-compiler/maps/src/formats/sketch.rs",
+        "plan-compiler/maps/src/formats",
         include_str!("how_to_add/sketch.rs"),
     );
     let old = ["Movingai", "movingai", "MovingAI map", "\"map\""];
     let new = ["Sketch", "sketch", "sketch", "\"sketch\""];
-    format.beside("plan-compiler/src/formats.rs", &old[..], &new[..]);
-    grow_the_list(&format.path("plan-compiler/src/formats.rs"));
+    format.beside("plan-compiler/maps/src/formats.rs", &old[..], &new[..]);
+    grow_the_list(&format.path("plan-compiler/maps/src/formats.rs"));
     format.edit(
         "plan-compiler/src/cli.rs",
         &[("movingai::CONVENTIONS,", "\n        sketch::CONVENTIONS,")],
     );
     // Where the list of imports ends, whatever else stands in it.
-    format.edit("plan-compiler/src/cli.rs", &[("use plan_compiler::formats::{", "sketch, ")]);
+    format.edit("plan-compiler/src/cli.rs", &[("use maps::formats::{", "sketch, ")]);
 
     // The schema: its golden vectors hold, and a mission can weigh it.
     let said = format.cargo("", &["test", "--package", "schemas", "--lib"]);

@@ -20,6 +20,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("fuzzy", &["math", "plan-format"]),
     ("controller", &["advice", "behaviour", "math", "plan-format", "robot-io", "schemas"]),
     ("runtime", &["controller", "math", "plan-format", "robot-io"]),
+    ("maps", &["math", "plan-format"]),
     (
         "plan-compiler",
         &[
@@ -27,6 +28,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "controller",
             "fuzzy",
             "grammar",
+            "maps",
             "math",
             "monitor",
             "plan-format",
@@ -41,6 +43,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "fuzz",
         &[
             "controller",
+            "maps",
             "math",
             "plan-compiler",
             "plan-format",
@@ -189,7 +192,7 @@ fn every_requirement_names_tests_that_exist() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-fn manifests() -> Vec<std::path::PathBuf> {
+pub(crate) fn manifests() -> Vec<std::path::PathBuf> {
     let mut found = Vec::new();
     for top in ["shared", "firmware", "boards", "qemu", "tests", "plan-compiler"] {
         visit(&root().join(top), &mut |path| {
@@ -221,7 +224,7 @@ fn dependencies(table: &toml_edit::Table) -> Vec<String> {
 }
 
 /// Calls `seen` for every file below `path`, build output and dot folders left out.
-fn visit(path: &Path, seen: &mut dyn FnMut(&Path)) {
+pub(crate) fn visit(path: &Path, seen: &mut dyn FnMut(&Path)) {
     for entry in std::fs::read_dir(path).expect("a folder is readable") {
         let entry = entry.expect("an entry is readable").path();
         let name = entry.file_name().unwrap_or_default().to_string_lossy().into_owned();

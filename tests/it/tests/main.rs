@@ -2,6 +2,7 @@
 
 mod behaviours;
 mod blob;
+mod circles;
 mod cli;
 mod convert;
 mod fields;

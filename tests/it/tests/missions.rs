@@ -4,7 +4,8 @@
 //! writes it, the receiver's bytes, the runtime's tasks and the controller.
 
 use math::Vec2;
-use plan_compiler::compile::{Input, Options, compile};
+use plan_compiler::compile::compile;
+use plan_compiler::input::{Input, Options};
 use plan_compiler::map::{Map, Reference};
 use plan_compiler::mission::parse;
 use plan_compiler::problem::Source;

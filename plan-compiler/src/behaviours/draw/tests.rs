@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::behaviours::{Plans, compile, read};
-use crate::problem::Source as File;
+use maps::problem::Source as File;
 use std::sync::Arc;
 
 fn section(text: &str) -> Vec<u8> {

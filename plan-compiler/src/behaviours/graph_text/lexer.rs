@@ -1,7 +1,7 @@
 //! Words, arrows and brackets.
 
 use super::Mistake;
-use crate::behaviours::fields::Span;
+use crate::toml::Span;
 
 /// A piece of the text.
 #[derive(Clone, Debug, PartialEq)]

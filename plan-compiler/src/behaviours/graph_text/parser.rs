@@ -2,7 +2,7 @@
 
 use super::lexer::{Kind, Token};
 use super::{ENTRY, EXIT, Mistake, RawEdge, RawGraph};
-use crate::behaviours::fields::Span;
+use crate::toml::Span;
 
 /// Brackets within brackets, at most.
 const MAX_NESTING: usize = 16;

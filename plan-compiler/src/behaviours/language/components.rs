@@ -2,11 +2,11 @@
 
 use super::inputs::pair;
 use super::{MAX_TIME_S, literals, milliseconds, name, rules};
-use crate::behaviours::fields::{Fields, Report, Spanned, Text, key_span, part_of};
 use crate::behaviours::graph_text;
 use crate::behaviours::syntax::{Action, Description, Doing, Frame, Production};
 use crate::behaviours::{DEFAULT_THRESHOLD, DEFAULT_TIMEOUT_S};
-use crate::mission::nearest;
+use crate::toml::{Fields, Report, Spanned, Text, key_span, part_of};
+use maps::names::nearest;
 use plan_format::limits::MAX_OUTPUTS;
 use toml_edit::{Item, Value};
 

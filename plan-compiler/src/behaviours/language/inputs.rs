@@ -2,9 +2,9 @@
 
 use super::{milliseconds, rules};
 use crate::behaviours::DEFAULT_MISSING_HOLD_S;
-use crate::behaviours::fields::{Fields, Report, Spanned, Text};
 use crate::behaviours::syntax::{Fact, FactSyntax, Input, InputSource};
-use crate::mission::nearest;
+use crate::toml::{Fields, Report, Spanned, Text};
+use maps::names::nearest;
 use plan_format::limits::{MAX_CHANNELS, MAX_OUTPUTS};
 use robot_io::percepts::channel;
 use toml_edit::Item;

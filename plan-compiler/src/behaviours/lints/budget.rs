@@ -2,7 +2,7 @@
 
 use super::Lints;
 use super::recursion::reaches;
-use crate::problem::Problem;
+use maps::problem::Problem;
 use plan_format::limits;
 use plan_format::mission::{MissionDraft, Production, Symbol};
 use std::collections::{HashMap, HashSet};

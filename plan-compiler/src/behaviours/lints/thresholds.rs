@@ -40,7 +40,7 @@ impl Lints<'_> {
         }
     }
 
-    fn threshold(&mut self, what: &str, value: f32, span: &crate::behaviours::Span) {
+    fn threshold(&mut self, what: &str, value: f32, span: &crate::toml::Span) {
         let (low, high) = REACH;
         if value < low || value > high {
             let message = format!("`{what}` is out of reach: rules result in 1/18 to 17/18");

@@ -1,8 +1,8 @@
 //! What is defined and never used, and what cannot be used together.
 
 use super::Lints;
-use crate::behaviours::Text;
 use crate::behaviours::lower::effects::below;
+use crate::toml::Text;
 use plan_format::mission::{FactKind, Source, Symbol};
 
 impl Lints<'_> {

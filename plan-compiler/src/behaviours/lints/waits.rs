@@ -10,7 +10,7 @@ mod states;
 
 use super::Lints;
 use super::shut_out::effects;
-use crate::problem::Problem;
+use maps::problem::Problem;
 use plan_format::mission::{Condition, SwitchPoint};
 use states::{States, Stop};
 use std::fmt;

@@ -1,8 +1,8 @@
 //! Actions, frames and their productions.
 
 use super::Lowering;
-use crate::behaviours::fields::{Span, Text};
 use crate::behaviours::syntax::{self, Doing, FactSyntax};
+use crate::toml::{Span, Text};
 use plan_format::limits;
 use plan_format::mission::{
     Action, ActionKind, Description, Edge, Facts, Frame, Production, Symbol,

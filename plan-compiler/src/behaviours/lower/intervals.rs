@@ -2,10 +2,10 @@
 //! single consumer (H, "Plan Components").
 
 use super::{Lowering, effects};
-use crate::behaviours::fields::{Spanned, Text};
 use crate::behaviours::graph_text::Graph;
 use crate::behaviours::language::literal;
 use crate::behaviours::syntax::{self, Literal};
+use crate::toml::{Spanned, Text};
 use plan_format::mission::{Condition, Facts, Interval, MissionDraft, Symbol};
 
 impl Lowering<'_> {

@@ -3,11 +3,11 @@
 use crate::cli::RouteFormat;
 use crate::commands::Failure;
 use crate::commands::render::mend;
+use maps::Point;
+use maps::numbers::{metres, pair};
+use maps::problem::Problem;
 use math::Vec2;
 use math::scalar::wide;
-use plan_compiler::compile::{metres, pair};
-use plan_compiler::map::Point;
-use plan_compiler::problem::Problem;
 use plan_compiler::route::{self, Route};
 use plan_format::{Blob, Layer, ParallelPlan};
 use serde::Serialize;

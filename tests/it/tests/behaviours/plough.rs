@@ -2,7 +2,7 @@
 
 use super::compiled;
 use plan_compiler::behaviours::{Plans, compile};
-use plan_compiler::compile::{Input, Options};
+use plan_compiler::input::{Input, Options};
 use plan_compiler::mission::parse;
 use plan_compiler::problem::{Severity, Source as File};
 use plan_compiler::{formats, source};

@@ -2,7 +2,7 @@
 
 use super::lines::Lines;
 use crate::bitmap::Bitmap;
-use crate::map::{CellMap, Map, Unknown};
+use crate::model::{CellMap, Map, Unknown};
 use crate::problem::{Problem, Source};
 use plan_format::Cell;
 use std::sync::Arc;

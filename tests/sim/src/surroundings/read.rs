@@ -3,8 +3,8 @@
 use super::{Field, Leak, Surroundings, Tank, Work};
 use crate::Point;
 use crate::body::distance;
-use plan_compiler::compile::has_errors;
-use plan_compiler::mission::nearest;
+use plan_compiler::names::nearest;
+use plan_compiler::problem::has_errors;
 use plan_compiler::problem::{Problem, Source};
 use plan_compiler::source;
 use robot_io::limits::{MAX_CHANNELS, MAX_OUTPUTS};

@@ -1,0 +1,259 @@
+//! What converters, servers and editors send: each kind once, small.
+
+use super::*;
+use crate::formats::tags::TagRules;
+use crate::model::{Role, Shape};
+use crate::problem::draw as drawn;
+
+const HALL: &str = "[[[-0.0016439, 51.4778461], [-0.0013561, 51.4778461], [-0.0013561, 51.4779539], \
+                    [-0.0016439, 51.4779539], [-0.0016439, 51.4778461]]]";
+
+fn read_as(text: &str, options: &ReadOptions) -> (Option<Map>, String) {
+    let source = Arc::new(Source { name: "a.geojson".into(), text: text.into() });
+    let (map, problems) = read(&source, options);
+    let said = drawn(&problems, false).replace('\u{2502}', " ");
+    let map = map.filter(|_| !has_errors(&problems));
+    (map, said.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+fn collection(features: &[String], head: &str) -> String {
+    format!("{{\"type\": \"FeatureCollection\", {head}\"features\": [{}]}}", features.join(", "))
+}
+
+fn map(text: &str) -> (Map, String) {
+    let (map, said) = read_as(text, &ReadOptions::default());
+    (map.unwrap_or_else(|| panic!("no map of {text}\n{said}")), said)
+}
+
+fn obstacles(map: &Map) -> usize {
+    map.features.iter().filter(|feature| feature.role == Role::Obstacle).count()
+}
+
+fn says(text: &str, words: &[&str]) {
+    let (_, said) = read_as(text, &ReadOptions::default());
+    words.iter().for_each(|word| assert!(said.contains(word), "{word} missing in\n{said}"));
+}
+
+fn hall(properties: &str) -> String {
+    feature("Polygon", HALL, properties)
+}
+
+/// Whatever is cut off within a letter that takes several bytes: an error with its place.
+#[test]
+fn what_is_cut_off_after_any_letter_is_an_error_with_its_place() {
+    let whole = collection(
+        &[hall("\"n\u{e4}me\": \"\u{1f333} \u{e9}\", \"building\": \"y\u{e9}s\"")],
+        "\"n\u{f6}\": \"\u{fc}\", ",
+    );
+    for (end, _) in whole.char_indices().skip(1) {
+        for tail in ["", "\u{e9}", "\u{1f333}\u{1f333}", "\u{fffd}\n\u{fffd}"] {
+            let (map, said) = read_as(&format!("{}{tail}", &whole[..end]), &ReadOptions::default());
+            assert!(map.is_none() && said.contains("a.geojson:"), "{end} {tail}: {said}");
+        }
+    }
+    let garbage =
+        format!("{{ \"{}e\": \"Featu{}reColl", "\u{fffd}".repeat(80), "\u{fffd}".repeat(6));
+    says(&garbage, &["this is not GeoJSON", "a.geojson:1:"]);
+}
+
+#[test]
+fn properties_of_converters_are_understood() {
+    for properties in [
+        r#""tags": {"building": "yes"}, "id": 1, "meta": {}"#,
+        r#""osm_id": "1", "other_tags": "\"building\"=>\"yes\",\"height\"=>\"3\"""#,
+        r#""all_tags": "{\"building\": \"yes\"}""#,
+        r#""BUILDING": "YES""#,
+        r#""barrier": "wall;fence""#,
+    ] {
+        let (map, said) = map(&collection(&[hall(properties)], ""));
+        assert_eq!(obstacles(&map), 1, "{properties}\n{said}");
+    }
+}
+
+#[test]
+fn nothing_vanishes_without_a_word() {
+    let field = hall(r#""Layer": "Obstacles", "SubClasses": "AcDbEntity""#);
+    says(
+        &collection(&[field], ""),
+        &[
+            "\u{26a0} nothing on the map is an obstacle",
+            "zones, which only a mission can use: Obstacles",
+        ],
+    );
+    let lots = [hall(r#""LANDUSE": "lot""#), hall(r#""LANDUSE": "lot""#), hall("")];
+    says(
+        &collection(&lots, ""),
+        &[
+            "\u{26a0} nothing on the map is an obstacle; not used: LANDUSE=lot 2, nothing said 1",
+            "--block KEY=VALUE",
+        ],
+    );
+    let centre =
+        feature("Point", "[-0.0015, 51.4779]", r#""building": "yes", "@geometry": "center""#);
+    says(
+        &collection(&[centre], ""),
+        &["\u{26a0} drawn as a point, which has no outline: building=yes 1"],
+    );
+    let null = r#"{"type": "Feature", "properties": {"building": "yes"}, "geometry": null}"#;
+    says(
+        &collection(&[null.into(), hall(r#""building": 1"#)], ""),
+        &["\u{26a0} without coordinates, so not on the map: building=yes 1"],
+    );
+}
+
+#[test]
+fn geometries_without_positions_are_nowhere() {
+    for (kind, coordinates) in [
+        ("Point", "[]"),
+        ("Polygon", "[[]]"),
+        ("MultiPolygon", "[ ]"),
+        ("LineString", "null"),
+        ("MultiPoint", "[]"),
+    ] {
+        let empty = feature(kind, coordinates, r#""name": "a""#);
+        let (map, said) = map(&collection(&[empty, hall(r#""building": "yes""#)], ""));
+        assert_eq!((obstacles(&map), map.points.len()), (1, 0), "{kind}");
+        assert!(
+            said.contains("\u{26a0} without coordinates, so not on the map: name=a 1"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn systems_are_known_by_name_and_by_code() {
+    let with =
+        |crs: &str| collection(&[hall(r#""building": "yes""#)], &format!("\"crs\": {crs}, "));
+    for crs in [
+        r#"{"type": "EPSG", "properties": {"code": 4326}}"#,
+        r#"{"type": "name", "properties": {"name": "urn:ogc:def:crs:OGC::CRS84"}}"#,
+        r#"{"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG:6.18:4326"}}"#,
+        "null",
+    ] {
+        assert_eq!(obstacles(&map(&with(crs)).0), 1, "{crs}");
+    }
+    let mend = "ogr2ogr -t_srs EPSG:4326";
+    says(&with(r#"{"type": "EPSG", "properties": {"code": 3857}}"#), &["in EPSG:3857", mend]);
+    says(
+        &with(r#"{"type": "name", "properties": {"name": "EPSG:32630"}}"#),
+        &["in EPSG:32630", mend],
+    );
+}
+
+#[test]
+fn features_one_after_the_other_are_a_map() {
+    let [one, two] =
+        [hall(r#""building": "yes""#), feature("Point", "[-0.0014, 51.4778]", r#""name": "gate""#)];
+    for text in [
+        format!("{one}\n{two}\n"),
+        format!("{one}\r\n\r\n{two}"),
+        format!("\u{1e}{one}\n\u{1e}{two}\n"),
+        format!("{}\n{two}", collection(std::slice::from_ref(&one), "")),
+    ] {
+        assert!(recognises(&text), "{text}");
+        let (map, _) = map(&text);
+        assert_eq!((obstacles(&map), map.points.len()), (1, 1), "{text}");
+    }
+    assert_eq!(obstacles(&map(&format!("\u{1e}{one}\n")).0), 1);
+    says(
+        &format!("{one}\n{}", &two[..40]),
+        &["record 2 of the sequence is no feature", "a.geojson:2:"],
+    );
+    says(&format!("{one}\n{{\"type\": \"Point\"}}"), &["records[1] is no feature"]);
+}
+
+#[test]
+fn what_is_taken_for_geojson_is_named() {
+    says(r#"{"type": "Topology", "objects": {}, "arcs": []}"#, &["TopoJSON", "mapshaper"]);
+    says(
+        r#"{"geometryType": "esriGeometryPolygon", "features": [{"attributes": {}}]}"#,
+        &["ArcGIS", "ogr2ogr"],
+    );
+    says(r#"{"type": "Polygon", "coordinates": []}"#, &["wrap geometries in features"]);
+    says(
+        &collection(&[feature("Point", r#"["-0.0015", "51.4779"]"#, "")], ""),
+        &["without quotes"],
+    );
+}
+
+#[test]
+fn swapped_coordinates_are_suspected() {
+    let swapped = "[[[51.4778461, -0.0016439], [51.4778461, -0.0013561], [51.4779539, -0.0013561], [51.4778461, -0.0016439]]]";
+    let wrong = feature("Polygon", swapped, r#""building": "yes""#);
+    says(
+        &collection(std::slice::from_ref(&wrong), ""),
+        &[
+            "\u{26a0} the map lies at latitude -0.0015, longitude 51.4779, where no land is",
+            "swapped",
+        ],
+    );
+    let bbox = "\"bbox\": [-0.0018, 51.4777, -0.0012, 51.4781], ";
+    says(
+        &collection(&[wrong], bbox),
+        &["outside the bounds", "latitude and longitude are swapped in one of both"],
+    );
+    let (_, said) = map(&collection(&[hall(r#""building": "yes""#)], ""));
+    assert!(!said.contains('\u{26a0}'), "{said}");
+}
+
+#[test]
+fn the_file_or_the_user_says_where_the_origin_is() {
+    let shed = feature("Point", "[-0.001, 51.479]", r#""obstacle": "shed""#);
+    let head = "\"origin\": [-0.0015, 51.4779], ";
+    let origin = GeoPoint::from_degrees(51.4779, -0.0015);
+    for features in [vec![hall("\"building\": 1")], vec![hall("\"building\": 1"), shed]] {
+        let (there, said) = map(&collection(&features, head));
+        assert_eq!(there.reference.map(|it| it.place), origin, "{said}");
+        let other = GeoPoint::from_degrees(51.4778, -0.0016);
+        let options = ReadOptions { origin: other, ..ReadOptions::default() };
+        let (there, _) = read_as(&collection(&features, head), &options);
+        assert_eq!(there.and_then(|map| map.reference).map(|it| it.place), other);
+    }
+    says(&collection(&[hall("")], "\"origin\": [0, 91], "), &["the origin is off the globe"]);
+    says(&collection(&[hall("")], "\"origin\": 3, "), &["the origin is no position"]);
+    says(
+        &collection(&[hall("")], "\"origin\": [51.4779, -0.0015], "),
+        &["are swapped, in the origin or in the map"],
+    );
+}
+
+#[test]
+fn gates_open_the_fence_whose_corner_they_are() {
+    let fence = "[[-0.0016, 51.4778], [-0.0014, 51.4778], [-0.0012, 51.4778]]";
+    let fence = feature("LineString", fence, r#""barrier": "fence""#);
+    let gate = feature("Point", "[-0.0014, 51.4778]", r#""barrier": "gate""#);
+    let text = collection(&[fence, gate], "");
+    assert_eq!(obstacles(&map(&text).0), 1);
+    let tags = TagRules { open_gates: true, ..TagRules::default() };
+    let (open, said) = read_as(&text, &ReadOptions { tags, ..ReadOptions::default() });
+    assert_eq!(open.map(|map| obstacles(&map)), Some(2), "{said}");
+}
+
+#[test]
+fn holes_that_share_an_edge_are_one() {
+    let square = |x: f64| ring(x, 0.0001, 0.0001);
+    let outer = ring(0.0, 0.0, 0.0009);
+    let touching = format!("[{outer}, {}, {}]", square(0.0001), square(0.0002));
+    let (map, _) = map(&collection(&[feature("Polygon", &touching, "\"building\": 1")], ""));
+    let Shape::Polygon(rings) = &map.features[0].shape else { panic!("{map:?}") };
+    assert_eq!(rings.iter().map(Vec::len).collect::<Vec<_>>(), [4, 6]);
+}
+
+#[test]
+fn a_position_takes_no_more_memory_than_its_numbers() {
+    assert_eq!(size_of::<Position>(), 16);
+    let corners = 100_000;
+    let ring: Vec<String> =
+        (0..corners).chain([0]).map(|n| format!("[{}e-7,{}]", n % 2, n)).collect();
+    let pieces = coordinates::pieces("Polygon", &format!("[[{}]]", ring.join(","))).expect("read");
+    assert!(matches!(&pieces[..], [Piece::Polygon(rings)] if rings[0].len() == corners + 1));
+}
+
+#[test]
+fn lists_without_number_are_refused_before_they_are_read() {
+    let many =
+        format!("{{\"type\": \"FeatureCollection\", \"features\": [{}]}}", "[],".repeat(MAX_LISTS));
+    says(&many, &["the file has 8388609 lists"]);
+    let many = feature("Point", "[0, 0]", &"\"a\": 0, ".repeat(20_000));
+    says(&collection(&[many.replace(", }", "}")], ""), &["more than 10000 members"]);
+}

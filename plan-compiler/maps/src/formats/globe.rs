@@ -1,0 +1,419 @@
+//! From degrees to the map's metres, for formats that give nothing else.
+//!
+//! The map is the plane about an origin, which becomes the point 0,0: WGS-84, x east, y north, by
+//! the arithmetic that the robot uses on its fixes. The origin is what the user or the file says,
+//! else the centre of the map's bounds. Bounds that the file states outrank those of its
+//! coordinates: what is drawn later then moves no coordinate.
+
+use super::tags::Unused;
+use crate::model::{Extent, Map, Point, Reference, Role};
+use crate::numbers::metres;
+use crate::problem::Problem;
+use math::GeoPoint;
+use math::geodetic::{Frame, metres_per_degree, offset_m};
+
+/// Room left around the outermost coordinates, so that there is a way around what stands there.
+const MARGIN_M: f64 = 10.0;
+/// The plane serves no farther than this from its centre, metres.
+const REACH_M: f64 = Frame::RANGE_M as f64;
+
+/// Beyond this latitude meridians run together so fast that a plane is no map, degrees.
+const MAX_LATITUDE_DEG: f64 = 85.0;
+
+/// A latitude and a longitude, degrees.
+pub(super) type Place = [f64; 2];
+
+/// A box on the globe, degrees. It may lie across the date line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bounds {
+    south_west: Place,
+    /// Extent to the north and to the east.
+    size: Place,
+}
+
+impl Bounds {
+    /// Between two corners; `None` where they are off the globe or the wrong way round in latitude.
+    pub(super) fn between(south_west: Place, north_east: Place) -> Option<Self> {
+        for [lat, lon] in [south_west, north_east] {
+            GeoPoint::from_degrees(lat, lon)?;
+        }
+        let height = north_east[0] - south_west[0];
+        let width = north_east[1] - south_west[1];
+        // East of the date line longitudes start again.
+        let width = if width < 0.0 { width + 360.0 } else { width };
+        (height >= 0.0).then_some(Self { south_west, size: [height, width] })
+    }
+
+    /// An error where a map of these bounds would hold nothing: they have no area, or all that
+    /// is drawn lies beside them.
+    fn check(&self, drawn: Option<Self>) -> Result<(), Problem> {
+        let mend = "state the bounds of the part that the robot will drive in, or none";
+        if self.size.contains(&0.0) {
+            let message = "the bounds that the file states have no area";
+            return Err(Problem::error(message).mend(mend));
+        }
+        match drawn {
+            Some(drawn) if !self.meets(&drawn) => {
+                let message = "all that the file draws lies outside the bounds that it states";
+                let fits = drawn.swapped().is_some_and(|swapped| self.meets(&swapped));
+                let mend = if fits {
+                    "latitude and longitude are swapped in one of both: exchange them there".into()
+                } else {
+                    format!("{mend}; check whether latitude and longitude are swapped")
+                };
+                Err(Problem::error(message).mend(mend))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        let apart = |axis: usize| {
+            let apart = other.south_west[axis] - self.south_west[axis];
+            if axis == 1 { turned(apart) } else { apart }
+        };
+        (0..2).all(|axis| apart(axis) <= self.size[axis] && -apart(axis) <= other.size[axis])
+    }
+
+    /// The smallest box that holds both.
+    pub(super) fn and(self, other: Self) -> Self {
+        let corners = |bounds: Self| {
+            let ([south, west], [height, width]) = (bounds.south_west, bounds.size);
+            [[south, west], [south + height, west + width]]
+        };
+        let all = [corners(self), corners(other)].concat();
+        Self::around(all.into_iter()).unwrap_or(self)
+    }
+
+    /// Latitude and longitude exchanged, where that is on the globe.
+    fn swapped(&self) -> Option<Self> {
+        let ([south, west], [height, width]) = (self.south_west, self.size);
+        Self::between([west, south], [west + width, south + height])
+    }
+
+    fn middle(&self) -> Place {
+        [self.south_west[0] + self.size[0] / 2.0, turned(self.south_west[1] + self.size[1] / 2.0)]
+    }
+
+    /// A warning where the map lies in the open sea or in Antarctica, and on land if latitude and
+    /// longitude are exchanged.
+    pub(super) fn suspect(&self) -> Option<Problem> {
+        let (here, there) = (self.middle(), self.swapped()?.middle());
+        (is_desert(here) && !is_desert(there)).then(|| {
+            let [lat, lon] = here;
+            Problem::warning(format!(
+                "the map lies at latitude {lat:.4}, longitude {lon:.4}, where no land is: latitude \
+                 and longitude may be swapped"
+            ))
+            .mend("in GeoJSON longitude comes first: [longitude, latitude]")
+        })
+    }
+
+    /// South, west, north, east, degrees.
+    #[cfg(test)]
+    pub(super) fn sides(self) -> [f64; 4] {
+        let ([south, west], [height, width]) = (self.south_west, self.size);
+        [south, west, south + height, turned(west + width)]
+    }
+
+    /// The smallest box around places; `None` where there are none.
+    pub(super) fn around(places: impl Iterator<Item = Place>) -> Option<Self> {
+        let mut places = places.peekable();
+        let &[_, first] = places.peek()?;
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for [lat, lon] in places {
+            // Longitudes go on across the date line, from wherever the first place is.
+            for (axis, at) in [lat, first + turned(lon - first)].into_iter().enumerate() {
+                low[axis] = low[axis].min(at);
+                high[axis] = high[axis].max(at);
+            }
+        }
+        Some(Self { south_west: low, size: [high[0] - low[0], high[1] - low[1]] })
+    }
+}
+
+/// Boxes without land that a small robot would see, south, west, north, east, degrees. Not all of
+/// them: those where Europe and the Americas come to lie when latitude and longitude are swapped.
+const DESERTS: [[f64; 4]; 7] = [
+    // Antarctica.
+    [-90.0, -180.0, -60.0, 180.0],
+    // The Indian Ocean off Somalia.
+    [-3.0, 47.0, 2.0, 72.0],
+    [2.0, 51.5, 9.0, 72.0],
+    [9.0, 52.0, 11.5, 72.0],
+    // The South Atlantic.
+    [-50.0, -55.0, -41.0, -12.0],
+    // The Barents Sea.
+    [72.0, 5.0, 74.0, 50.0],
+    [74.7, 5.0, 76.3, 50.0],
+];
+
+fn is_desert([lat, lon]: Place) -> bool {
+    DESERTS.iter().any(|[south, west, north, east]| {
+        (south..=north).contains(&&lat) && (west..=east).contains(&&lon)
+    })
+}
+
+/// The place that makes an extent absurd.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stray {
+    /// Which of the places.
+    pub(super) index: usize,
+    /// Where the others are, if it is alone: of two heaps of equal size either may be astray.
+    pub(super) far_from: Place,
+    pub(super) is_alone: bool,
+}
+
+impl Stray {
+    /// The place that lies farthest from the middle one; `None` where there are none.
+    pub(super) fn among(places: &[Place]) -> Option<Self> {
+        let &[_, first] = places.first()?;
+        // Longitudes go on across the date line.
+        let places: Vec<Place> =
+            places.iter().map(|[lat, lon]| [*lat, first + turned(lon - first)]).collect();
+        let middle = [0, 1].map(|axis| {
+            let mut sorted: Vec<f64> = places.iter().map(|place| place[axis]).collect();
+            sorted.sort_by(f64::total_cmp);
+            sorted.get((sorted.len() - 1) / 2).copied().unwrap_or_default()
+        });
+        let away = |place: &Place| (place[0] - middle[0]).abs().max((place[1] - middle[1]).abs());
+        let farthest = places.iter().enumerate().max_by(|a, b| away(a.1).total_cmp(&away(b.1)));
+        let (index, farthest) = farthest?;
+        let half = away(farthest) / 2.0;
+        let near = places.iter().filter(|place| away(place) < half).count();
+        let far_from = [middle[0], turned(middle[1])];
+        Some(Self { index, far_from, is_alone: 2 * near > places.len() })
+    }
+
+    /// What stands under an excerpt that shows it.
+    pub(super) fn label(&self) -> String {
+        let [lat, lon] = self.far_from;
+        let where_the_others_are = format!("latitude {lat}, longitude {lon}");
+        if self.is_alone {
+            format!("far from the others, which lie about {where_the_others_are}")
+        } else {
+            format!("either this or what lies about {where_the_others_are} is astray")
+        }
+    }
+}
+
+/// A difference of longitudes the short way round, degrees.
+fn turned(difference: f64) -> f64 {
+    if difference > 180.0 {
+        difference - 360.0
+    } else if difference < -180.0 {
+        difference + 360.0
+    } else {
+        difference
+    }
+}
+
+/// The plane of a map.
+#[derive(Clone, Debug)]
+pub(super) struct Plane {
+    reference: GeoPoint,
+    extent: Extent,
+    /// Where the extent comes from.
+    by: String,
+    /// Whether somebody said where 0,0 is.
+    is_fixed: bool,
+}
+
+/// What a file leaves unused, and what of it has a meaning but no place.
+#[derive(Debug, Default)]
+pub(super) struct Passed {
+    /// Means nothing here.
+    pub(super) unused: Unused,
+    /// Means something, and lies nowhere.
+    pub(super) nowhere: Unused,
+    /// Means an area, and is drawn as a point.
+    pub(super) pointlike: Unused,
+}
+
+impl Passed {
+    /// A warning for each kind of trouble. `mend` says how to fetch the file with geometry.
+    pub(super) fn tell(&self, mend: &str, problems: &mut Vec<Problem>) {
+        if self.nowhere.total() > 0 {
+            let list = self.nowhere.list();
+            problems.push(
+                Problem::warning(format!("without coordinates, so not on the map: {list}"))
+                    .mend(mend),
+            );
+        }
+        if self.pointlike.total() > 0 {
+            let list = self.pointlike.list();
+            let message =
+                format!("drawn as a point, which has no outline: {list}; blocks one cell");
+            let mend = format!("{mend}, or give the point a `radius` in metres");
+            problems.push(Problem::warning(message).mend(mend));
+        }
+    }
+}
+
+impl Plane {
+    /// The plane of stated bounds, else of coordinates with a margin, about an origin, else about
+    /// the centre. Where bounds are stated, it is they who are wrong if there is none.
+    pub(super) fn new(
+        stated: Option<Bounds>,
+        drawn: impl Iterator<Item = Place>,
+        origin: Option<GeoPoint>,
+    ) -> Result<Self, Problem> {
+        let around = Bounds::around(drawn);
+        let (bounds, margin, by) = match stated {
+            Some(bounds) => {
+                bounds.check(around)?;
+                (bounds, 0.0, "by the bounds that the file states".into())
+            }
+            None => match around {
+                Some(bounds) => (bounds, MARGIN_M, format!("{MARGIN_M} m around what it draws")),
+                None => {
+                    return Err(Problem::error("the file draws nothing and states no bounds")
+                        .mend("check that this is the file you mean"));
+                }
+            },
+        };
+        let [lat, lon] = bounds.middle();
+        let middle = GeoPoint::from_degrees(lat, lon).unwrap_or(GeoPoint { lat_e7: 0, lon_e7: 0 });
+        let reference = origin.unwrap_or(middle);
+        refuse_pole(reference)?;
+        let (per_lat, per_lon) = metres_per_degree(reference.lat_deg());
+        let size = [bounds.size[1] * per_lon, bounds.size[0] * per_lat];
+        check_size(size, stated.is_some())?;
+        let mut plane = Self {
+            reference,
+            extent: Extent { corner: [0.0; 2], size },
+            by,
+            is_fixed: origin.is_some(),
+        };
+        plane.extent.corner = plane.metres(bounds.south_west);
+        for axis in 0..2 {
+            plane.extent.corner[axis] -= margin;
+            plane.extent.size[axis] += 2.0 * margin;
+        }
+        plane.check_reach(&bounds)?;
+        Ok(plane)
+    }
+
+    /// An error where a part of the map is too far from an origin that was given.
+    fn check_reach(&self, bounds: &Bounds) -> Result<(), Problem> {
+        let far = (0..2).map(|axis| {
+            let [low, size] = [self.extent.corner[axis], self.extent.size[axis]];
+            low.abs().max((low + size).abs())
+        });
+        let far = far.fold(0.0, f64::max);
+        if !self.is_fixed || far <= REACH_M {
+            return Ok(());
+        }
+        let (far, reach) = (metres((far / 1e3).ceil()), metres(REACH_M / 1e3));
+        let message =
+            format!("the map reaches {far} km from its origin, but a plan holds for {reach} km");
+        let to_swapped = bounds.swapped().map(|swapped| self.metres(swapped.middle()));
+        let is_swapped = to_swapped.is_some_and(|at| at.iter().all(|axis| axis.abs() <= REACH_M));
+        let mend = match is_swapped {
+            true => "latitude and longitude are swapped, in the origin or in the map",
+            false => "check the origin: latitude, then longitude, near what the map draws",
+        };
+        Err(Problem::error(message).mend(mend))
+    }
+
+    /// The map's metres of a place.
+    pub(super) fn metres(&self, place: Place) -> Point {
+        offset_m([self.reference.lat_deg(), self.reference.lon_deg()], place)
+    }
+
+    /// A map with nothing in it.
+    pub(super) fn map(&self) -> Map {
+        let reference = Reference { place: self.reference, at: [0.0; 2], heading_rad: 0.0 };
+        Map { reference: Some(reference), ..Map::empty(self.extent) }
+    }
+
+    /// What became of the file: where the map lies, and what it holds. A warning where none of it
+    /// blocks, although something was drawn.
+    pub(super) fn note(&self, map: &Map, unused: &Unused, problems: &mut Vec<Problem>) {
+        let [width, height] = self.extent.size.map(|side| metres((side * 10.0).round() / 10.0));
+        let (lat, lon) = (self.reference.lat_deg(), self.reference.lon_deg());
+        let count = |role: Role| map.features.iter().filter(|one| one.role == role).count();
+        let (obstacles, areas, zones) =
+            (count(Role::Obstacle), count(Role::Attenuating), count(Role::Zone));
+        let points = map.points.len();
+        let what = if self.is_fixed { "the origin that was given" } else { "its centre" };
+        let not_used = match unused.total() {
+            0 => "0".into(),
+            total => format!("{total} ({})", unused.list()),
+        };
+        if obstacles + areas == 0 && zones + unused.total() > 0 {
+            problems.push(nothing_blocks(map, unused));
+        }
+        let note = Problem::note(format!(
+            "the map is {width} m x {height} m, {by}; 0,0 is {what}, latitude {lat}, longitude \
+             {lon}; obstacles: {obstacles}, areas that weaken radio: {areas}, zones: {zones}, named \
+             points: {points}, not used: {not_used}",
+            by = self.by
+        ));
+        problems.push(match self.is_fixed {
+            true => note,
+            false => note.mend(format!(
+                "0,0 depends on the file: `origin = [{lat}, {lon}]` in the mission file or --origin \
+                 {lat},{lon} keeps it where it is when the map is drawn anew"
+            )),
+        });
+    }
+}
+
+fn nothing_blocks(map: &Map, unused: &Unused) -> Problem {
+    let mut names: Vec<&str> = map.features.iter().map(|zone| zone.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    names.truncate(8);
+    let zones = match names[..] {
+        [] => String::new(),
+        _ => format!("; zones, which only a mission can use: {}", names.join(", ")),
+    };
+    let list = match unused.total() {
+        0 => String::new(),
+        _ => format!("; not used: {}", unused.list()),
+    };
+    Problem::warning(format!("nothing on the map is an obstacle{zones}{list}")).mend(
+        "--block KEY=VALUE, or `block = [\"KEY=VALUE\"]` in the mission file, makes obstacles of what \
+         is listed; `plan-compiler build --help` lists what is one by itself",
+    )
+}
+
+/// An error where a map lies about a pole.
+pub(super) fn refuse_pole(place: GeoPoint) -> Result<(), Problem> {
+    let lat = place.lat_deg();
+    if lat.abs() <= MAX_LATITUDE_DEG {
+        return Ok(());
+    }
+    Err(Problem::error(format!(
+        "the map lies at latitude {lat}, but beyond {MAX_LATITUDE_DEG} degrees a plan is not true: \
+         meridians run together there"
+    ))
+    .mend("draw the map in metres about a point of your own, as an overlay (.ovl) for example"))
+}
+
+/// An error where a map is larger than the plane serves.
+fn check_size(size: [f64; 2], is_stated: bool) -> Result<(), Problem> {
+    if size.iter().all(|side| *side <= 2.0 * REACH_M) {
+        return Ok(());
+    }
+    let [width, height] = size.map(|side| metres((side / 1e3).ceil()));
+    let reach = metres(REACH_M / 1e3);
+    let (what, mend) = match is_stated {
+        true => (
+            "by the bounds that the file states the map is",
+            "state the bounds of the part that the robot will drive in, or none",
+        ),
+        false => (
+            "the map is",
+            "cut the part out that the robot will drive in; one stray point is enough",
+        ),
+    };
+    Err(Problem::error(format!(
+        "{what} {width} km x {height} km, but a plan holds for {reach} km around its centre"
+    ))
+    .mend(mend))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,405 @@
+//! MissionLab's internalized plans, `Iplan.dat`: a header, then a map of costs for each goal.
+//!
+//! Source: the files that MissionLab 7 wrote. Values come a line each, x by x, y from the
+//! south inside. Costs are not kept: they follow from the obstacles and the goal, and are
+//! planned anew. Deliberately absent: values written as FLOAT, and the progress boxes of
+//! RECONBUILDING.
+
+use super::lines::Lines;
+use super::{FARTHEST_M, MAX_PROBLEMS};
+use crate::bitmap::Bitmap;
+use crate::model::{CellMap, Map, NamedPoint, Unknown};
+use crate::problem::{Problem, Source};
+use plan_format::limits;
+use std::iter::Peekable;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// What `--help` says of this format.
+pub const CONVENTIONS: &str = "\
+Iplan    (MissionLab Iplan.dat, as TEXT) Cells are centred on multiples of the resolution, so
+         the south-west corner is at minus half a cell. Values of 9998 are obstacles; all
+         other cells are free, and their costs are planned anew (equal ones with --corners
+         allow). Goals are metres, named `contingency` and, by type and number of their
+         element, moveto-1; -1, -2 follow where an element has several maps. All maps must
+         agree in size, resolution and obstacles.";
+
+/// What a cell of an obstacle holds instead of a cost.
+pub const OBSTACLE: f64 = 9998.0;
+/// What a cell without a route holds instead of a cost.
+pub const UNREACHED: f64 = 9999.0;
+/// The goal of the map that every file has, whatever its elements.
+pub const CONTINGENCY: &str = "contingency";
+
+const ORDERINGS: [&str; 2] = ["ORDERED", "LEAST-COMMITMENT"];
+const TETHERED: [&str; 2] = ["TRUE", "FALSE"];
+const VALUES: [&str; 2] = ["TEXT", "FLOAT"];
+/// Elements that a plan is made of.
+pub(super) const ELEMENTS: [&str; 2] = ["MOVETO", "RECONBUILDING"];
+/// The element whose progress boxes stand between its maps.
+const WITH_BOXES: &str = "RECONBUILDING";
+/// What ends the part before it, wherever it stands.
+const KEYWORDS: [&str; 5] = ["BEGIN_MAP", "#Data", "END_MAP", "START_ELEMENT", "END_FILE"];
+/// Wrong values of one map that are told one by one.
+const MAX_VALUES_TOLD: usize = 20;
+
+/// Whether a text reads like an Iplan.dat: by the third and the fifth line of its header.
+pub fn recognises(text: &str) -> bool {
+    let mut lines = Lines::of(text).map(|line| text[line].trim());
+    let (third, fifth) = (lines.nth(2), lines.nth(1));
+    third.is_some_and(|line| ORDERINGS.contains(&line))
+        && fifth.is_some_and(|line| VALUES.contains(&line))
+}
+
+/// Reads the maps of a file as one: its obstacles, its goals, and every mistake.
+pub fn read(source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
+    let lines = Lines::of(&source.text).peekable();
+    let mut reader = Reader { source, lines, problems: Vec::new(), first: None };
+    let map = reader.plan();
+    (map, reader.problems)
+}
+
+/// What all maps of a file have in common.
+#[derive(Clone, Copy, PartialEq)]
+struct Frame {
+    columns: u32,
+    rows: u32,
+    resolution_m: f64,
+}
+
+impl Frame {
+    fn cells(&self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
+    /// Which value is that of the cell at a point, metres.
+    fn index_at(&self, at: [f64; 2]) -> Option<usize> {
+        let [x, y] = at.map(|along| (along / self.resolution_m + 0.5).floor());
+        let is_inside =
+            (0.0..f64::from(self.columns)).contains(&x) && (0.0..f64::from(self.rows)).contains(&y);
+        is_inside.then(|| x as usize * self.rows as usize + y as usize)
+    }
+}
+
+/// The first map of a file, which the others must agree with.
+struct First {
+    frame: Frame,
+    /// Whether each value, in the order of the file, is an obstacle.
+    blocked: Vec<bool>,
+}
+
+/// A part of a plan with the goals of its maps.
+struct Element {
+    name: String,
+    has_boxes: bool,
+    goals: Vec<NamedPoint>,
+}
+
+impl Element {
+    fn new(name: String, has_boxes: bool) -> Self {
+        Self { name, has_boxes, goals: Vec::new() }
+    }
+
+    /// Its goals, numbered where there are several.
+    fn into_points(self) -> impl Iterator<Item = NamedPoint> {
+        let is_one = self.goals.len() == 1;
+        self.goals.into_iter().zip(1..).map(move |(goal, number)| {
+            let number = if is_one { String::new() } else { format!("-{number}") };
+            NamedPoint { name: format!("{}{number}", self.name), ..goal }
+        })
+    }
+}
+
+/// What the goal of an element is called, by its type and its number from 1.
+pub(super) fn element_name(kind: &str, number: usize) -> String {
+    format!("{}-{number}", kind.to_ascii_lowercase())
+}
+
+struct Reader<'a> {
+    source: &'a Arc<Source>,
+    lines: Peekable<Lines<'a>>,
+    problems: Vec<Problem>,
+    first: Option<First>,
+}
+
+impl<'a> Reader<'a> {
+    fn error(&mut self, message: impl Into<String>, span: Range<usize>, label: &str, mend: &str) {
+        self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
+    }
+
+    fn text(&self, line: &Range<usize>) -> &'a str {
+        self.source.text[line.clone()].trim()
+    }
+
+    fn is_keyword(&self, line: &Range<usize>) -> bool {
+        KEYWORDS.contains(&self.text(line))
+    }
+
+    fn end(&self) -> Range<usize> {
+        let end = self.source.text.trim_end().len();
+        end..end
+    }
+
+    /// The next line, unless it begins another part of the file.
+    fn field(&mut self, what: &str) -> Option<Range<usize>> {
+        let next = self.lines.peek().cloned();
+        if let Some(line) = next.clone().filter(|line| !self.is_keyword(line)) {
+            self.lines.next();
+            return Some(line);
+        }
+        let span = next.unwrap_or_else(|| self.end());
+        let message = format!("{what} is missing");
+        self.error(message, span, "expected before this", "add a line that says it");
+        None
+    }
+
+    /// A line that must be one of these words.
+    fn word(&mut self, what: &str, words: &[&str]) -> Option<&'a str> {
+        let line = self.field(what)?;
+        let word = self.text(&line);
+        if !words.contains(&word) {
+            let message = format!("{what} is `{word}`");
+            let mend = format!("write {}", words.join(" or "));
+            self.error(message, line, "this word is not known here", &mend);
+        }
+        Some(word)
+    }
+
+    /// A line that must be a number within a range.
+    fn number(&mut self, what: &str, (least, most): (f64, f64)) -> Option<f64> {
+        let line = self.field(what)?;
+        let text = self.text(&line);
+        let number = text.parse::<f64>().ok().filter(|number| (least..=most).contains(number));
+        if number.is_none() {
+            let message = format!("{what} is `{text}`");
+            let mend = format!("write a number from {least} to {most}");
+            self.error(message, line, "no number of this range", &mend);
+        }
+        number
+    }
+
+    fn side(&mut self, what: &str) -> Option<u32> {
+        let line = self.field(what)?;
+        let (text, limit) = (self.text(&line), limits::MAX_SIDE_CELLS);
+        let side = text.parse::<u32>().ok().filter(|side| (1..=limit).contains(side));
+        if side.is_none() {
+            let message = format!("{what} is `{text}`");
+            let mend = format!("write a whole number from 1 to {limit}");
+            self.error(message, line, "a number of cells is needed", &mend);
+        }
+        side
+    }
+
+    fn plan(&mut self) -> Option<Map> {
+        let title = self.field("the name of the plan");
+        let map_file = self.field("the name of the map file");
+        self.word("the ordering", &ORDERINGS);
+        self.word("whether the robots are tethered", &TETHERED);
+        let values = self.lines.peek().cloned();
+        if self.word("the kind of values", &VALUES) == Some("FLOAT") {
+            let mend = "have MissionLab write the plan as TEXT, which is what can be read";
+            let message = "the values of this file are written as FLOAT";
+            self.error(message, values.unwrap_or_else(|| self.end()), "binary values", mend);
+            return None;
+        }
+        let count_line = self.field("the number of elements");
+        let points = self.maps(count_line);
+        let first = self.first.take()?;
+        let frame = first.frame;
+        let occupied = Bitmap::from_fn(frame.columns, frame.rows, |cell| {
+            let index = cell.column as usize * frame.rows as usize + cell.row as usize;
+            first.blocked.get(index).copied().unwrap_or_default()
+        });
+        let map = Map::of_cells(CellMap {
+            resolution_m: frame.resolution_m,
+            corner: [-frame.resolution_m / 2.0; 2],
+            unknown: Bitmap::new(frame.columns, frame.rows),
+            occupied,
+            unknown_as: Unknown::default(),
+            turned_from: None,
+        });
+        let title = title.map(|line| self.text(&line).to_owned());
+        let remarks = map_file.map(|line| format!("map-file {}", self.text(&line)));
+        let remarks = remarks.into_iter().collect();
+        Some(Map { points, title, remarks, is_for_points: true, ..map })
+    }
+
+    /// The goals of all maps, those of the elements first: the robot follows the first one.
+    fn maps(&mut self, count_line: Option<Range<usize>>) -> Vec<NamedPoint> {
+        let mut elements: Vec<Element> = Vec::new();
+        let mut contingency = Element::new(CONTINGENCY.into(), false);
+        let mut is_ended = false;
+        // A file with more mistakes than are shown is not what its name says.
+        while self.problems.len() <= MAX_PROBLEMS {
+            let Some(line) = self.lines.next() else { break };
+            match self.text(&line) {
+                "BEGIN_MAP" => {
+                    let goal = self.map(&line);
+                    elements.last_mut().unwrap_or(&mut contingency).goals.extend(goal);
+                }
+                "START_ELEMENT" => {
+                    let kind = self.word("the type of the element", &ELEMENTS).unwrap_or_default();
+                    let name = element_name(kind, elements.len() + 1);
+                    elements.push(Element::new(name, kind == WITH_BOXES));
+                }
+                "END_FILE" => {
+                    is_ended = true;
+                    break;
+                }
+                _ if elements.last().is_some_and(|element| element.has_boxes) => {}
+                _ => self.unexpected(line),
+            }
+        }
+        if !is_ended && self.problems.len() <= MAX_PROBLEMS {
+            let (end, mend) = (self.end(), "add a line END_FILE, if nothing else was cut off");
+            let problem = Problem::warning("the file does not end with END_FILE");
+            self.problems.push(problem.at(self.source, end, "it ends here").mend(mend));
+        }
+        self.check_count(count_line, elements.len());
+        let parts = elements.into_iter().chain([contingency]);
+        parts.flat_map(Element::into_points).collect()
+    }
+
+    /// A line that begins nothing; whatever follows up to the next keyword goes with it.
+    fn unexpected(&mut self, line: Range<usize>) {
+        let mend = "maps lie between BEGIN_MAP and END_MAP, elements after START_ELEMENT";
+        self.error(
+            format!("`{}` is no part of a plan", self.text(&line)),
+            line,
+            "expected BEGIN_MAP, START_ELEMENT or END_FILE",
+            mend,
+        );
+        while let Some(line) = self.lines.peek().cloned() {
+            if self.is_keyword(&line) {
+                break;
+            }
+            self.lines.next();
+        }
+    }
+
+    fn check_count(&mut self, line: Option<Range<usize>>, found: usize) {
+        let Some(line) = line else { return };
+        let text = self.text(&line);
+        if text.parse() != Ok(found) {
+            self.error(
+                format!("the number of elements is `{text}`, but the file has {found}"),
+                line,
+                "this number",
+                "correct it, or add what was cut off",
+            );
+        }
+    }
+
+    /// One map; its goal, without a name yet.
+    fn map(&mut self, begin: &Range<usize>) -> Option<NamedPoint> {
+        let id = self.field("the name of the map");
+        let (columns, rows) = (self.side("the size along x"), self.side("the size along y"));
+        let resolution = self.number("the resolution", limits::RESOLUTION_RANGE_M);
+        let span = self.lines.peek().cloned();
+        let goal_range = (-FARTHEST_M, FARTHEST_M);
+        let goal =
+            [self.number("the goal's x", goal_range), self.number("the goal's y", goal_range)];
+        let span = id.or(span).unwrap_or_else(|| begin.clone());
+        if self.lines.peek().is_some_and(|line| self.source.text[line.clone()].trim() == "#Data") {
+            self.lines.next();
+        } else {
+            let at = self.lines.peek().cloned().unwrap_or_else(|| self.end());
+            let mend = "a map begins with its name, two sizes, resolution and the goal's x and y";
+            self.error("#Data is missing", at, "expected here", mend);
+        }
+        let frame = match (columns, rows, resolution) {
+            (Some(columns), Some(rows), Some(resolution_m)) => {
+                Some(Frame { columns, rows, resolution_m })
+            }
+            _ => None,
+        };
+        let goal = match goal {
+            [Some(x), Some(y)] => Some([x, y]),
+            _ => None,
+        };
+        self.values(frame, goal, &span);
+        goal.map(|at| NamedPoint { name: String::new(), at, span })
+    }
+
+    /// The values of a map that is named at `span`.
+    fn values(&mut self, frame: Option<Frame>, goal: Option<[f64; 2]>, span: &Range<usize>) {
+        let name = self.text(span);
+        let alike = self.first.as_ref().zip(frame).is_some_and(|(first, own)| first.frame == own);
+        let goal_index = frame.zip(goal).and_then(|(frame, goal)| frame.index_at(goal));
+        let mut blocked = Vec::new();
+        let (mut wrong, mut differing) = (0_usize, 0_usize);
+        let mut first_differing = None;
+        let mut last = span.clone();
+        while let Some(line) = self.lines.peek().cloned().filter(|line| !self.is_keyword(line)) {
+            self.lines.next();
+            let text = self.text(&line);
+            let value = text.parse::<f64>().ok().filter(|value| (0.0..f64::MAX).contains(value));
+            if value.is_none() {
+                wrong += 1;
+                if wrong <= MAX_VALUES_TOLD {
+                    let mend = "write a cost in metres, 9998 (obstacle) or 9999 (unreached)";
+                    let message = format!("`{text}` is no value of a cell");
+                    self.error(message, line.clone(), "here", mend);
+                }
+            }
+            if goal_index == Some(blocked.len()) && value.is_some_and(|value| value > 0.0) {
+                let message = format!("the goal of map `{name}` costs `{text}`, not 0");
+                let mend = "check that the goal is in metres; the costs are planned anew";
+                let problem = Problem::warning(message).at(self.source, line.clone(), "its cell");
+                self.problems.push(problem.mend(mend));
+            }
+            let is_blocked = value == Some(OBSTACLE);
+            let other = self.first.as_ref().filter(|_| alike);
+            let other = other.and_then(|first| first.blocked.get(blocked.len()));
+            if value.is_some() && other.is_some_and(|&other| other != is_blocked) {
+                differing += 1;
+                first_differing.get_or_insert(line.clone());
+            }
+            blocked.push(is_blocked);
+            last = line;
+        }
+        if wrong > MAX_VALUES_TOLD {
+            let more = wrong - MAX_VALUES_TOLD;
+            self.problems.push(Problem::error(format!("{more} more lines of it are no values")));
+        }
+        match self.lines.peek().cloned().filter(|line| self.text(line) == "END_MAP") {
+            Some(_) => {
+                self.lines.next();
+            }
+            None => {
+                let message = format!("map `{name}` does not end with END_MAP");
+                let mend = "add a line END_MAP after it, if no value was cut off";
+                self.error(message, last.clone(), "its last line", mend);
+            }
+        }
+        let Some(frame) = frame else { return };
+        if blocked.len() != frame.cells() {
+            let (count, cells) = (blocked.len(), frame.cells());
+            let message = format!("map `{name}` has {count} values, but its sizes make {cells}");
+            self.error(message, last, "its last line", "correct the sizes, or the values");
+            return;
+        }
+        let Some(first) = &self.first else {
+            self.first = Some(First { frame, blocked });
+            return;
+        };
+        let said = |frame: Frame| {
+            format!("{} x {} cells of {} m", frame.columns, frame.rows, frame.resolution_m)
+        };
+        let mend = "plan for all goals on one grid, or split the file: a blob has one grid";
+        if first.frame != frame {
+            let (own, other) = (said(frame), said(first.frame));
+            let message = format!("map `{name}` has {own}, but the first map {other}");
+            self.error(message, span.clone(), "this map", mend);
+        } else if let Some(line) = first_differing {
+            let cells = frame.cells();
+            let message = format!(
+                "map `{name}` and the first map differ in their obstacles: {differing} of {cells} cells"
+            );
+            self.error(message, line, "the first such cell", mend);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

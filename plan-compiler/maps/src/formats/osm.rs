@@ -1,0 +1,418 @@
+//! OpenStreetMap: an extract of its nodes, ways and relations, as XML, as Overpass's JSON or as PBF.
+//!
+//! Source: the wiki of OpenStreetMap, "OSM XML", "PBF Format", "Relation:multipolygon", "Map
+//! features". Every encoding is read into an [`Extract`], and that into the map; what tags mean is
+//! in `tags`. Areas are closed ways and multipolygon relations, whose ways are joined to rings; an
+//! area's inner rings are its courtyards and clearings.
+//!
+//! An extract is cut out of the whole, so parts of what it holds lie outside it. That is no
+//! mistake: what is left is drawn, and a warning counts what is missing.
+//!
+//! A named node is a goal only if it has the tag `goal`: nodes with names are shops and stops
+//! by the hundred, mostly within buildings, and a blob holds few plans. The tag is ours; who
+//! wants goals in the map itself sets it in a copy of the extract.
+//!
+//! Deliberately absent: changes (.osc), relations within relations, the ground that roads and
+//! paths prefer.
+
+mod extract;
+mod json;
+mod pbf;
+mod rings;
+mod wire;
+mod xml;
+
+use super::ReadOptions;
+use super::globe::{Passed, Plane, Stray};
+use super::tags::{Judge, Meaning, Tags};
+use super::{holes, openings};
+use crate::model::{Feature, Map, NamedPoint, Point, Role, Shape};
+use crate::problem::has_errors;
+use crate::problem::{Problem, Source};
+use extract::{Extract, Member, Object, Relation, Way};
+use math::GeoPoint;
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What `--help` says of this format.
+pub const CONVENTIONS: &str = "\
+OSM      (OpenStreetMap, .osm, .osm.pbf or Overpass's JSON; also .osm.gz) Tags mean what stands
+         under Tags; multipolygons keep their courtyards. Nodes with a `name` and a tag `goal`
+         are goals. Of several versions of an object the newest counts. 0,0 is the origin
+         (--origin), else the centre of the file's bounds, which are the extent; without bounds,
+         of its nodes, and the extent reaches 10 m farther. What an extract leaves out is counted
+         in a warning.";
+
+/// How to fetch what has an outline.
+const WITH_OUTLINES: &str = "fetch it with outlines: in Overpass end the query with `out geom;`, or \
+                             with `(._;>;); out body;`";
+
+/// Whether a text reads like OpenStreetMap's XML or Overpass's JSON.
+pub fn recognises(text: &str) -> bool {
+    // Before it stand at most a declaration and comments.
+    let is_xml = text.trim_start().starts_with('<') && text.contains("<osm");
+    is_xml || json::recognises(text)
+}
+
+/// Reads an extract in text: the map as far as it could be understood, and every mistake.
+pub fn read(source: &Arc<Source>, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
+    let mut problems = Vec::new();
+    let is_json = source.text.trim_start().starts_with('{');
+    let parse = if is_json { json::parse } else { xml::parse };
+    let extract = parse(source, &mut problems);
+    let map = extract.and_then(|extract| draw(&extract, Some(source), options, &mut problems));
+    (map, problems)
+}
+
+/// Whether bytes are the binary encoding; the extension helps where the content does not tell.
+pub(super) fn is_binary(path: &Path, bytes: &[u8]) -> bool {
+    let is_named = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pbf"));
+    pbf::recognises(bytes) || (is_named && bytes.contains(&0))
+}
+
+/// Reads an extract in the binary encoding, which has no places for an excerpt to show.
+pub(super) fn read_binary(
+    path: &Path,
+    bytes: &[u8],
+    options: &ReadOptions,
+) -> (Option<Map>, Vec<Problem>) {
+    match pbf::parse(path, bytes) {
+        Ok((extract, mut problems)) => (draw(&extract, None, options, &mut problems), problems),
+        Err(problem) => (None, vec![problem]),
+    }
+}
+
+/// What an extract leaves out, counted.
+#[derive(Debug, Default)]
+struct Missing {
+    ways_cut: usize,
+    nodes: usize,
+    relations_cut: usize,
+    members: usize,
+    open: usize,
+}
+
+/// The map of an extract; `None` where it has no place.
+fn draw(
+    extract: &Extract,
+    source: Option<&Arc<Source>>,
+    options: &ReadOptions,
+    problems: &mut Vec<Problem>,
+) -> Option<Map> {
+    let places = extract.places.values().map(degrees);
+    let plane = match Plane::new(extract.bounds, places, options.origin) {
+        Ok(plane) => plane,
+        Err(problem) => {
+            problems.push(blame(problem, extract, source));
+            return None;
+        }
+    };
+    let judge = Judge::new(&options.tags);
+    let mut drawing = Drawing::new(extract, plane, &judge);
+    drawing.draw();
+    let Drawing { missing, passed, plane, map, .. } = drawing;
+    missing.tell(problems);
+    if !has_errors(problems) {
+        passed.tell(WITH_OUTLINES, problems);
+        judge.tell(problems);
+        plane.note(&map, &passed.unused, problems);
+    }
+    Some(map)
+}
+
+/// Says of the problem with an extent what makes it one: the bounds, else the node that lies
+/// farthest away.
+fn blame(mut problem: Problem, extract: &Extract, source: Option<&Arc<Source>>) -> Problem {
+    let objects = extract.ways.len() + extract.relations.len();
+    if extract.places.is_empty() && extract.bounds.is_none() && objects > 0 {
+        let message =
+            format!("the file has {objects} ways and relations, and no place of any node");
+        return Problem::error(message).mend(WITH_OUTLINES);
+    }
+    let (element, id) = if extract.bounds.is_some() {
+        ("bounds", None)
+    } else {
+        let mut nodes: Vec<(i64, GeoPoint)> =
+            extract.places.iter().map(|(id, place)| (*id, *place)).collect();
+        nodes.sort_unstable_by_key(|(id, _)| *id);
+        let places: Vec<[f64; 2]> = nodes.iter().map(|(_, place)| degrees(place)).collect();
+        let Some(stray) = Stray::among(&places) else { return problem };
+        let Some((id, place)) = nodes.get(stray.index) else { return problem };
+        let (lat, lon, label) = (place.lat_deg(), place.lon_deg(), stray.label());
+        let said = format!("node {id} at latitude {lat}, longitude {lon}: {label}");
+        problem.mend = Some(problem.mend.map_or(said.clone(), |mend| format!("{mend}; {said}")));
+        ("node", Some(*id))
+    };
+    match source.and_then(|source| Some((source, xml::find(source, element, id)?))) {
+        Some((source, span)) => problem.at(source, span, "this"),
+        None => problem,
+    }
+}
+
+fn degrees(place: &GeoPoint) -> [f64; 2] {
+    [place.lat_deg(), place.lon_deg()]
+}
+
+/// Outer and inner rings of a relation, as lines of nodes.
+struct Outlines {
+    outer: rings::Joined,
+    inner: rings::Joined,
+}
+
+struct Drawing<'a> {
+    extract: &'a Extract,
+    plane: Plane,
+    judge: &'a Judge<'a>,
+    ways: HashMap<i64, &'a Way>,
+    /// Widths of the openings that nodes make in the lines they stand in, metres.
+    openings: HashMap<i64, f64>,
+    map: Map,
+    missing: Missing,
+    passed: Passed,
+}
+
+impl<'a> Drawing<'a> {
+    fn new(extract: &'a Extract, plane: Plane, judge: &'a Judge<'a>) -> Self {
+        let ways = extract.ways.iter().map(|way| (way.object.id, way)).collect();
+        let nodes = extract.nodes.iter();
+        let openings = nodes.filter_map(|node| Some((node.id, judge.opening_m(&node.tags)?)));
+        let openings = openings.collect();
+        let map = plane.map();
+        let (missing, passed) = (Missing::default(), Passed::default());
+        Self { extract, plane, judge, ways, openings, map, missing, passed }
+    }
+
+    /// Draws everything, and counts the tagged objects that mean nothing to a planner.
+    fn draw(&mut self) {
+        let extract = self.extract;
+        for node in &extract.nodes {
+            self.node(node);
+        }
+        let mut relations = Vec::new();
+        // Ways that an area of the same kind is made of are not areas themselves.
+        let mut parts = HashSet::new();
+        for relation in &extract.relations {
+            match self.meaning(relation) {
+                Some(meaning) => {
+                    let outer = relation.members.iter().filter(|member| !member.is_inner);
+                    parts.extend(outer.map(|member| (member.way, meaning.role == Role::Obstacle)));
+                    relations.push((relation, meaning));
+                }
+                None => self.pass_over(&relation.object.tags),
+            }
+        }
+        for way in &extract.ways {
+            match self.judge.meaning(&way.object.tags, false) {
+                Some(meaning) => {
+                    let part = (way.object.id, meaning.role == Role::Obstacle);
+                    if meaning.is_line || !parts.contains(&part) {
+                        self.way(way, &meaning);
+                    }
+                }
+                None => self.pass_over(&way.object.tags),
+            }
+        }
+        for (relation, meaning) in relations {
+            self.relation(relation, &meaning);
+        }
+    }
+
+    fn pass_over(&mut self, tags: &Tags) {
+        if !tags.0.is_empty() {
+            self.passed.unused.add(tags);
+        }
+    }
+
+    fn node(&mut self, node: &Object) {
+        let Some(at) = self.place(node.id) else { return };
+        let meaning = self.judge.meaning(&node.tags, true);
+        if let Some(meaning) = meaning.filter(|meaning| meaning.role == Role::Obstacle) {
+            if meaning.wants_outline {
+                self.passed.pointlike.add(&node.tags);
+            }
+            self.push(Shape::Circle { centre: at, radius: meaning.radius_m }, &meaning, node);
+            return;
+        }
+        match node.tags.get("name").filter(|_| node.tags.says("goal")) {
+            Some(name) => {
+                let span = node.span.clone();
+                self.map.points.push(NamedPoint { name: name.into(), at, span });
+            }
+            // A gate that is open is on the map: as what is not there.
+            None if self.openings.contains_key(&node.id) => {}
+            None => self.passed.unused.add(&node.tags),
+        }
+    }
+
+    fn way(&mut self, way: &Way, meaning: &Meaning) {
+        let points = self.points(&way.refs);
+        if points.is_empty() {
+            self.passed.nowhere.add(&way.object.tags);
+            return;
+        }
+        let is_closed = way.refs.len() > 3 && way.refs.first() == way.refs.last();
+        if is_closed && !meaning.is_line {
+            self.push(Shape::Polygon(vec![open(points)]), meaning, &way.object);
+            return;
+        }
+        self.missing.open += usize::from(!meaning.is_line);
+        if meaning.is_barrier {
+            let known = way.refs.iter().filter(|node| self.extract.places.contains_key(node));
+            let widths: Vec<Option<f64>> =
+                known.map(|node| self.openings.get(node).copied()).collect();
+            let width = |index: usize| widths.get(index).copied().flatten();
+            for piece in openings::cut(&points, width) {
+                self.push(Shape::Polyline(piece), meaning, &way.object);
+            }
+        } else {
+            self.push(Shape::Polyline(points), meaning, &way.object);
+        }
+    }
+
+    /// What a relation is: by its own tags, or as before 2017 by those of its outer ways.
+    fn meaning(&self, relation: &Relation) -> Option<Meaning> {
+        let tags = &relation.object.tags;
+        if tags.get("type") != Some("multipolygon") {
+            return None;
+        }
+        let outer = relation.members.iter().filter(|member| !member.is_inner);
+        let meaning = if says_nothing(tags) {
+            let mut ways = outer.filter_map(|member| self.ways.get(&member.way));
+            ways.find_map(|way| self.judge.meaning(&way.object.tags, false))
+        } else {
+            self.judge.meaning(tags, false)
+        };
+        meaning.filter(|meaning| !meaning.is_line)
+    }
+
+    fn relation(&mut self, relation: &Relation, meaning: &Meaning) {
+        let Outlines { outer, inner } = self.outlines(relation);
+        if outer.closed.is_empty() && outer.open.is_empty() {
+            self.passed.nowhere.add(&relation.object.tags);
+        }
+        for line in &outer.open {
+            let points = self.points(line);
+            self.missing.open += 1;
+            if !points.is_empty() {
+                self.push(Shape::Polyline(points), meaning, &relation.object);
+            }
+        }
+        // A hole that does not close is none: that blocks more, not less.
+        self.missing.open += inner.open.len();
+        let closed = |ring: &Vec<i64>| open(self.points_of(ring).0);
+        let inner = holes::merged(inner.closed.iter().map(closed).collect());
+        let mut fit = rings::Fit::new(&inner);
+        for ring in &outer.closed {
+            let ring = open(self.points(ring));
+            if ring.is_empty() {
+                continue;
+            }
+            let within = fit.holes_of(&ring).into_iter().map(|hole| inner[hole].clone());
+            let within: Vec<Vec<Point>> = within.collect();
+            let shape = Shape::Polygon(std::iter::once(ring).chain(within).collect());
+            self.push(shape, meaning, &relation.object);
+        }
+        self.missing.open += fit.undecided;
+    }
+
+    /// The rings of a relation's members, each of which counts once in each role. Nodes in the same
+    /// place are the same node: members that carry their outline have no numbers of nodes.
+    fn outlines(&mut self, relation: &Relation) -> Outlines {
+        let mut seen: HashSet<Member> = HashSet::new();
+        let members = relation.members.iter().filter(|member| seen.insert(**member));
+        let members: Vec<Member> = members.copied().collect();
+        let absent = members.iter().filter(|part| !self.ways.contains_key(&part.way)).count();
+        self.missing.members += absent;
+        self.missing.relations_cut += usize::from(absent > 0);
+        let by_place =
+            |node: &i64| self.extract.places.get(node).map_or(*node, |at| extract::id_of(*at));
+        let rings = |is_inner: bool| {
+            let members = members.iter().filter(|member| member.is_inner == is_inner);
+            let ways = members.filter_map(|member| self.ways.get(&member.way));
+            let lines: Vec<Vec<i64>> =
+                ways.map(|way| way.refs.iter().map(by_place).collect()).collect();
+            rings::join(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>())
+        };
+        Outlines { outer: rings(false), inner: rings(true) }
+    }
+
+    fn place(&self, node: i64) -> Option<Point> {
+        let named = || self.extract.places.get(&node).copied();
+        let place = extract::place_of(node).or_else(named)?;
+        Some(self.plane.metres(degrees(&place)))
+    }
+
+    /// The places of those nodes that the file holds; the others are counted.
+    fn points(&mut self, refs: &[i64]) -> Vec<Point> {
+        let (points, absent) = self.points_of(refs);
+        self.missing.nodes += absent;
+        self.missing.ways_cut += usize::from(absent > 0);
+        points
+    }
+
+    fn points_of(&self, refs: &[i64]) -> (Vec<Point>, usize) {
+        let points: Vec<Point> = refs.iter().filter_map(|node| self.place(*node)).collect();
+        let absent = refs.len() - points.len();
+        (points, absent)
+    }
+
+    fn push(&mut self, shape: Shape, meaning: &Meaning, object: &Object) {
+        self.map.features.push(Feature {
+            shape,
+            role: meaning.role,
+            name: meaning.name.clone(),
+            height_m: object.tags.height_m(),
+            span: object.span.clone(),
+        });
+    }
+}
+
+/// Whether a relation's own tags do not say what it is, as before 2017.
+fn says_nothing(tags: &Tags) -> bool {
+    let is_bookkeeping = |key: &str| {
+        ["type", "name", "created_by", "fixme", "FIXME"].contains(&key)
+            || key.starts_with("source")
+            || key.starts_with("note")
+    };
+    tags.0.iter().all(|(key, _)| is_bookkeeping(key))
+}
+
+/// A ring without the repetition of its first point: rings close themselves in the model.
+fn open(mut ring: Vec<Point>) -> Vec<Point> {
+    if ring.len() > 1 && ring.first() == ring.last() {
+        ring.pop();
+    }
+    ring
+}
+
+impl Missing {
+    fn tell(&self, problems: &mut Vec<Problem>) {
+        let Self { ways_cut, nodes, relations_cut, members, open } = self;
+        let mend = "cut the extract out with whole objects: `osmium extract --strategy smart`";
+        let mut tell = |count: usize, message: String| {
+            if count > 0 {
+                problems.push(Problem::warning(message).mend(mend));
+            }
+        };
+        tell(
+            *nodes,
+            format!(
+                "outlines that lack nodes: {ways_cut}, nodes missing: {nodes}; drawn without them"
+            ),
+        );
+        tell(
+            *members,
+            format!(
+                "areas that lack ways: {relations_cut}, ways missing: {members}; drawn without them"
+            ),
+        );
+        tell(
+            *open,
+            format!("outlines that do not close: {open}; drawn as walls with free ground behind"),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,153 @@
+//! ROS map_server and Nav2 maps: a YAML file that names an image of the cells.
+//!
+//! Source: the map_server documentation of ROS 1 and of Nav2. With p = (255 - grey) / 255, or
+//! grey / 255 where `negate` is set, a pixel is occupied if p >= occupied_thresh and free if
+//! p <= free_thresh (Nav2's comparisons; ROS 1 leaves the thresholds themselves out), else
+//! unknown. Colours count as the mean of red, green and blue. In every mode a pixel that is not
+//! opaque is unknown: what an image editor leaves behind it is nobody's statement. Mode `scale`
+//! reads what lies between as a probability; no plan can drive on that, so it is unknown here
+//! too. Mode `raw` takes the grey as a percentage of occupancy, above 100
+//! unknown, and compares it with the same thresholds.
+//!
+//! The image's last row is the southernmost. `origin` is the south-west corner of its
+//! south-west pixel and the angle by which the whole image is turned about it.
+//! Deliberately absent: keep-out masks, which are maps of their own that a mission names.
+
+mod image;
+mod settings;
+#[cfg(test)]
+mod tests;
+
+use super::turn::turned;
+use crate::bitmap::Bitmap;
+use crate::model::{CellMap, Map, Unknown};
+use crate::problem::{Problem, Source};
+use image::Grey;
+pub(super) use image::refuse_alone;
+use plan_format::Cell;
+use settings::{Mode, Settings};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What `--help` says of this format.
+pub const CONVENTIONS: &str = "\
+ROS      (map_server, Nav2: .yaml with .pgm, .png or .bmp) `image` is relative to the YAML
+         file. p = (255 - grey) / 255, or grey / 255 with negate; p >= occupied_thresh is
+         occupied, p <= free_thresh free, the rest unknown, and so is whatever is not
+         opaque. Mode scale: what lies between is unknown. Mode raw: grey is a percentage, above 100
+         unknown. Unknown cells block unless --unknown free. `origin` is the south-west
+         corner and a yaw: quarter turns are exact; by other angles a cell is blocked if it
+         overlaps a blocked pixel. No goals: give --goal.";
+
+/// Whether a text reads like such a YAML file.
+pub fn recognises(text: &str) -> bool {
+    let has = |key: &str| {
+        let mut lines = text.split(['\n', '\r']).filter_map(|line| line.strip_prefix(key));
+        lines.any(|rest| rest.trim_start().starts_with(':'))
+    };
+    has("image") && (has("resolution") || has("origin") || has("occupied_thresh"))
+}
+
+/// Reads a map and its image: the cells if both could be read, and every mistake.
+pub fn read(path: &Path, source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
+    let mut problems = Vec::new();
+    let settings = settings::parse(source, &mut problems);
+    let grey = settings.image.as_ref().and_then(|name| {
+        image::read(path, source, name).map_err(|problem| problems.push(problem)).ok()
+    });
+    // In the order of the file, whichever check found them.
+    problems
+        .sort_by_key(|problem| problem.place.as_ref().map_or(usize::MAX, |place| place.span.start));
+    let (Some(grey), Some(resolution_m), Some(origin)) =
+        (grey, settings.resolution_m, settings.origin)
+    else {
+        return (None, problems);
+    };
+    problems.extend(freed(&grey, &settings, source));
+    let cells = cells(&grey, &settings, resolution_m, [origin[0], origin[1]]);
+    let limit = plan_format::limits::MAX_SIDE_CELLS;
+    let Some((cells, boundary)) = turned(cells, origin[2], limit) else {
+        problems.push(too_large_turned(&grey, limit));
+        return (None, problems);
+    };
+    (Some(Map { boundary, ..Map::of_cells(cells) }), problems)
+}
+
+/// What map savers write where nothing is known.
+const UNKNOWN_GREY: f64 = 205.0 / 255.0;
+
+/// A warning where cells that a saver left unknown count as free. Its own grey is just unknown by
+/// the threshold of ROS 1, 0.196, and free by the one that Nav2 writes, 0.25.
+fn freed(grey: &Grey, settings: &Settings, source: &Arc<Source>) -> Option<Problem> {
+    let is_free = kind(settings, (UNKNOWN_GREY, false)) == Kind::Free;
+    if !is_free || settings.mode != Mode::Trinary || settings.negate {
+        return None;
+    }
+    let pixels = (0..grey.rows).flat_map(|row| (0..grey.columns).map(move |column| (column, row)));
+    let is_unknown = |&(column, row): &(u32, u32)| grey.pixel(column, row) == (UNKNOWN_GREY, false);
+    let count = pixels.filter(is_unknown).count();
+    let free = settings.free_thresh;
+    let warning = Problem::warning(format!(
+        "{count} cells of grey 205, which map savers write for unknown, are free, since \
+         free_thresh is {free}"
+    ))
+    .mend("write `free_thresh: 0.196` if nothing is known of these cells");
+    let place = settings.free_thresh_span.clone();
+    let warning = match place {
+        Some(span) => warning.at(source, span, "the grey's occupancy is 0.19607, which is below"),
+        None => warning,
+    };
+    (count > 0).then_some(warning)
+}
+
+fn too_large_turned(grey: &Grey, limit: u32) -> Problem {
+    let (columns, rows) = (grey.columns, grey.rows);
+    Problem::error(format!(
+        "turned by its yaw the image of {columns} x {rows} pixels has more than {limit} cells a side"
+    ))
+    .mend("turn the image itself and write a yaw of 0, or crop it to the area that the robot uses")
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Free,
+    Occupied,
+    Unknown,
+}
+
+fn cells(grey: &Grey, settings: &Settings, resolution_m: f64, corner: [f64; 2]) -> CellMap {
+    let (columns, rows) = (grey.columns, grey.rows);
+    let mut occupied = Bitmap::new(columns, rows);
+    let mut unknown = Bitmap::new(columns, rows);
+    for row in 0..rows {
+        for column in 0..columns {
+            let cell = Cell::new(column, row);
+            // The image's first row is the northernmost.
+            match kind(settings, grey.pixel(column, rows - 1 - row)) {
+                Kind::Free => {}
+                Kind::Occupied => occupied.set(cell, true),
+                Kind::Unknown => unknown.set(cell, true),
+            }
+        }
+    }
+    let unknown_as = Unknown::default();
+    CellMap { resolution_m, corner, occupied, unknown, unknown_as, turned_from: None }
+}
+
+/// What a pixel means: its lightness, 0 to 1, and whether any of what lies behind it shows.
+fn kind(settings: &Settings, (light, is_transparent): (f64, bool)) -> Kind {
+    let occupancy = match settings.mode {
+        Mode::Raw => (light * 255.0).round() / 100.0,
+        _ if settings.negate => light,
+        _ => 1.0 - light,
+    };
+    if is_transparent || (settings.mode == Mode::Raw && occupancy > 1.0) {
+        Kind::Unknown
+    } else if occupancy >= settings.occupied_thresh {
+        Kind::Occupied
+    } else if occupancy <= settings.free_thresh {
+        Kind::Free
+    } else {
+        Kind::Unknown
+    }
+}

@@ -1,0 +1,150 @@
+//! What blocks or weakens radio unless somebody says otherwise.
+
+use crate::model::Role;
+
+/// What a tag makes of its object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Kind {
+    pub(super) role: Role,
+    pub(super) is_line: bool,
+    pub(super) radius_m: f64,
+    pub(super) wants_outline: bool,
+    pub(super) is_barrier: bool,
+    pub(super) is_gate: bool,
+}
+
+/// Gates that a vehicle may pass if they stand open.
+const GATES: &[&str] = &[
+    "gate",
+    "lift_gate",
+    "swing_gate",
+    "sliding_gate",
+    "sliding_beam",
+    "hampshire_gate",
+    "wicket_gate",
+    "bump_gate",
+];
+/// Values of `barrier` that stop nobody.
+const PASSABLE: &[&str] = &[
+    "kerb",
+    "cattle_grid",
+    "entrance",
+    "toll_booth",
+    "border_control",
+    "checkpoint",
+    "height_restrictor",
+];
+/// Keys whose objects are lines even where they close, unless they say that they are areas.
+const LINES: &[&str] = &["barrier", "highway", "railway", "waterway", "power", "aerialway"];
+
+/// Metres around a point: a lamp post or a pole with what stands about its foot.
+const POST_M: f64 = 0.3;
+/// A trunk with its roots; also a boulder, and a barrier of unknown kind.
+const TREE_M: f64 = 0.5;
+/// Feet of a pylon, a tank.
+const TOWER_M: f64 = 2.0;
+
+/// Key, values (none for any), whether a line, radius of a point in metres.
+type Row = (&'static str, &'static [&'static str], bool, f64);
+
+const ROWS: &[Row] = &[
+    ("obstacle", &[], false, 0.0),
+    ("natural", &["water", "wetland", "mud", "sinkhole"], false, 0.0),
+    ("natural", &["tree", "rock", "stone"], false, TREE_M),
+    ("natural", &["tree_row", "cliff", "coastline"], true, TREE_M),
+    (
+        "waterway",
+        &["river", "stream", "tidal_channel", "canal", "drain", "ditch", "dam", "weir"],
+        true,
+        TREE_M,
+    ),
+    ("waterway", &["waterfall"], true, TREE_M),
+    ("waterway", &["riverbank", "dock"], false, 0.0),
+    ("leisure", &["swimming_pool"], false, 0.0),
+    ("amenity", &["fountain"], false, TOWER_M),
+    ("landuse", &["basin", "reservoir", "salt_pond"], false, 0.0),
+    ("golf", &["water_hazard", "lateral_water_hazard"], false, 0.0),
+    (
+        "man_made",
+        &["tower", "water_tower", "silo", "storage_tank", "chimney", "gasometer"],
+        false,
+        TOWER_M,
+    ),
+    ("man_made", &["mast", "street_cabinet"], false, TREE_M),
+    ("man_made", &["breakwater"], false, TOWER_M),
+    ("man_made", &["groyne", "embankment"], true, TOWER_M),
+    ("power", &["tower", "portal"], false, TOWER_M),
+    ("power", &["pole", "catenary_mast"], false, POST_M),
+    ("power", &["transformer", "generator"], false, TREE_M),
+    ("power", &["substation"], false, 0.0),
+    (
+        "railway",
+        &["rail", "light_rail", "narrow_gauge", "preserved", "funicular", "miniature"],
+        true,
+        0.0,
+    ),
+    ("highway", &["steps"], true, 0.0),
+    ("highway", &["street_lamp"], false, POST_M),
+];
+/// What weakens radio.
+const WOODS: [(&str, &str); 2] = [("natural", "wood"), ("landuse", "forest")];
+
+impl Kind {
+    /// An obstacle that fills its outline.
+    pub(super) const AREA: Self = Self {
+        role: Role::Obstacle,
+        is_line: false,
+        radius_m: 0.0,
+        wants_outline: false,
+        is_barrier: false,
+        is_gate: false,
+    };
+
+    /// What a tag means by itself.
+    pub(super) fn known(key: &str, value: &str) -> Option<Self> {
+        if key.eq_ignore_ascii_case("building") || key.eq_ignore_ascii_case("building:part") {
+            return Some(Self { wants_outline: true, ..Self::AREA });
+        }
+        if key.eq_ignore_ascii_case("barrier") {
+            return (!is_among(value, PASSABLE)).then(|| Self::of(key, value));
+        }
+        if WOODS.iter().any(|(wood, kind)| is(key, wood) && is(value, kind)) {
+            return Some(Self { role: Role::Attenuating, ..Self::AREA });
+        }
+        let is_it = |(known, values, ..): &&Row| {
+            is(key, known) && (values.is_empty() || is_among(value, values))
+        };
+        let (known, _, is_line, radius_m) = *ROWS.iter().find(is_it)?;
+        let wants_outline = radius_m == 0.0 && !is_line && known != "obstacle";
+        Some(Self { is_line, radius_m, wants_outline, ..Self::AREA })
+    }
+
+    /// What a tag means that somebody wants to block.
+    pub(super) fn of(key: &str, value: &str) -> Self {
+        if is(key, "barrier") {
+            let radius_m = if is(value, "bollard") { POST_M } else { TREE_M };
+            let is_gate = Self::is_gate(key, value);
+            return Self { is_line: true, radius_m, is_barrier: true, is_gate, ..Self::AREA };
+        }
+        let other = || Self { is_line: is_among(key, LINES), radius_m: TREE_M, ..Self::AREA };
+        Self::known(key, value).unwrap_or_else(other)
+    }
+
+    /// Whether a tag is that of a gate which a vehicle may pass if it stands open.
+    pub(super) fn is_gate(key: &str, value: &str) -> bool {
+        is(key, "barrier") && is_among(value, GATES)
+    }
+
+    /// Whether a tag is that of a gap with nothing in it.
+    pub(super) fn is_entrance(key: &str, value: &str) -> bool {
+        is(key, "barrier") && is(value, "entrance")
+    }
+}
+
+fn is(one: &str, other: &str) -> bool {
+    one.eq_ignore_ascii_case(other)
+}
+
+fn is_among(value: &str, known: &[&str]) -> bool {
+    known.iter().any(|known| is(value, known))
+}

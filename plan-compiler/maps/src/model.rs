@@ -1,0 +1,227 @@
+//! The one model that every map format is read into.
+//!
+//! Coordinates are the map's own metres, x east, y north. A map is drawn as exact shapes, or
+//! comes as cells already (an image, a grid), or is both.
+
+use crate::bitmap::Bitmap;
+use crate::names::Word;
+use math::GeoPoint;
+use std::ops::Range;
+
+/// A point, metres.
+pub type Point = [f64; 2];
+
+/// A map as its author drew it: exact shapes, and cells only where the file itself has them.
+#[derive(Clone, Debug)]
+pub struct Map {
+    /// The part of the plane that is planned for.
+    pub extent: Extent,
+    /// Outside this polygon everything is blocked, if there is one.
+    pub boundary: Option<Vec<Point>>,
+    /// Cell side that the file itself asks for, metres.
+    pub resolution_m: Option<f64>,
+    /// Where the map lies on the globe, if the file says so.
+    pub reference: Option<Reference>,
+    /// Obstacles, attenuating areas and zones.
+    pub features: Vec<Feature>,
+    /// Cells that the file gives, obstacles in every layer.
+    pub cells: Option<CellMap>,
+    /// Named points: the natural goals.
+    pub points: Vec<NamedPoint>,
+    /// Where robots start (an overlay's StartPlace, OPAR's reference point).
+    pub start: Option<NamedPoint>,
+    /// The file's own title.
+    pub title: Option<String>,
+    /// Facts that the file states and the compiler keeps but does not use, as `name value`.
+    pub remarks: Vec<String>,
+    /// Whether the format's robots are points, so that obstacles are not grown by default.
+    pub is_for_points: bool,
+}
+
+/// A rectangle of the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// South-west corner, metres.
+    pub corner: Point,
+    /// Width and height, metres.
+    pub size: Point,
+}
+
+/// Where a map lies on the globe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference {
+    /// The place ...
+    pub place: GeoPoint,
+    /// ... of this point of the map, metres.
+    pub at: Point,
+    /// Direction of the map's y axis, radians clockwise from true north.
+    pub heading_rad: f64,
+}
+
+/// What a file says cell by cell. Row 0 is in the south.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellMap {
+    /// Side of a cell, metres.
+    pub resolution_m: f64,
+    /// South-west corner of the cell in column 0 and row 0, metres.
+    pub corner: Point,
+    /// Cells that hold an obstacle.
+    pub occupied: Bitmap,
+    /// Cells of which the file says that nothing is known; none of them is occupied.
+    pub unknown: Bitmap,
+    /// What those count as.
+    pub unknown_as: Unknown,
+    /// What the file has, if these cells came of turning its own.
+    pub turned_from: Option<Counts>,
+}
+
+/// How many cells there are, and how many of a kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counts {
+    /// From west to east.
+    pub columns: u32,
+    /// From south to north.
+    pub rows: u32,
+    /// Neither occupied nor unknown.
+    pub free: usize,
+    /// Hold an obstacle.
+    pub occupied: usize,
+    /// Of which nothing is known.
+    pub unknown: usize,
+}
+
+/// How cells that the map marks unknown are treated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Unknown {
+    /// Never entered.
+    #[default]
+    Obstacle,
+    /// Driven on.
+    Free,
+}
+
+impl Word for Unknown {
+    const WORDS: &'static [(&'static str, &'static str, Self)] =
+        &[("obstacle", "Never enter", Self::Obstacle), ("free", "Drive on", Self::Free)];
+}
+
+impl CellMap {
+    /// Cells from west to east.
+    pub fn columns(&self) -> u32 {
+        self.occupied.columns()
+    }
+
+    /// Cells from south to north.
+    pub fn rows(&self) -> u32 {
+        self.occupied.rows()
+    }
+
+    /// Of every kind.
+    pub fn counts(&self) -> Counts {
+        let (columns, rows) = (self.columns(), self.rows());
+        let (occupied, unknown) = (self.occupied.count(), self.unknown.count());
+        let free = columns as usize * rows as usize - occupied - unknown;
+        Counts { columns, rows, free, occupied, unknown }
+    }
+
+    /// The rectangle that the cells cover.
+    pub fn extent(&self) -> Extent {
+        let size = [self.columns(), self.rows()].map(|cells| f64::from(cells) * self.resolution_m);
+        Extent { corner: self.corner, size }
+    }
+
+    /// The cells that must not be entered.
+    pub fn blocked(&self) -> Bitmap {
+        match self.unknown_as {
+            Unknown::Free => self.occupied.clone(),
+            Unknown::Obstacle => {
+                let mut blocked = self.occupied.clone();
+                blocked.add_all(&self.unknown);
+                blocked
+            }
+        }
+    }
+}
+
+/// A shape with a meaning.
+#[derive(Clone, Debug)]
+pub struct Feature {
+    /// Where.
+    pub shape: Shape,
+    /// What it means to a planner.
+    pub role: Role,
+    /// Its name in the file, or empty.
+    pub name: String,
+    /// Height above ground, metres, if the file says so.
+    pub height_m: Option<f64>,
+    /// Where it stands in the file, bytes.
+    pub span: Range<usize>,
+}
+
+/// What a feature means to a planner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Never enter.
+    Obstacle,
+    /// Weakens radio; an obstacle in layer `comms` only.
+    Attenuating,
+    /// Means something only when the mission says so.
+    Zone,
+}
+
+/// The exact geometry of a feature.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A filled circle, metres.
+    Circle {
+        /// Centre.
+        centre: Point,
+        /// Radius.
+        radius: f64,
+    },
+    /// A line without width through two or more points; closed if first and last are equal.
+    Polyline(Vec<Point>),
+    /// A filled polygon, rings closed implicitly: the first is the outer one, others are holes.
+    Polygon(Vec<Vec<Point>>),
+}
+
+/// A point with a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedPoint {
+    /// Trimmed, without a trailing `*`.
+    pub name: String,
+    /// Where, metres.
+    pub at: Point,
+    /// Where it stands in the file, bytes.
+    pub span: Range<usize>,
+}
+
+impl Map {
+    /// A map with an extent and nothing in it.
+    pub fn empty(extent: Extent) -> Self {
+        Self {
+            extent,
+            boundary: None,
+            resolution_m: None,
+            reference: None,
+            features: Vec::new(),
+            cells: None,
+            points: Vec::new(),
+            start: None,
+            title: None,
+            remarks: Vec::new(),
+            is_for_points: false,
+        }
+    }
+
+    /// A map of nothing but cells, whose resolution is theirs.
+    pub fn of_cells(cells: CellMap) -> Self {
+        let map = Self::empty(cells.extent());
+        Self { resolution_m: Some(cells.resolution_m), cells: Some(cells), ..map }
+    }
+
+    /// Whether the map has areas that weaken radio.
+    pub fn has_attenuating_areas(&self) -> bool {
+        self.features.iter().any(|feature| feature.role == Role::Attenuating)
+    }
+}

@@ -1,0 +1,151 @@
+//! Mistakes in a TOML file, each with its place.
+
+use maps::names::nearest;
+use maps::problem::{Place, Problem, Source};
+use std::ops::Range;
+use std::sync::Arc;
+use toml_edit::Item;
+
+/// Bytes of the file.
+pub type Span = Range<usize>;
+
+/// A value and where it is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spanned<T> {
+    /// The value.
+    pub value: T,
+    /// Its bytes in the file.
+    pub span: Span,
+}
+
+/// A text and where it is written.
+pub type Text = Spanned<String>;
+
+impl Text {
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        &self.value
+    }
+}
+
+/// Gathers the mistakes in one file.
+pub(crate) struct Report<'r> {
+    pub(crate) source: &'r Arc<Source>,
+    pub(crate) problems: &'r mut Vec<Problem>,
+}
+
+impl Report<'_> {
+    /// A place in the file, without a label.
+    pub(crate) fn place(&self, span: &Span) -> Place {
+        Place { source: Arc::clone(self.source), span: span.clone(), label: String::new() }
+    }
+
+    pub(crate) fn error(
+        &mut self,
+        message: impl Into<String>,
+        span: &Span,
+        label: &str,
+        mend: &str,
+    ) {
+        self.add(Problem::error(message), span, label, mend);
+    }
+
+    pub(crate) fn warning(
+        &mut self,
+        message: impl Into<String>,
+        span: &Span,
+        label: &str,
+        mend: &str,
+    ) {
+        self.add(Problem::warning(message), span, label, mend);
+    }
+
+    fn add(&mut self, problem: Problem, span: &Span, label: &str, mend: &str) {
+        self.problems.push(problem.at(self.source, span.clone(), label).mend(mend));
+    }
+
+    /// A name that refers to nothing, with the one that was probably meant.
+    pub(crate) fn unknown<'c>(
+        &mut self,
+        what: &str,
+        name: &Text,
+        known: impl Iterator<Item = &'c str>,
+        how: &str,
+    ) {
+        let message = format!("there is no {what} `{}`", name.as_str());
+        let mend = meant(name.as_str(), known).unwrap_or_else(|| how.to_owned());
+        self.error(message, &name.span, "unknown name", &mend);
+    }
+
+    /// A key that its table does not have; `table` is how a person calls the table.
+    pub(crate) fn unknown_key<'c>(
+        &mut self,
+        table: &str,
+        key: &str,
+        span: &Span,
+        known: impl Iterator<Item = &'c str>,
+        how: &str,
+    ) {
+        let mend = meant(key, known).unwrap_or_else(|| how.to_owned());
+        self.error(format!("`{key}` is not a key of {table}"), span, "unknown key", &mend);
+    }
+
+    /// A word that is not one of those that a key takes.
+    pub(crate) fn unknown_word<'c>(
+        &mut self,
+        path: &str,
+        word: &str,
+        span: &Span,
+        known: impl Iterator<Item = &'c str> + Clone,
+    ) {
+        let label = match nearest(word, known.clone()) {
+            Some(meant) => format!("did you mean \"{meant}\"?"),
+            None => "not one of its words".into(),
+        };
+        let known: Vec<String> = known.map(|word| format!("\"{word}\"")).collect();
+        let mend = format!("write {}", known.join(" or "));
+        self.error(format!("`{path}` cannot be \"{word}\""), span, &label, &mend);
+    }
+
+    /// A number outside what `expected` says.
+    pub(crate) fn out_of_range(&mut self, path: &str, span: &Span, expected: &str) {
+        let message = format!("`{path}` is out of range");
+        self.error(message, span, "this number", &format!("write {expected}"));
+    }
+
+    /// A value of another type than `expected` says.
+    pub(crate) fn wrong_type(
+        &mut self,
+        path: &str,
+        item: &Item,
+        span: &Span,
+        expected: &str,
+        example: &str,
+    ) {
+        let label = format!("this is {}", with_article(item.type_name()));
+        let message = format!("`{path}` must be {expected}");
+        self.error(message, span, &label, &format!("write {example}"));
+    }
+}
+
+/// A question about what was probably meant, if anything known is like it.
+fn meant<'c>(word: &str, known: impl Iterator<Item = &'c str>) -> Option<String> {
+    nearest(word, known).map(|meant| format!("did you mean `{meant}`?"))
+}
+
+/// Where a part of a text is written, if the file has the text as it is meant; else the whole.
+pub(crate) fn part_of(source: &Source, text: &Text, part: Span) -> Span {
+    let raw = source.text.get(text.span.clone()).unwrap_or("");
+    match raw.find(text.as_str()) {
+        Some(at) => {
+            let start = text.span.start + at;
+            start + part.start..start + part.end
+        }
+        None => text.span.clone(),
+    }
+}
+
+fn with_article(noun: &str) -> String {
+    let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+    format!("{article} {noun}")
+}
