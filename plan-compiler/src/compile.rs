@@ -27,6 +27,7 @@ use crate::bitmap::Bitmap;
 use crate::formats::ReadOptions;
 use crate::map::Map;
 use crate::mission::{Goal, Mission};
+use crate::pack::pack;
 use crate::problem::{Problem, Severity, Source};
 use crate::recipe;
 use crate::search::{Corners, MAX_COST, Solver, is_cut_short};
@@ -36,8 +37,7 @@ use plan_format::grid::cost_metres;
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Vehicle;
 use plan_format::{
-    Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, limits, pack,
-    write_with_recipe,
+    Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, limits, write_with_recipe,
 };
 use rayon::prelude::*;
 use std::sync::Arc;

@@ -10,11 +10,11 @@
 //! Those are found 64 at a time; only from there inward a search is needed.
 
 use crate::bitmap::Bitmap;
+use crate::pack::field::{ESCAPE, Field, MOVES, NO_ESCAPE, UNREACHED};
 use crate::search::advice::{Near, Rows};
 use crate::search::open::{Passable, SIDE};
 use crate::search::tiles::Tiles;
 use crate::search::{Corners, Vectors};
-use plan_format::field::{ESCAPE, Field, MOVES, NO_ESCAPE, UNREACHED};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 
 /// Fills in the codes of the blocked cells of a field whose free cells are done.

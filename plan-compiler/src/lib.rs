@@ -14,6 +14,7 @@ pub mod image;
 pub mod map;
 pub mod mission;
 pub mod output;
+pub mod pack;
 pub mod problem;
 pub mod raster;
 pub mod recipe;

@@ -32,8 +32,8 @@ mod vectors;
 
 use crate::bitmap::Bitmap;
 use crate::escape;
+use crate::pack::field::{self, Field};
 use open::Passable;
-use plan_format::field::{self, Field};
 use plan_format::grid::DIAGONAL_STEP;
 use plan_format::{Cell, Direction};
 pub use vectors::Vectors;

@@ -18,9 +18,9 @@
 
 use crate::bitmap::Bitmap;
 use crate::compile::Progress;
+use crate::pack::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
+use crate::pack::field::{advised, escape, is_blocked};
 use crate::search::Corners;
-use plan_format::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
-use plan_format::field::{advised, escape, is_blocked};
 use plan_format::{Answer, Blob, Cell, Direction, Grid, Layer, ParallelPlan};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -15,7 +15,7 @@
 use super::open::SIDE;
 use super::{Corners, Vectors};
 use crate::bitmap::Bitmap;
-use plan_format::field::{self, Field, UNREACHED};
+use crate::pack::field::{self, Field, UNREACHED};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
 
