@@ -23,6 +23,7 @@ pub mod mission;
 mod packed;
 pub mod parameters;
 mod plane;
+pub mod record;
 mod work;
 #[cfg(feature = "std")]
 mod write;
