@@ -22,6 +22,7 @@ pub use memory::{Need, gib};
 
 use crate::behaviours::{self, PlanNames, Plans};
 use crate::input::Input;
+use crate::pack::pack;
 use crate::recipe;
 use crate::search::{Corners, MAX_COST, Solver, is_cut_short};
 use goals::Placed;
@@ -34,8 +35,7 @@ use plan_format::grid::cost_metres;
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Vehicle;
 use plan_format::{
-    Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, limits, pack,
-    write_with_recipe,
+    Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, limits, write_with_recipe,
 };
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -7,11 +7,13 @@
 pub mod behaviours;
 pub mod boards;
 pub mod compile;
+pub mod field;
 pub mod image;
 pub mod input;
 pub mod iplan;
 pub mod mission;
 pub mod output;
+pub mod pack;
 pub mod recipe;
 pub mod render;
 pub mod route;

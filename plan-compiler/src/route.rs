@@ -66,9 +66,10 @@ pub fn follow(grid: &Grid, layer: &Layer<'_>, goal: Point, start: Point) -> Resu
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pack::pack;
     use crate::search::{Corners, solve};
     use maps::Bitmap;
-    use plan_format::{Blob, Cell, Draft, LayerDraft, Parameters, PlanDraft, pack, write};
+    use plan_format::{Blob, Cell, Draft, LayerDraft, Parameters, PlanDraft, write};
 
     /// Follows a layer over cells of half a metre that starts at (10, 20): `#` is blocked,
     /// `G` the goal; the first line is the northernmost row.

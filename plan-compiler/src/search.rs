@@ -34,8 +34,8 @@ mod vectors;
 
 use maps::Bitmap;
 
+use crate::field::{self, Field};
 use open::Passable;
-use plan_format::field::{self, Field};
 use plan_format::grid::DIAGONAL_STEP;
 use plan_format::{Cell, Direction};
 pub use vectors::Vectors;

@@ -17,10 +17,10 @@
 //! Deliberately absent: the compiler's search.
 
 use crate::compile::Progress;
+use crate::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
+use crate::field::{advised, escape, is_blocked};
 use crate::search::Corners;
 use maps::Bitmap;
-use plan_format::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
-use plan_format::field::{advised, escape, is_blocked};
 use plan_format::{Answer, Blob, Cell, Direction, Grid, Layer, ParallelPlan};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -5,11 +5,11 @@
 //! an escape, `e n w s` blocked with an escape in that direction.
 
 use advice::{Advice, Choice, Kind, advise};
-use plan_format::field::{ESCAPE, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
+use plan_compiler::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Selection::{self, Dynamic, Static};
 use plan_format::{
-    Blob, Cell, Direction, Draft, Field, Grid, LayerDraft, ParallelPlan, Parameters, PlanDraft,
+    Blob, Cell, Direction, Draft, Grid, LayerDraft, ParallelPlan, Parameters, PlanDraft,
 };
 
 const FREE: &str = "
@@ -174,7 +174,7 @@ fn with_plan<T>(layers: &[&str], test: impl FnOnce(&ParallelPlan<'_>) -> T) -> T
         Grid { columns: first.columns, rows: first.rows, resolution_m: 1.0, corner_m: [0.0, 0.0] };
     let layer = |(index, (field, _)): (usize, &(Field, Cell))| LayerDraft {
         name: format!("layer {index}"),
-        packed: plan_format::pack(field),
+        packed: plan_compiler::pack::pack(field),
     };
     let blob = PlanDraft {
         name: "plan".into(),

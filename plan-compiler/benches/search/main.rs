@@ -18,10 +18,11 @@ mod peers;
 use ::maps::Bitmap;
 use criterion::{Criterion, SamplingMode, Throughput};
 use peers::{Eikonal, GridSearch, Petgraph, pathfinding};
+use plan_compiler::field::{Field, UNREACHED};
+use plan_compiler::pack::pack;
 use plan_compiler::search::{Corners, Solver, Vectors};
-use plan_format::field::UNREACHED;
+use plan_format::Cell;
 use plan_format::grid::STRAIGHT_STEP;
-use plan_format::{Cell, Field};
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -101,7 +102,7 @@ fn measure(criterion: &mut Criterion, name: &str, map: &Bitmap, goal: Cell, corn
         b.iter(|| solver.solve_into(map, black_box(goal), corners, &mut field));
     });
 
-    group.bench_function(PACKING, |b| b.iter(|| plan_format::pack(black_box(&check.field))));
+    group.bench_function(PACKING, |b| b.iter(|| pack(black_box(&check.field))));
 
     let mut grid_search = GridSearch::new(map, corners);
     grid_search.solve(goal);

@@ -14,8 +14,8 @@
 
 use super::open::SIDE;
 use super::{Corners, Vectors};
+use crate::field::{self, Field, UNREACHED};
 use maps::Bitmap;
-use plan_format::field::{self, Field, UNREACHED};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
 

@@ -13,7 +13,7 @@
 use super::advice::Rows;
 use super::open::{Passable, SIDE, moves};
 use super::{Corners, MAX_COST, Vectors};
-use plan_format::field::UNREACHED;
+use crate::field::UNREACHED;
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
 

@@ -14,8 +14,8 @@ use super::open::{Passable, SIDE};
 use super::shores::Shores;
 use super::tiles::Tiles;
 use super::{Corners, Vectors};
+use crate::field::{ESCAPE, Field, MOVES, NO_ESCAPE};
 use maps::Bitmap;
-use plan_format::field::{ESCAPE, Field, MOVES, NO_ESCAPE};
 
 /// Fills in the codes of the blocked cells of a field whose free cells are done.
 pub(crate) fn escape(tiles: &mut Tiles, vectors: Vectors, blocked: &Bitmap, field: &mut Field) {

@@ -1,8 +1,8 @@
 //! Blocked cells on a shore: one step leads out of them, so they need no search.
 
 use super::open::{Passable, SIDE};
+use crate::field::UNREACHED;
 use maps::Bitmap;
-use plan_format::field::UNREACHED;
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 
 /// What is known of the costs of leaving blocked cells without a search.

@@ -7,10 +7,11 @@ use crate::setup::root;
 use crate::{Build, Machine, QemuPilot};
 use math::GeoPoint;
 use plan_compiler::bitmap::Bitmap;
+use plan_compiler::pack::pack;
 use plan_compiler::search::{Corners, solve};
 use plan_format::mission::MissionDraft;
 use plan_format::{
-    Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, pack, write,
+    Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, write,
 };
 use sim::{Dialect, ReceiverSettings, SensorSettings};
 

@@ -4,7 +4,7 @@ use crate::bytes::Words;
 use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
 use crate::error::BlobError;
 use crate::grid::{Cell, Grid};
-use crate::layer::{Layer, Open};
+use crate::layer::{Layer, Unproved};
 use crate::mission::{ActionKind, Mission, MissionError, Source};
 use crate::parameters::Parameters;
 use crate::work::Work;
@@ -367,7 +367,7 @@ impl<'a> ParallelPlan<'a> {
             .map(|other| self.layer_record(other).and_then(|r| r.name.get(self.sections.names)));
         self.sections.check_name(record.name, earlier)?;
         let number = usize::from(self.record.first_layer) + index;
-        let open = Open::of(number, &record, self.sections.layers);
-        self.layer(index).ok_or(BlobError::Cells)?.validate(open, work)
+        let unproved = Unproved::of(number, &record, self.sections.layers);
+        self.layer(index).ok_or(BlobError::Cells)?.validate(unproved, work)
     }
 }

@@ -1,5 +1,7 @@
 //! Little-endian numbers at any offset, read without alignment and without panics.
 
+use crate::layout::WORD_BYTES;
+
 /// `N` bytes at an offset; `None` past the end.
 pub(crate) fn array_at<const N: usize>(bytes: &[u8], offset: usize) -> Option<[u8; N]> {
     bytes.get(offset..)?.first_chunk::<N>().copied()
@@ -19,9 +21,6 @@ pub(crate) fn u32_at(bytes: &[u8], offset: usize) -> Option<u32> {
 pub(crate) fn f64_at(bytes: &[u8], offset: usize) -> Option<f64> {
     array_at(bytes, offset).map(f64::from_le_bytes)
 }
-
-/// Bytes of a word.
-pub(crate) const WORD_BYTES: usize = 4;
 
 /// A section of words of 4 bytes. Counting in words makes a read one comparison and one load.
 #[derive(Clone, Copy, Debug, Default)]

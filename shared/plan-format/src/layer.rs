@@ -6,11 +6,15 @@
 //! it would be without obstacles. So `cost = cost(root) + octile(cell, root)`, exactly, and the
 //! direction is towards the root. Where roots do not pay, a block holds its costs itself.
 
-use crate::blocks::{Own, Place, Plane, Stored, superblocks};
-use crate::bytes::{WORD_BYTES, Words};
+use crate::bytes::Words;
 use crate::directory::{Counts, LayerRecord, NameAt};
 use crate::error::BlobError;
-use crate::grid::{Cell, Direction, octile};
+use crate::grid::{Cell, Direction};
+use crate::layout::{
+    NO_ROUTE_ENTRY, OWN_GOAL, ROOT_WORDS, ROUTE_BITS, Root, TERRAIN_BITS, Terrain, WORD_BYTES,
+    first_step, superblocks,
+};
+use crate::plane::{BlockAddress, Own, Plane, Stored};
 use crate::work::Work;
 
 /// What a layer says about a cell.
@@ -54,30 +58,6 @@ pub enum Step {
     OffMap,
 }
 
-/// Terrain of a free cell.
-pub(crate) const FREE: u32 = 0;
-/// Terrain of a blocked cell without escape.
-pub(crate) const NO_ESCAPE: u32 = 1;
-/// Terrain of a blocked cell with an escape: this plus the direction's code.
-pub(crate) const ESCAPE: u32 = 2;
-const LAST_TERRAIN: u32 = ESCAPE + 7;
-
-/// Route entry of a free cell without a route. All others are twice a root's number, plus one
-/// where the straight part of the way comes first.
-pub(crate) const NO_ROUTE_ENTRY: u32 = u16::MAX as u32;
-/// Codes in blocks of cells that have their own: 0 to 7 are moves.
-pub(crate) const OWN_GOAL: u8 = 8;
-/// A free cell without a route in a block of cells that have their own code.
-#[cfg(feature = "std")]
-pub(crate) const OWN_NO_ROUTE: u8 = 9;
-
-/// Bits of an entry of plane `terrain`.
-pub(crate) const TERRAIN_BITS: u32 = 4;
-/// Bits of an entry of plane `routes`.
-pub(crate) const ROUTE_BITS: u32 = 16;
-/// Words of a root: column and row, cost.
-pub(crate) const ROOT_WORDS: u32 = 2;
-
 /// One layer, read in place.
 #[derive(Clone, Copy, Debug)]
 pub struct Layer<'a> {
@@ -96,9 +76,9 @@ pub struct Layer<'a> {
     pub(crate) name: NameAt,
 }
 
-/// What of a layer no earlier layer has proved.
+/// The parts of a layer that no earlier layer shares and proved.
 #[derive(Clone, Copy)]
-pub(crate) struct Open {
+pub(crate) struct Unproved {
     /// Plane `terrain`.
     pub(crate) terrain: bool,
     /// The roots.
@@ -107,8 +87,8 @@ pub(crate) struct Open {
     pub(crate) routes_of_roots: Option<u32>,
 }
 
-impl Open {
-    /// What the layer of a number has to prove, of all layer records of a blob.
+impl Unproved {
+    /// What remains to be proved for one layer, from its number and all layer records of the blob.
     pub(crate) fn of(number: usize, record: &LayerRecord, layers: &[u8]) -> Self {
         let (mut terrain, mut roots, mut routes) = (true, true, true);
         let mut fewest = record.root_count;
@@ -166,7 +146,7 @@ impl<'a> Layer<'a> {
         // Both planes were validated, so no number is ever missing.
         match self.find(cell) {
             Found::Root { number, straight_first } => {
-                self.root(number).map_or(Answer::NoRoute, |root| root.answer(cell, straight_first))
+                self.root(number).map_or(Answer::NoRoute, |root| answer(root, cell, straight_first))
             }
             Found::Own(own) => match (own.code(self.section), own.cost(self.section)) {
                 (Some(code @ 0..=7), Some(cost)) => {
@@ -185,7 +165,7 @@ impl<'a> Layer<'a> {
     pub fn step(&self, cell: Cell) -> Step {
         match self.find(cell) {
             Found::Root { number, straight_first } => match self.root_cell(number) {
-                Some(root) => direction(cell, root, straight_first).map_or(Step::Goal, Step::Move),
+                Some(root) => first_step(cell, root, straight_first).map_or(Step::Goal, Step::Move),
                 None => Step::NoRoute,
             },
             Found::Own(own) => match own.code(self.section) {
@@ -204,16 +184,13 @@ impl<'a> Layer<'a> {
         if cell.column >= self.columns || cell.row >= self.rows {
             return Found::OffMap;
         }
-        let place = Place::new(cell, superblocks(self.columns));
-        match self.terrain_at(place) {
-            FREE => {}
-            NO_ESCAPE => return Found::Blocked(None),
-            terrain => {
-                let code = terrain.wrapping_sub(ESCAPE) as u8;
-                return Found::Blocked(Some(Direction::from_code(code)));
-            }
+        let address = BlockAddress::new(cell, superblocks(self.columns));
+        match self.terrain_at(address) {
+            Terrain::Free => {}
+            Terrain::NoEscape => return Found::Blocked(None),
+            Terrain::Escape(direction) => return Found::Blocked(Some(direction)),
         }
-        match self.routes().get(place) {
+        match self.routes().get(address) {
             Some(Stored::Entry(entry)) if entry != NO_ROUTE_ENTRY => {
                 Found::Root { number: entry >> 1, straight_first: entry & 1 == 1 }
             }
@@ -223,10 +200,10 @@ impl<'a> Layer<'a> {
     }
 
     #[inline(always)]
-    fn terrain_at(&self, place: Place) -> u32 {
-        match self.terrain().get(place) {
-            Some(Stored::Entry(terrain)) => terrain,
-            _ => NO_ESCAPE,
+    fn terrain_at(&self, address: BlockAddress) -> Terrain {
+        match self.terrain().get(address) {
+            Some(Stored::Entry(entry)) => Terrain::of_entry(entry),
+            _ => Terrain::NoEscape,
         }
     }
 
@@ -251,11 +228,11 @@ impl<'a> Layer<'a> {
         Some(Root { cell: self.root_cell(number)?, cost })
     }
 
-    /// Proves once that no look-up can fail. What `open` does not name was proved with an earlier
+    /// Proves once that no look-up can fail. Whatever is not `unproved` was proved with an earlier
     /// layer.
     pub(crate) fn validate(
         &self,
-        open: Open,
+        unproved: Unproved,
         work: &mut Work<impl FnMut()>,
     ) -> Result<(), BlobError> {
         let count = superblocks(self.columns) * superblocks(self.rows);
@@ -265,14 +242,14 @@ impl<'a> Layer<'a> {
         if counted != u64::from(self.columns) * u64::from(self.rows) {
             return Err(BlobError::Cells);
         }
-        if open.roots {
+        if unproved.roots {
             work.spend(self.root_count)?;
             self.validate_roots().ok_or(BlobError::Cells)?;
         }
-        if open.terrain {
-            self.terrain().validate(count, false, |terrain| terrain <= LAST_TERRAIN, work)?;
+        if unproved.terrain {
+            self.terrain().validate(count, false, Terrain::is_entry, work)?;
         }
-        if let Some(roots) = open.routes_of_roots {
+        if let Some(roots) = unproved.routes_of_roots {
             let is_route = |entry: u32| entry == NO_ROUTE_ENTRY || entry >> 1 < roots;
             self.routes().validate(count, true, is_route, work)?;
         }
@@ -291,44 +268,11 @@ impl<'a> Layer<'a> {
     }
 }
 
-/// A cell that others refer to, and its cost to the goal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Root {
-    pub(crate) cell: Cell,
-    pub(crate) cost: u32,
-}
-
-impl Root {
-    /// The cost of a cell whose way leads by this root.
-    #[inline(always)]
-    pub(crate) fn cost_from(self, cell: Cell) -> u32 {
-        let columns = self.cell.column.abs_diff(cell.column);
-        let rows = self.cell.row.abs_diff(cell.row);
-        self.cost.wrapping_add(octile(columns, rows))
-    }
-
-    #[inline(always)]
-    fn answer(self, cell: Cell, straight_first: bool) -> Answer {
-        match direction(cell, self.cell, straight_first) {
-            Some(direction) => Answer::Move { direction, cost: self.cost_from(cell) },
-            None => Answer::Goal,
-        }
-    }
-}
-
-/// The first step from a cell towards another; `None` if they are the same.
+/// What a cell that refers to a root is answered.
 #[inline(always)]
-pub(crate) fn direction(from: Cell, to: Cell, straight_first: bool) -> Option<Direction> {
-    let mut dx = to.column as i32 - from.column as i32;
-    let mut dy = to.row as i32 - from.row as i32;
-    if straight_first {
-        // Squares take fewer instructions than signs, and sides are below 2^15.
-        let (columns, rows) = (dx * dx, dy * dy);
-        if columns > rows {
-            dy = 0;
-        } else if columns < rows {
-            dx = 0;
-        }
+fn answer(root: Root, cell: Cell, straight_first: bool) -> Answer {
+    match first_step(cell, root.cell, straight_first) {
+        Some(direction) => Answer::Move { direction, cost: root.cost_from(cell) },
+        None => Answer::Goal,
     }
-    Direction::from_signs(dx, dy)
 }

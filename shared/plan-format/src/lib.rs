@@ -5,23 +5,25 @@
 //! this build or from another version is refused with a [`BlobError`].
 //!
 //! Deliberately absent: allocation, `unsafe`, and (without the `std` feature) the writer.
+//! What a layer's words are is a packer's choice: the compiler has one. Here is only their
+//! [`layout`].
 #![cfg_attr(not(feature = "std"), no_std)]
 
 mod blob;
-mod blocks;
 mod bytes;
 mod directory;
 mod error;
-#[cfg(feature = "std")]
-pub mod field;
 pub mod grid;
 mod header;
 mod layer;
+pub mod layout;
 pub mod limits;
 pub mod mission;
 #[cfg(feature = "std")]
-mod pack;
+mod packed;
 pub mod parameters;
+mod plane;
+pub mod record;
 mod work;
 #[cfg(feature = "std")]
 mod write;
@@ -35,8 +37,6 @@ pub use layer::{Answer, Layer, Step};
 pub use parameters::Parameters;
 
 #[cfg(feature = "std")]
-pub use field::Field;
-#[cfg(feature = "std")]
-pub use pack::{PackedLayer, pack};
+pub use packed::{PackedLayer, PackedPlane, Superblock};
 #[cfg(feature = "std")]
 pub use write::{Draft, LayerDraft, PlanDraft, WriteError, recipe, write, write_with_recipe};

@@ -1,14 +1,12 @@
 //! The writer: a draft in, bytes out. The same draft gives the same bytes.
 
 use crate::blob::Blob;
-use crate::blocks::UNIFORM;
-use crate::bytes::WORD_BYTES;
 use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
 use crate::error::BlobError;
 use crate::grid::Grid;
-use crate::layer::ROOT_WORDS;
+use crate::layout::{ROOT_WORDS, UNIFORM, WORD_BYTES};
 use crate::mission::MissionDraft;
-use crate::pack::{PackedLayer, PackedPlane, Superblock};
+use crate::packed::{PackedLayer, PackedPlane, Superblock};
 use crate::parameters::Parameters;
 use crate::{header, limits};
 use std::collections::HashMap;
@@ -265,21 +263,36 @@ impl Pool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::{ESCAPE, Field, GOAL, UNREACHED};
-    use crate::{Answer, Cell, Direction, pack};
+    use crate::layout::{Root, Terrain};
+    use crate::{Answer, Cell, Counts, Direction};
+
+    /// Three cells in a row: of one terrain, with the goal in the west.
+    fn layer(name: &str, terrain: Terrain, counts: Counts) -> LayerDraft {
+        let plane = |entry| PackedPlane { superblocks: vec![Superblock::Uniform(entry)] };
+        let goal = Root { cell: Cell::new(0, 0), cost: 0 };
+        LayerDraft {
+            name: name.into(),
+            packed: PackedLayer {
+                columns: 3,
+                rows: 1,
+                terrain: plane(terrain.entry()),
+                routes: plane(0),
+                roots: goal.words().into(),
+                counts,
+            },
+        }
+    }
 
     fn draft() -> Draft {
-        let field = Field {
-            columns: 3,
-            rows: 1,
-            cost: vec![0, 5741, UNREACHED],
-            code: vec![GOAL, 4, ESCAPE + 4],
-        };
-        let layer = |name: &str| LayerDraft { name: name.into(), packed: pack(&field) };
+        let open = Counts { free: 3, blocked: 0, unreachable: 0 };
+        let shut = Counts { free: 0, blocked: 3, unreachable: 0 };
         let plan = |name: &str| PlanDraft {
             name: name.into(),
             goal_m: [-0.5, 0.5],
-            layers: vec![layer("physical"), layer("comms")],
+            layers: vec![
+                layer("physical", Terrain::Free, open),
+                layer("comms", Terrain::Escape(Direction::W), shut),
+            ],
         };
         Draft {
             grid: Grid { columns: 3, rows: 1, resolution_m: 1.0, corner_m: [-1.0, 0.0] },
@@ -295,13 +308,17 @@ mod tests {
         let blob = write(&draft()).unwrap();
         let blob = Blob::parse(&blob).unwrap();
         assert_eq!(blob.plan_count(), 2);
-        let layer = blob.find("base").unwrap().layer(1).unwrap();
-        assert_eq!(layer.name(), "comms");
-        let at = |x| layer.look_up(blob.cell_at(math::Vec2::new(x, 0.0)).unwrap());
-        assert_eq!(at(-1.0), Answer::Goal);
-        assert_eq!(at(0.9), Answer::Move { direction: Direction::W, cost: 5741 });
-        assert_eq!(at(1.0), Answer::Blocked { escape: Some(Direction::W) });
-        assert_eq!(layer.look_up(Cell::new(3, 0)), Answer::OffMap);
+        let plan = blob.find("base").unwrap();
+        let at = |layer, x| {
+            let layer = plan.layer(layer).unwrap();
+            layer.look_up(blob.cell_at(math::Vec2::new(x, 0.0)).unwrap())
+        };
+        assert_eq!(at(0, -1.0), Answer::Goal);
+        assert_eq!(at(0, 0.9), Answer::Move { direction: Direction::W, cost: 5741 });
+        assert_eq!(at(1, 1.0), Answer::Blocked { escape: Some(Direction::W) });
+        let comms = plan.layer(1).unwrap();
+        assert_eq!(comms.name(), "comms");
+        assert_eq!(comms.look_up(Cell::new(3, 0)), Answer::OffMap);
         assert!(size_of::<Blob<'_>>() < 512, "{}", size_of::<Blob<'_>>());
     }
 

@@ -3,11 +3,12 @@
 mod hostile;
 mod sizes;
 
-use plan_format::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED, is_blocked};
+use plan_compiler::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED, is_blocked};
+use plan_compiler::pack::pack;
 use plan_format::mission::MissionDraft;
 use plan_format::{
     Answer, Blob, BlobError, Cell, Direction, Draft, Grid, Layer, LayerDraft, Origin, Parameters,
-    PlanDraft, Step, WriteError, grid::octile, limits, pack, write,
+    PlanDraft, Step, WriteError, grid::octile, limits, write,
 };
 use proptest::prelude::*;
 use std::cmp::Reverse;

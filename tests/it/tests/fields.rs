@@ -2,12 +2,12 @@
 
 use it::real_data;
 use plan_compiler::bitmap::Bitmap;
+use plan_compiler::field::{self, Field};
 use plan_compiler::formats::{ReadOptions, read};
 use plan_compiler::problem::draw;
 use plan_compiler::search::{
     Corners, MAX_COST, Method, Solver, Vectors, is_cut_short, solve, step,
 };
-use plan_format::field::{self, Field};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
 use proptest::prelude::*;

@@ -38,7 +38,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("nrf52840-dk", &["math", "plan-format", "robot-io", "runtime"]),
     ("guest", &["controller", "math", "plan-format", "robot-io", "runtime"]),
     ("sim", &["math", "plan-compiler", "plan-format", "robot-io", "runtime"]),
-    ("soak", &["behaviour", "controller", "math", "monitor", "plan-format", "robot-io"]),
+    (
+        "soak",
+        &["behaviour", "controller", "math", "monitor", "plan-compiler", "plan-format", "robot-io"],
+    ),
     (
         "fuzz",
         &[

@@ -1,14 +1,15 @@
 //! Missions for particular measurements, and the blobs that carry missions.
 
 use crate::missions::close_effects;
-use plan_format::field::{Field, GOAL};
+use plan_compiler::field::{Field, GOAL};
+use plan_compiler::pack::pack;
 use plan_format::grid::octile;
 use plan_format::mission::{
     Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Frame, Inference,
     Input, Interval, Label, MissionDraft, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
 };
 use plan_format::{
-    Direction, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, pack, write,
+    Direction, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, write,
 };
 
 /// Cells along each side of the map.

@@ -3,14 +3,13 @@
 use controller::{State, tick};
 use math::{GeoPoint, Vec2, vector};
 use plan_compiler::bitmap::Bitmap;
+use plan_compiler::pack::pack;
 use plan_compiler::search::{Corners, solve};
 use plan_format::mission::{
     Action, ActionKind, Behaviour, Condition, Description, Edge, Frame, Inference, Input, Label,
     MissionDraft, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
 };
-use plan_format::{
-    Blob, Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, pack, write,
-};
+use plan_format::{Blob, Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, write};
 use robot_io::{Commands, Fix, Operator, Percepts, RangeReading};
 
 pub(crate) const TICK_US: u64 = 50_000;

@@ -1,8 +1,8 @@
 //! What must hold for a mission before a robot may run it.
 
-use super::records::{Edge, FactKind, Production, Source, Symbol};
-use super::{ActionKind, Mission, Table, bytes::Record};
+use super::{ActionKind, Edge, FactKind, Mission, Production, Source, Symbol, Table};
 use crate::limits;
+use crate::record::Record;
 use core::fmt;
 
 /// Why a mission is refused. The doc comment is the message.
@@ -58,10 +58,15 @@ fn exists<T: Record>(table: Table<'_, T>, index: impl Into<usize>) -> Checked {
     require(index.into() < table.len(), MissionError::Reference)
 }
 
-/// `first ..  first + count` lies in a table, and is not empty.
+/// `first .. first + count` lies in a table.
 fn spans<T: Record>(table: Table<'_, T>, first: u16, count: u8) -> Checked {
     let end = usize::from(first) + usize::from(count);
     require(end <= table.len(), MissionError::Reference)
+}
+
+/// A channel or an output that a robot has.
+fn below(number: u8, limit: usize) -> Checked {
+    require(usize::from(number) < limit, MissionError::Number)
 }
 
 /// All that records name together is within the limit of the table that they name it from.
@@ -115,7 +120,10 @@ fn inputs_and_rules(mission: &Mission<'_>) -> Checked {
         match input.source {
             Source::DistanceTo { x_m, y_m } => finite(&[x_m, y_m])?,
             Source::Rules(index) => exists(mission.rule_bases(), index)?,
-            _ => {}
+            Source::Channel(channel) => below(channel, limits::MAX_CHANNELS)?,
+            Source::Output(output) => below(output, limits::MAX_OUTPUTS)?,
+            // Parallel plans and layers are the blob's: it checks them.
+            Source::Time | Source::CostToGoal { .. } | Source::PriceOfConstraint { .. } => {}
         }
     }
     for rule in mission.rules().iter() {
@@ -177,10 +185,8 @@ fn components(mission: &Mission<'_>) -> Checked {
                 require(gains.iter().all(|gain| (0.0..=1.0).contains(gain)), MissionError::Number)?;
             }
             ActionKind::GoTo { x_m, y_m } => finite(&[x_m, y_m])?,
-            ActionKind::SetOutput { output, .. } => {
-                require(usize::from(output) < limits::MAX_OUTPUTS, MissionError::Number)?;
-            }
-            _ => {}
+            ActionKind::SetOutput { output, .. } => below(output, limits::MAX_OUTPUTS)?,
+            ActionKind::Hold { .. } | ActionKind::Wander { .. } | ActionKind::Signal { .. } => {}
         }
     }
     named(mission.frames().iter().map(|frame| frame.count), limits::MAX_PRODUCTIONS)?;

@@ -2,30 +2,35 @@
 //!
 //! Source: Hasemann, "Planning, Behaviours, Decomposition, and Monitoring Using Graph Grammars
 //! and Fuzzy Logic" (H). A section of the blob holds one table for each kind of record
-//! ([`records`]); [`Mission::parse`] checks every record and every reference between them, after
+//! ; [`Mission::parse`] checks every record and every reference between them, after
 //! which the tables are read in place and no look-up can fail.
 //!
 //! Invariants after parsing: rule bases have rules, and refer to earlier rule bases only;
 //! productions are directed acyclic graphs whose edges all lie on a path from the entry (vertex
 //! 0) to the exit (the last vertex); every number is finite or means "no constraint".
 
-pub mod bytes;
+mod behaviours;
 mod check;
+mod components;
+#[cfg(feature = "std")]
+mod draft;
+mod facts;
 mod life;
-pub mod records;
-#[cfg(feature = "std")]
-mod write;
+mod names;
+mod productions;
+mod rules;
 
-pub use bytes::Table;
+pub use crate::record::Table;
+pub use behaviours::{Behaviour, SwitchPoint};
 pub use check::MissionError;
-pub use life::Life;
-pub use records::{
-    Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Frame,
-    Inference, Input, Interval, Label, Name, Production, Row, Rule, RuleBase, Source, SwitchPoint,
-    Symbol,
-};
+pub use components::{Action, ActionKind, Description, Frame};
 #[cfg(feature = "std")]
-pub use write::MissionDraft;
+pub use draft::MissionDraft;
+pub use facts::{Condition, Fact, FactKind, Facts};
+pub use life::Life;
+pub use names::Name;
+pub use productions::{Edge, Interval, Production, Symbol};
+pub use rules::{Inference, Input, Label, Row, Rule, RuleBase, Source};
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -167,6 +172,7 @@ impl<'a> Mission<'a> {
 #[cfg(all(test, feature = "std"))]
 mod tests {
     use super::*;
+    use crate::record::Record;
 
     /// One behaviour whose frame `work` is `step` twice and then `work` again, and another way.
     fn draft() -> MissionDraft {
@@ -274,6 +280,61 @@ mod tests {
         assert_eq!(mission.name(mission.frames().get(0).unwrap().name), "work");
     }
 
+    /// The bytes of every kind of record, as the first writer of the format laid them.
+    #[test]
+    fn every_record_has_the_bytes_of_the_format() {
+        let mut draft = draft();
+        let name = draft.inputs[0].name;
+        let input = draft.inputs[0];
+        let sources = [
+            Source::Channel(7),
+            Source::Time,
+            Source::CostToGoal { plan: 300 },
+            Source::PriceOfConstraint { plan: 301, layer: 2 },
+            Source::Output(15),
+            Source::Rules(0),
+        ];
+        draft.inputs.extend(sources.map(|source| Input { source, ..input }));
+        let facts = [
+            FactKind::Symbol { is_set: true },
+            FactKind::Level { input: 1, low: 0.5, high: 2.5 },
+            FactKind::Near { x_m: 3.0, y_m: 4.0, radius_m: 5.0 },
+            FactKind::NoProgress { distance_m: 6.0, within_ms: 70_000 },
+        ];
+        draft.facts.extend(facts.map(|kind| Fact { name, kind }));
+        let action = draft.actions[0];
+        let actions = [
+            ActionKind::GoTo { x_m: -8.0, y_m: 9.0 },
+            ActionKind::Hold { for_ms: 100_000 },
+            ActionKind::Wander { for_ms: 110_000 },
+            ActionKind::Signal { code: 1_200 },
+            ActionKind::SetOutput { output: 13, is_on: true },
+        ];
+        draft.actions.extend(actions.map(|kind| Action { kind, ..action }));
+        assert_eq!(crate::header::crc32(&[&draft.write().unwrap()], || ()), 1_455_390_616);
+    }
+
+    #[test]
+    fn bytes_that_no_writer_writes_are_refused() {
+        let input = Input { source: Source::Channel(7), ..draft().inputs[0] };
+        let mut bytes = Vec::new();
+        input.encode(&mut bytes);
+        assert!(Table::<Input>::new(&bytes).is_sound());
+        // After the name: tag, low and high byte of the channel, then bytes without a use.
+        for unused in 5..16 {
+            let mut bytes = bytes.clone();
+            bytes[unused] = 1;
+            let table = Table::<Input>::new(&bytes);
+            assert_eq!(table.get(0), Some(input), "reading alone is lenient");
+            assert!(!table.is_sound(), "byte {unused}");
+        }
+        let mut derived = Vec::new();
+        draft().intervals[0].encode(&mut derived);
+        derived[2] = 2;
+        assert!(!Table::<Interval>::new(&derived).is_sound());
+        assert!(!Table::<Input>::new(&bytes[..31]).is_sound(), "a part of a record");
+    }
+
     #[test]
     fn what_cannot_be_run_is_refused() {
         let refused = |change: &dyn Fn(&mut MissionDraft)| {
@@ -291,6 +352,8 @@ mod tests {
         assert_eq!(refused(&|d| d.behaviours[0].root = 1), MissionError::Reference);
         assert_eq!(refused(&|d| d.frames[0].count = 3), MissionError::Reference);
         assert_eq!(refused(&|d| d.inputs[0].source = Source::Rules(0)), MissionError::Reference);
+        assert_eq!(refused(&|d| d.inputs[0].source = Source::Channel(8)), MissionError::Number);
+        assert_eq!(refused(&|d| d.inputs[0].source = Source::Output(16)), MissionError::Number);
         let name = Name { offset: 500, length: 2 };
         assert_eq!(refused(&|d| d.actions[0].name = name), MissionError::Name);
         // Three rows that 64 rule bases share are 192 rows to evaluate.

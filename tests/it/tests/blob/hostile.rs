@@ -3,8 +3,9 @@
 
 use super::{draft, resealed, tiny};
 use controller::State;
-use plan_format::field::{ESCAPE, Field, NO_ROUTE};
-use plan_format::{Blob, BlobError, Cell, Draft, LayerDraft, PlanDraft, limits, pack, write};
+use plan_compiler::field::{ESCAPE, Field, NO_ROUTE};
+use plan_compiler::pack::pack;
+use plan_format::{Blob, BlobError, Cell, Draft, LayerDraft, PlanDraft, limits, write};
 use robot_io::{Fix, Operator, Percepts};
 
 /// Cells along a side of the maps that repeat.

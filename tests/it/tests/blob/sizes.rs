@@ -2,8 +2,9 @@
 
 use super::draft;
 use plan_compiler::bitmap::Bitmap;
+use plan_compiler::field::Field;
 use plan_compiler::search::{Corners, Solver};
-use plan_format::{Blob, Cell, Field, write};
+use plan_format::{Blob, Cell, write};
 
 /// Cells along a side of the cities.
 const CITY: u32 = 1024;

@@ -1,7 +1,7 @@
 //! For every cell, the moves that the advice rule allows.
 
 use crate::field::{Field, MOVES, UNREACHED};
-use crate::grid::{Cell, Direction};
+use plan_format::grid::{Cell, Direction};
 
 /// Bits of the diagonal directions in a set of moves.
 const DIAGONALS: u8 = 0b1010_1010;

@@ -1,17 +1,18 @@
 //! The codes of a field, block by block.
 
 use super::serve::gather;
-use crate::blocks::BLOCK_CELLS;
 use crate::field::{ESCAPE, Field, NO_ESCAPE, NO_ROUTE};
-use crate::layer;
+use plan_format::Direction;
+use plan_format::layout::{BLOCK_CELLS, TERRAIN_BITS, Terrain};
 
 /// The codes of a block's cells.
 #[derive(Clone)]
 pub(crate) struct Codes(pub(crate) [u8; BLOCK_CELLS]);
 
-const TERRAIN_FREE: u8 = layer::FREE as u8;
-const TERRAIN_NO_ESCAPE: u8 = layer::NO_ESCAPE as u8;
-const TERRAIN_ESCAPE: u8 = layer::ESCAPE as u8;
+// Entries of plane `terrain`, in the bytes that codes have.
+const TERRAIN_FREE: u8 = Terrain::Free.entry() as u8;
+const TERRAIN_NO_ESCAPE: u8 = Terrain::NoEscape.entry() as u8;
+const TERRAIN_ESCAPE: u8 = Terrain::Escape(Direction::from_code(0)).entry() as u8;
 
 /// The code of a cell that is not on the map.
 const OFF_MAP: u8 = u8::MAX;
@@ -75,7 +76,7 @@ impl Codes {
             _ => TERRAIN_FREE,
         }));
         let mut left = !terrain.equal_to(OFF_MAP);
-        let mut all = Vec::with_capacity(1 << layer::TERRAIN_BITS);
+        let mut all = Vec::with_capacity(1 << TERRAIN_BITS);
         while left != 0 {
             let kind = terrain.0[left.trailing_zeros() as usize];
             let cells = terrain.equal_to(kind);

@@ -1,12 +1,13 @@
 //! Blocks and superblocks: from what each cell needs to words.
 
 use super::parts::Parts;
-use crate::blocks::{
+use crate::field::MOVES;
+use plan_format::Superblock;
+use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
+use plan_format::layout::{
     BASE_SHIFT, BASES, BLOCK_CELLS, BLOCKS, CLASS_SHIFT, GROUP, HEADER_WORDS, INDEX_1, INDEX_4,
     OWN, OWN_4_4, OWN_8_8, OWN_32, OWN_SHIFT, class_entries, index_bits, own_words,
 };
-use crate::field::MOVES;
-use crate::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 
 /// What a block will hold.
 #[derive(Clone, Debug)]
@@ -47,15 +48,6 @@ impl OwnCells {
 
 /// Most entries that one block may choose from.
 pub(crate) const MAX_BLOCK_ENTRIES: usize = class_entries(INDEX_4) as usize;
-
-/// A superblock as it is stored.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Superblock {
-    /// One entry for all cells.
-    Uniform(u32),
-    /// A palette, descriptors, and blocks, of which this is the first word.
-    Words { first: usize, words: Vec<u32> },
-}
 
 /// The superblock of 16 blocks. `entry_bits` is 4 or 16, `filler` the entry where none matters, and
 /// `own` writes the words of the cells of a block by its position, and returns the width of their

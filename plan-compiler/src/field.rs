@@ -3,7 +3,7 @@
 //! Arrays are row-major, row 0 in the south, `columns` cells a row. A cell's code says what
 //! its look-up answers; its cost is [`UNREACHED`] unless the code is a move or the goal.
 
-use crate::grid::Direction;
+use plan_format::Direction;
 
 /// The cost of a cell without a route: blocked, or cut off from the goal.
 pub const UNREACHED: u32 = u32::MAX;

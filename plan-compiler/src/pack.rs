@@ -5,61 +5,21 @@
 //! because a cell refers to a root only if the reader's own arithmetic then gives its cost and one
 //! of its allowed moves; cells of a field that contradicts itself are stored as they are.
 
-mod blocks;
 mod codes;
 mod cover;
+mod encode;
 mod moves;
 mod parts;
 mod roots;
 mod serve;
 
-use crate::blocks::{BLOCKS, OWN_4_4, superblocks};
-use crate::directory::Counts;
 use crate::field::{Field, NO_ROUTE, is_blocked};
-use crate::layer::{FREE, NO_ROUTE_ENTRY, ROUTE_BITS, Root, TERRAIN_BITS};
-pub(crate) use blocks::Superblock;
-use blocks::{Block, superblock};
 use cover::Covering;
-
-/// A field as the blob stores it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PackedLayer {
-    pub(crate) columns: u32,
-    pub(crate) rows: u32,
-    pub(crate) terrain: PackedPlane,
-    pub(crate) routes: PackedPlane,
-    pub(crate) roots: Vec<u32>,
-    pub(crate) counts: Counts,
-}
-
-impl PackedLayer {
-    /// How many cells are of each kind.
-    pub fn counts(&self) -> Counts {
-        self.counts
-    }
-
-    /// Bytes that it takes in a blob at most: what layers have alike is stored once.
-    pub fn bytes(&self) -> usize {
-        size_of::<u32>() * (self.terrain.words() + self.routes.words() + self.roots.len())
-    }
-}
-
-/// The superblocks of a plane, in the order of the grid.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct PackedPlane {
-    pub(crate) superblocks: Vec<Superblock>,
-}
-
-impl PackedPlane {
-    /// Words that it takes at most, with its table.
-    fn words(&self) -> usize {
-        let words = |superblock: &Superblock| match superblock {
-            Superblock::Uniform(_) => 1,
-            Superblock::Words { words, .. } => 1 + words.len(),
-        };
-        self.superblocks.iter().map(words).sum()
-    }
-}
+use encode::{Block, superblock};
+use plan_format::layout::{
+    BLOCKS, NO_ROUTE_ENTRY, OWN_4_4, ROUTE_BITS, TERRAIN_BITS, Terrain, superblocks,
+};
+use plan_format::{Counts, PackedLayer, PackedPlane};
 
 /// Packs a field. Cells that its arrays lack are free without a route.
 pub fn pack(field: &Field) -> PackedLayer {
@@ -94,15 +54,11 @@ fn packed(field: &Field) -> PackedLayer {
     PackedLayer {
         columns: field.columns,
         rows: field.rows,
-        terrain: plane(&terrain, block_columns, TERRAIN_BITS, FREE, none),
+        terrain: plane(&terrain, block_columns, TERRAIN_BITS, Terrain::Free.entry(), none),
         routes: plane(&routes.blocks, block_columns, ROUTE_BITS, NO_ROUTE_ENTRY, own),
-        roots: routes.roots.iter().flat_map(root_words).collect(),
+        roots: routes.roots.iter().flat_map(|root| root.words()).collect(),
         counts: counts(field),
     }
-}
-
-fn root_words(root: &Root) -> [u32; 2] {
-    [root.cell.to_word(), root.cost]
 }
 
 #[inline(always)]

@@ -1,11 +1,10 @@
 //! Writing a mission.
 
-use super::bytes::{Record, Writer};
-use super::records::{
-    Action, Behaviour, Description, Edge, Fact, Frame, Input, Interval, Name, Production, Rule,
-    RuleBase,
+use super::{
+    Action, Behaviour, Description, Edge, Fact, Frame, Input, Interval, Mission, MissionError,
+    Name, Production, Rule, RuleBase, Sections,
 };
-use super::{Mission, MissionError, Sections};
+use crate::record::Record;
 
 /// A mission as the compiler builds it: the same tables, growing.
 #[derive(Clone, Debug, Default)]
@@ -65,9 +64,9 @@ impl MissionDraft {
 }
 
 fn table<T: Record>(records: &[T]) -> Vec<u8> {
-    let mut writer = Writer::default();
+    let mut bytes = Vec::with_capacity(records.len() * T::SIZE);
     for record in records {
-        record.encode(&mut writer);
+        record.encode(&mut bytes);
     }
-    writer.0
+    bytes
 }

@@ -4,7 +4,7 @@
 //! nearly straight on the scale of eight cells, so most blocks of two or three entries have them in
 //! the same order in every row. A border takes half a byte a row, an index at least a whole one.
 
-use crate::blocks::MAX_BORDERS;
+use plan_format::layout::MAX_BORDERS;
 
 /// The order of a block's entries from west to east, and the borders between them.
 #[derive(Clone, Debug, PartialEq, Eq)]

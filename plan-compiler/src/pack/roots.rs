@@ -11,19 +11,19 @@
 
 use super::moves::Bordered;
 use crate::field::{Field, GOAL, UNREACHED};
-use crate::grid::{Cell, Direction, STRAIGHT_STEP};
-use crate::layer::{Root, direction};
+use plan_format::grid::{Cell, Direction, STRAIGHT_STEP};
+use plan_format::layout::{Root, first_step};
 use std::ops::Range;
 
-/// The number of no root.
+/// Sentinel: no root.
 pub(crate) const NO_ROOT: u32 = u32::MAX;
 
 /// Where a root serves fewer cells than this, what they say by themselves takes hardly more bytes,
 /// and is found in a fraction of the time. Noise of 20 % obstacles has a root for every six cells, a
 /// maze for every three, noise of 5 % for every 25, and a city for every 500.
 const CELLS_PER_ROOT: usize = 8;
-/// That is looked at after so many cells each.
-const LOOK: usize = 4_096;
+/// Cells between two checks of that ratio.
+const CHECK_INTERVAL_CELLS: usize = 4_096;
 
 /// The roots of a field.
 pub(crate) struct Roots {
@@ -39,7 +39,7 @@ pub(crate) struct Roots {
 #[inline(always)]
 fn serves(root: Root, cell: Cell, cost: u32, moves: u8) -> bool {
     let allowed = |straight_first| {
-        direction(cell, root.cell, straight_first)
+        first_step(cell, root.cell, straight_first)
             .is_some_and(|direction| moves >> direction.code() & 1 == 1)
     };
     root.cost_from(cell) == cost && (allowed(false) || allowed(true))
@@ -67,7 +67,9 @@ impl Roots {
             for cell in by_cost(bordered, costs).into_iter().map(Cell::of_word) {
                 this.of_cell[bordered.index_of(cell)] = this.choose(cell, bordered);
                 visited += 1;
-                if visited % LOOK == 0 && this.roots.len() * CELLS_PER_ROOT > visited {
+                if visited % CHECK_INTERVAL_CELLS == 0
+                    && this.roots.len() * CELLS_PER_ROOT > visited
+                {
                     this.roots.clear();
                     this.parents.clear();
                     return this;
@@ -146,7 +148,7 @@ fn near(bordered: &Bordered) -> u32 {
     let is_enough = |near: u32| {
         let cells = bordered.cost.iter().zip(&bordered.moves);
         let count: u32 = cells.map(|(&cost, &moves)| u32::from((cost < near) & (moves != 0))).sum();
-        count as usize > LOOK
+        count as usize > CHECK_INTERVAL_CELLS
     };
     while near < UNREACHED / 2 && !is_enough(near) {
         near *= 2;

@@ -1,9 +1,9 @@
 //! Which cells of a block a root serves, all 64 at a time.
 
 use super::moves::Bordered;
-use crate::blocks::BLOCK_CELLS;
-use crate::grid::{Cell, DIAGONAL_STEP, STRAIGHT_STEP};
-use crate::layer::Root;
+use plan_format::grid::{Cell, DIAGONAL_STEP, STRAIGHT_STEP};
+use plan_format::layout::BLOCK_CELLS;
+use plan_format::layout::Root;
 
 /// What decides which roots serve the cells of a block.
 pub(crate) struct BlockCells {

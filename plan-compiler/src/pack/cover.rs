@@ -1,15 +1,16 @@
 //! Which roots the cells of each block refer to: as few as possible, the same as next door.
 
-use super::blocks::{Block, MAX_BLOCK_ENTRIES, OwnCells, index_class};
 use super::codes::Codes;
+use super::encode::{Block, MAX_BLOCK_ENTRIES, OwnCells, index_class};
 use super::moves::Bordered;
 use super::roots::{NO_ROOT, Roots};
 use super::serve::BlockCells;
-use crate::blocks::{BLOCK_CELLS, OWN_4_4, data_words, own_words};
-use crate::bytes::WORD_BYTES;
 use crate::field::{GOAL, NO_ROUTE, UNREACHED};
-use crate::grid::Cell;
-use crate::layer::{NO_ROUTE_ENTRY, OWN_GOAL, OWN_NO_ROUTE, ROOT_WORDS, Root};
+use plan_format::Cell;
+use plan_format::layout::{
+    BLOCK_CELLS, NO_ROUTE_ENTRY, OWN_4_4, OWN_GOAL, OWN_NO_ROUTE, ROOT_WORDS, Root, WORD_BYTES,
+    data_words, own_words,
+};
 
 /// Root numbers from here on do not fit an entry.
 const MAX_ROOTS: usize = (NO_ROUTE_ENTRY >> 1) as usize;

@@ -14,46 +14,13 @@
 use crate::bytes::Words;
 use crate::error::BlobError;
 use crate::grid::{Cell, DIAGONAL_STEP, STRAIGHT_STEP};
+use crate::layout::{
+    BASE_SHIFT, BASES, BLOCKS, CLASS_SHIFT, GROUP, HEADER_WORDS, INDEX_1, INDEX_4, MAX_BORDERS,
+    OWN, OWN_32, OWN_HEADER_WORDS, OWN_SHIFT, SUPERBLOCK_SHIFT, UNIFORM, class_entries, data_words,
+    group_words, index_bits, own_words,
+};
 use crate::limits;
 use crate::work::Work;
-
-/// Side of a superblock, cells, as a power of two.
-pub(crate) const SUPERBLOCK_SHIFT: u32 = 5;
-/// Blocks in a superblock.
-pub(crate) const BLOCKS: usize = 16;
-/// Cells in a block.
-pub(crate) const BLOCK_CELLS: usize = 64;
-/// Words of a superblock's descriptors, which stand between its palette and its blocks.
-pub(crate) const HEADER_WORDS: u32 = BLOCKS as u32 / 2;
-
-/// In a table, beside an entry: all cells of the superblock have it. Else the number is where the
-/// superblock's blocks begin.
-pub(crate) const UNIFORM: u32 = 1 << 31;
-
-/// Bits of a descriptor below its class.
-pub(crate) const CLASS_SHIFT: u32 = 13;
-/// Bits of a descriptor below the base of its window in the palette.
-pub(crate) const BASE_SHIFT: u32 = 7;
-/// Entries of a palette at which a window may begin.
-pub(crate) const BASES: usize = 1 << (CLASS_SHIFT - BASE_SHIFT);
-/// Blocks of classes 1 to this have as many borders between entries.
-pub(crate) const MAX_BORDERS: u32 = 2;
-/// Blocks of this class and the next three have an index of 1 to 4 bits for each cell.
-pub(crate) const INDEX_1: u32 = MAX_BORDERS + 1;
-/// The last of them.
-pub(crate) const INDEX_4: u32 = INDEX_1 + 3;
-/// The class of blocks whose cells have their own code and cost.
-pub(crate) const OWN: u32 = INDEX_4 + 1;
-/// Bits of a descriptor of class [`OWN`] below the width of its costs.
-pub(crate) const OWN_SHIFT: u32 = 11;
-/// The widths of costs: straight and diagonal steps above a base in 4 + 4 bits, ...
-#[cfg(feature = "std")]
-pub(crate) const OWN_4_4: u32 = 0;
-/// ... in 8 + 8 bits, ...
-#[cfg(feature = "std")]
-pub(crate) const OWN_8_8: u32 = 1;
-/// ... or, for both widths that remain, the cost itself in 32 bits.
-pub(crate) const OWN_32: u32 = 2;
 
 /// What a plane says of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,13 +31,13 @@ pub(crate) enum Stored {
     Own(Own),
 }
 
-/// Where a cell stands in a plane: from bit 10 on its superblock, from bit 6 on its block in it, and
-/// its number in the block, row by row. One number, so that it stays in a register.
+/// The address of a cell in a plane: its superblock from bit 10 on, its block from bit 6 on, and
+/// below that its number in the block, row by row. One number, so that it stays in a register.
 #[derive(Clone, Copy)]
-pub(crate) struct Place(u32);
+pub(crate) struct BlockAddress(u32);
 
-impl Place {
-    /// The place of a cell in a grid so many superblocks wide.
+impl BlockAddress {
+    /// The address of a cell in a grid, whose width is given in superblocks.
     #[inline(always)]
     pub(crate) fn new(cell: Cell, superblock_columns: u32) -> Self {
         let superblock = (cell.row >> SUPERBLOCK_SHIFT)
@@ -105,13 +72,7 @@ const _: () = assert!(
     "the superblock's number must fit"
 );
 
-/// How many superblocks lie along a side of so many cells.
-#[inline(always)]
-pub(crate) const fn superblocks(cells: u32) -> u32 {
-    cells.wrapping_add((1 << SUPERBLOCK_SHIFT) - 1) >> SUPERBLOCK_SHIFT
-}
-
-/// One plane, read in place. Its entries take `ENTRY_BITS`, 4 or 16.
+/// One plane, read in address. Its entries take `ENTRY_BITS`, 4 or 16.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane<'a, const ENTRY_BITS: u32> {
     /// The section that words are counted in.
@@ -160,22 +121,22 @@ impl Descriptor {
 impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
     /// What the plane says of a cell; never `None` in a plane that was validated.
     #[inline(always)]
-    pub(crate) fn get(&self, place: Place) -> Option<Stored> {
-        let first = self.section.get(self.table.wrapping_add(place.superblock()))?;
+    pub(crate) fn get(&self, address: BlockAddress) -> Option<Stored> {
+        let first = self.section.get(self.table.wrapping_add(address.superblock()))?;
         if first & UNIFORM != 0 {
             return Some(Stored::Entry(first & !UNIFORM));
         }
-        let descriptor = self.descriptor(first, place.block())?;
+        let descriptor = self.descriptor(first, address.block())?;
         let class = descriptor.class();
         let index = if class == 0 {
             0
         } else if class <= MAX_BORDERS {
-            self.part(first + descriptor.offset(), class, place.cell())?
+            self.part(first + descriptor.offset(), class, address.cell())?
         } else if class <= INDEX_4 {
-            self.index(first + descriptor.offset(), index_bits(class), place.cell())?
+            self.index(first + descriptor.offset(), index_bits(class), address.cell())?
         } else {
             let data = first + descriptor.own_offset();
-            let own = Own::find(self.section, data, descriptor.own_width(), place.cell());
+            let own = Own::find(self.section, data, descriptor.own_width(), address.cell());
             return own.map(Stored::Own);
         };
         self.entry(first, descriptor.base() + index).map(Stored::Entry)
@@ -280,22 +241,6 @@ impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
     }
 }
 
-/// Bits of an index in a block that has one for each cell.
-#[inline(always)]
-pub(crate) const fn index_bits(class: u32) -> u32 {
-    class - MAX_BORDERS
-}
-
-/// Entries that a block may choose from which does not have its own.
-pub(crate) const fn class_entries(class: u32) -> u32 {
-    if class < INDEX_1 { class + 1 } else { 1 << index_bits(class) }
-}
-
-/// Words of such a block.
-pub(crate) const fn data_words(class: u32) -> usize {
-    if class < INDEX_1 { class as usize } else { index_bits(class) as usize * BLOCK_CELLS / 32 }
-}
-
 /// A cell that has its own code and cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Own {
@@ -306,25 +251,6 @@ pub(crate) struct Own {
     group: u32,
     /// How many cells of the block stand before it.
     rank: u32,
-}
-
-/// Words before the groups: the mask and the base.
-pub(crate) const OWN_HEADER_WORDS: usize = 3;
-/// Cells in a group, whose codes of 4 bits fill a word.
-pub(crate) const GROUP: usize = 8;
-
-/// Words of a full group.
-#[inline(always)]
-const fn group_words(width: u32) -> u32 {
-    1 + (2 << if width < OWN_32 { width } else { OWN_32 })
-}
-
-/// Words of a block in which so many cells have their own code and cost.
-pub(crate) fn own_words(width: u32, cells: usize) -> usize {
-    let full = group_words(width) as usize;
-    let last = cells % GROUP;
-    let last_words = if last == 0 { 0 } else { 1 + ((full - 1) * last).div_ceil(GROUP) };
-    OWN_HEADER_WORDS + cells / GROUP * full + last_words
 }
 
 impl Own {

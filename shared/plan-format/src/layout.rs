@@ -1,0 +1,202 @@
+//! The layout of a section of cells: what the reader and every packer must agree on.
+//!
+//! `FORMAT.md` gives the words. Here are their numbers, the sizes that follow from them, and the
+//! arithmetic by which a cell that refers to a root gets its cost and its direction.
+
+use crate::grid::{Cell, Direction, octile};
+
+/// Bytes of a word. Everything in the section is read in whole words.
+pub const WORD_BYTES: usize = 4;
+
+/// Side of a superblock, cells, as a power of two.
+pub const SUPERBLOCK_SHIFT: u32 = 5;
+/// Blocks in a superblock.
+pub const BLOCKS: usize = 16;
+/// Cells in a block.
+pub const BLOCK_CELLS: usize = 64;
+/// Words of a superblock's descriptors, which stand between its palette and its blocks.
+pub const HEADER_WORDS: u32 = BLOCKS as u32 / 2;
+
+/// Flag in a table: all cells of the superblock have the entry in the other bits. Without the
+/// flag the number is the word at which the superblock's blocks begin.
+pub const UNIFORM: u32 = 1 << 31;
+
+/// Bits of a descriptor below its class.
+pub const CLASS_SHIFT: u32 = 13;
+/// Bits of a descriptor below the base of its window in the palette.
+pub const BASE_SHIFT: u32 = 7;
+/// Entries of a palette at which a window may begin.
+pub const BASES: usize = 1 << (CLASS_SHIFT - BASE_SHIFT);
+/// Most borders in a block. A block of class 1 to this has as many borders as its class.
+pub const MAX_BORDERS: u32 = 2;
+/// Class of blocks with an index of 1 bit for each cell; the next three classes have 2 to 4 bits.
+pub const INDEX_1: u32 = MAX_BORDERS + 1;
+/// Class of blocks with an index of 4 bits for each cell.
+pub const INDEX_4: u32 = INDEX_1 + 3;
+/// Class of blocks whose cells have their own code and cost.
+pub const OWN: u32 = INDEX_4 + 1;
+/// Bits of a descriptor of class [`OWN`] below the width of its costs.
+pub const OWN_SHIFT: u32 = 11;
+/// Width of costs: straight and diagonal steps above a base, in 4 + 4 bits.
+pub const OWN_4_4: u32 = 0;
+/// Width of costs: straight and diagonal steps above a base, in 8 + 8 bits.
+pub const OWN_8_8: u32 = 1;
+/// Width of costs: the cost itself in 32 bits. Width 3 means the same.
+pub const OWN_32: u32 = 2;
+/// Words of a block of class [`OWN`] before its groups: the mask of its cells and the base.
+pub const OWN_HEADER_WORDS: usize = 3;
+/// Cells in a group of a block of class [`OWN`]: their codes of 4 bits fill a word.
+pub const GROUP: usize = 8;
+/// Code of the goal in a block of class [`OWN`], where 0 to 7 are moves.
+pub const OWN_GOAL: u8 = 8;
+/// Code of a free cell without a route in a block of class [`OWN`].
+pub const OWN_NO_ROUTE: u8 = 9;
+
+/// Bits of an entry of plane `terrain`.
+pub const TERRAIN_BITS: u32 = 4;
+/// Bits of an entry of plane `routes`.
+pub const ROUTE_BITS: u32 = 16;
+/// Entry of plane `routes` for a free cell without a route. Every other entry is twice the number
+/// of a root, plus one where the straight part of the way comes first.
+pub const NO_ROUTE_ENTRY: u32 = u16::MAX as u32;
+/// Words of a root: column and row, cost.
+pub const ROOT_WORDS: u32 = 2;
+
+/// An entry of plane `terrain`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Terrain {
+    /// A free cell: entry 0.
+    Free,
+    /// A blocked cell that no free cell with a route can be reached from: entry 1.
+    NoEscape,
+    /// A blocked cell and the first step out of it: entry 2 plus the direction's code.
+    Escape(Direction),
+}
+
+impl Terrain {
+    const FIRST_ESCAPE: u32 = 2;
+
+    /// The number that the plane holds.
+    #[inline(always)]
+    pub const fn entry(self) -> u32 {
+        match self {
+            Self::Free => 0,
+            Self::NoEscape => 1,
+            Self::Escape(direction) => Self::FIRST_ESCAPE + direction.code() as u32,
+        }
+    }
+
+    /// The meaning of an entry. Of an entry that [`Terrain::is_entry`] refuses, some escape.
+    #[inline(always)]
+    pub(crate) const fn of_entry(entry: u32) -> Self {
+        match entry {
+            0 => Self::Free,
+            1 => Self::NoEscape,
+            _ => Self::Escape(Direction::from_code(entry.wrapping_sub(Self::FIRST_ESCAPE) as u8)),
+        }
+    }
+
+    /// Whether a number is an entry of plane `terrain`.
+    #[inline(always)]
+    pub(crate) const fn is_entry(entry: u32) -> bool {
+        entry < Self::FIRST_ESCAPE + Direction::ALL.len() as u32
+    }
+}
+
+/// Superblocks along a side of a grid, from the side's length in cells.
+#[inline(always)]
+pub const fn superblocks(cells: u32) -> u32 {
+    cells.wrapping_add((1 << SUPERBLOCK_SHIFT) - 1) >> SUPERBLOCK_SHIFT
+}
+
+/// Bits of each cell's index in a block of class [`INDEX_1`] to [`INDEX_4`].
+#[inline(always)]
+pub const fn index_bits(class: u32) -> u32 {
+    class - MAX_BORDERS
+}
+
+/// Entries of the palette that a block of a class below [`OWN`] chooses from.
+#[inline]
+pub const fn class_entries(class: u32) -> u32 {
+    if class < INDEX_1 { class + 1 } else { 1 << index_bits(class) }
+}
+
+/// Words of a block of a class below [`OWN`].
+#[inline]
+pub const fn data_words(class: u32) -> usize {
+    if class < INDEX_1 { class as usize } else { index_bits(class) as usize * BLOCK_CELLS / 32 }
+}
+
+/// Words of a full group in a block of class [`OWN`].
+#[inline(always)]
+pub(crate) const fn group_words(width: u32) -> u32 {
+    1 + (2 << if width < OWN_32 { width } else { OWN_32 })
+}
+
+/// Words of a block of class [`OWN`], from the width of its costs and the number of its cells that
+/// have their own code and cost.
+#[inline]
+pub const fn own_words(width: u32, cells: usize) -> usize {
+    let full = group_words(width) as usize;
+    let last = cells % GROUP;
+    let last_words = if last == 0 { 0 } else { 1 + ((full - 1) * last).div_ceil(GROUP) };
+    OWN_HEADER_WORDS + cells / GROUP * full + last_words
+}
+
+/// A cell that others refer to, and its cost to the goal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Root {
+    /// Where it is.
+    pub cell: Cell,
+    /// Its cost to the goal, units of 1/5741 cell.
+    pub cost: u32,
+}
+
+impl Root {
+    /// The words of a root in the section.
+    pub const fn words(self) -> [u32; ROOT_WORDS as usize] {
+        [self.cell.to_word(), self.cost]
+    }
+
+    /// The cost of a cell whose way leads by this root.
+    #[inline(always)]
+    pub fn cost_from(self, cell: Cell) -> u32 {
+        let columns = self.cell.column.abs_diff(cell.column);
+        let rows = self.cell.row.abs_diff(cell.row);
+        self.cost.wrapping_add(octile(columns, rows))
+    }
+}
+
+/// The first step from a cell towards another; `None` if they are the same.
+#[inline(always)]
+pub fn first_step(from: Cell, to: Cell, straight_first: bool) -> Option<Direction> {
+    let mut dx = to.column as i32 - from.column as i32;
+    let mut dy = to.row as i32 - from.row as i32;
+    if straight_first {
+        // Squares take fewer instructions than signs, and sides are below 2^15.
+        let (columns, rows) = (dx * dx, dy * dy);
+        if columns > rows {
+            dy = 0;
+        } else if columns < rows {
+            dx = 0;
+        }
+    }
+    Direction::from_signs(dx, dy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn terrain_comes_back_from_its_entry() {
+        let escapes = Direction::ALL.map(Terrain::Escape);
+        let all = [Terrain::Free, Terrain::NoEscape].into_iter().chain(escapes);
+        for (entry, terrain) in (0..).zip(all) {
+            assert_eq!(terrain.entry(), entry);
+            assert_eq!(Terrain::of_entry(entry), terrain);
+            assert!(Terrain::is_entry(entry));
+        }
+        assert!(!Terrain::is_entry(10));
+    }
+}

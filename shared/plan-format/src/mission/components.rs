@@ -1,0 +1,159 @@
+//! What plans are made of: descriptions, atomic actions and plan frames.
+
+use super::{Condition, Facts, Name};
+use crate::record::{payload, record};
+
+record! {
+    /// What a component needs, keeps and brings about (H, "Plan Component Representation").
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Description {
+        /// Holds when it starts.
+        pub initial: Condition,
+        /// Holds as long as it runs.
+        pub transient: Condition,
+        /// Holds when it ends.
+        pub goal: Condition,
+        /// Symbols that become true at its end.
+        pub add: Facts,
+        /// Symbols that become false at its end, and sensed facts that it may make false.
+        pub delete: Facts,
+        /// Never faster while it runs, m/s; infinite for no constraint. Inherited downwards.
+        pub max_speed_mps: f32,
+        /// Never nearer to an obstacle while it runs, metres; 0 for no constraint. Inherited downwards.
+        pub min_distance_m: f32,
+    }
+}
+
+/// What an atomic action does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ActionKind {
+    /// Drive by a parallel plan until its goal.
+    Follow {
+        /// Index of the parallel plan.
+        plan: u16,
+        /// Weight of the reactive schemas.
+        reactive: f32,
+        /// Weight of the advice.
+        advice: f32,
+        /// Weight of the noise.
+        noise: f32,
+    },
+    /// Drive straight to a place by the reactive schemas.
+    GoTo {
+        /// East, metres.
+        x_m: f32,
+        /// North, metres.
+        y_m: f32,
+    },
+    /// Stand still for a time.
+    Hold {
+        /// Milliseconds.
+        for_ms: u32,
+    },
+    /// Drive by the noise schema for a time.
+    Wander {
+        /// Milliseconds.
+        for_ms: u32,
+    },
+    /// Report a code once.
+    Signal {
+        /// The code.
+        code: u16,
+    },
+    /// Set a digital output.
+    SetOutput {
+        /// Which.
+        output: u8,
+        /// On or off.
+        is_on: bool,
+    },
+}
+
+record! {
+    /// What the variants of [`ActionKind`] share. The last three are the bits of an `f32`.
+    #[derive(Clone, Copy, PartialEq)]
+    struct ActionBytes {
+        tag: u8,
+        number: u32,
+        x: u32,
+        y: u32,
+        z: u32,
+    }
+}
+
+impl ActionKind {
+    #[inline]
+    fn of_bytes(bytes: ActionBytes) -> Option<Self> {
+        let ActionBytes { tag, number, .. } = bytes;
+        let [x, y, z] = [bytes.x, bytes.y, bytes.z].map(f32::from_bits);
+        Some(match tag {
+            0 => Self::Follow { plan: number as u16, reactive: x, advice: y, noise: z },
+            1 => Self::GoTo { x_m: x, y_m: y },
+            2 => Self::Hold { for_ms: number },
+            3 => Self::Wander { for_ms: number },
+            4 => Self::Signal { code: number as u16 },
+            5 => Self::SetOutput { output: number as u8, is_on: x > 0.0 },
+            _ => return None,
+        })
+    }
+
+    fn to_bytes(self) -> ActionBytes {
+        let (tag, number, [x, y, z]) = match self {
+            Self::Follow { plan, reactive, advice, noise } => {
+                (0, plan.into(), [reactive, advice, noise])
+            }
+            Self::GoTo { x_m, y_m } => (1, 0, [x_m, y_m, 0.0]),
+            Self::Hold { for_ms } => (2, for_ms, [0.0; 3]),
+            Self::Wander { for_ms } => (3, for_ms, [0.0; 3]),
+            Self::Signal { code } => (4, code.into(), [0.0; 3]),
+            Self::SetOutput { output, is_on } => {
+                (5, output.into(), [u8::from(is_on).into(), 0.0, 0.0])
+            }
+        };
+        ActionBytes { tag, number, x: x.to_bits(), y: y.to_bits(), z: z.to_bits() }
+    }
+}
+
+payload!(ActionKind in ActionBytes);
+
+record! {
+    /// A terminal symbol.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Action {
+        /// Its name.
+        pub name: Name,
+        /// What it does.
+        pub kind: ActionKind,
+        /// Index of its description.
+        pub description: u16,
+        /// It is over as soon as this holds, if it says anything.
+        pub until: Condition,
+        /// It has failed after this time, milliseconds; never 0.
+        pub timeout_ms: u32,
+        /// What it occupies, one bit each.
+        pub resources: u16,
+    }
+}
+
+record! {
+    /// A non-terminal symbol: a conceptual activity that is decomposed.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Frame {
+        /// Its name.
+        pub name: Name,
+        /// Index of its first production.
+        pub first: u16,
+        /// Number of productions, at least 1.
+        pub count: u8,
+        /// Index of its description.
+        pub description: u16,
+        /// Productions below this applicability are not considered.
+        pub threshold: f32,
+        /// Facts that some action below it may make true.
+        pub may_add: Facts,
+        /// Facts that some action below it may make false.
+        pub may_delete: Facts,
+        /// What the actions below it occupy.
+        pub resources: u16,
+    }
+}

@@ -1,0 +1,140 @@
+//! What is known of the world, and conditions over it.
+
+use super::Name;
+use crate::record::{payload, record};
+
+/// A set of facts, one bit each.
+pub type Facts = u64;
+
+record! {
+    /// A conjunction over facts.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Condition {
+        /// All of these hold.
+        pub must: Facts,
+        /// None of these holds.
+        pub must_not: Facts,
+    }
+}
+
+impl Condition {
+    /// Whether it holds where exactly `facts` do.
+    pub const fn holds(self, facts: Facts) -> bool {
+        facts & self.must == self.must && facts & self.must_not == 0
+    }
+
+    /// The facts that are not as it wants them.
+    pub const fn violated(self, facts: Facts) -> Facts {
+        self.must & !facts | self.must_not & facts
+    }
+
+    /// Both at once.
+    pub const fn and(self, other: Self) -> Self {
+        Self { must: self.must | other.must, must_not: self.must_not | other.must_not }
+    }
+
+    /// Whether it says nothing.
+    pub const fn is_empty(self) -> bool {
+        self.must == 0 && self.must_not == 0
+    }
+}
+
+/// What a fact says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FactKind {
+    /// Set and cleared by the add and delete lists of components.
+    Symbol {
+        /// Whether it holds at the start.
+        is_set: bool,
+    },
+    /// An input lies between two values of its unit, both included.
+    Level {
+        /// Index of the input.
+        input: u8,
+        /// Lowest.
+        low: f32,
+        /// Highest.
+        high: f32,
+    },
+    /// The robot is within a distance of a place.
+    Near {
+        /// East, metres.
+        x_m: f32,
+        /// North, metres.
+        y_m: f32,
+        /// Distance, metres.
+        radius_m: f32,
+    },
+    /// The robot is in a rectangle.
+    Inside {
+        /// West, metres.
+        west_m: f32,
+        /// South, metres.
+        south_m: f32,
+        /// East, metres.
+        east_m: f32,
+        /// North, metres.
+        north_m: f32,
+    },
+    /// The robot has not come farther than a distance within a time.
+    NoProgress {
+        /// Distance, metres.
+        distance_m: f32,
+        /// Time, milliseconds.
+        within_ms: u32,
+    },
+}
+
+record! {
+    /// What the variants of [`FactKind`] share: whole numbers, or the bits of an `f32`.
+    #[derive(Clone, Copy, PartialEq)]
+    struct FactBytes {
+        tag: u8,
+        a: u32,
+        b: u32,
+        c: u32,
+        d: u32,
+    }
+}
+
+impl FactKind {
+    #[inline]
+    fn of_bytes(bytes: FactBytes) -> Option<Self> {
+        let FactBytes { tag, a, .. } = bytes;
+        let [x, b, c, d] = [a, bytes.b, bytes.c, bytes.d].map(f32::from_bits);
+        Some(match tag {
+            0 => Self::Symbol { is_set: a != 0 },
+            1 => Self::Level { input: a as u8, low: b, high: c },
+            2 => Self::Near { x_m: x, y_m: b, radius_m: c },
+            3 => Self::Inside { west_m: x, south_m: b, east_m: c, north_m: d },
+            4 => Self::NoProgress { within_ms: a, distance_m: b },
+            _ => return None,
+        })
+    }
+
+    fn to_bytes(self) -> FactBytes {
+        let (tag, a, [b, c, d]) = match self {
+            Self::Symbol { is_set } => (0, is_set.into(), [0.0; 3]),
+            Self::Level { input, low, high } => (1, input.into(), [low, high, 0.0]),
+            Self::Near { x_m, y_m, radius_m } => (2, x_m.to_bits(), [y_m, radius_m, 0.0]),
+            Self::Inside { west_m, south_m, east_m, north_m } => {
+                (3, west_m.to_bits(), [south_m, east_m, north_m])
+            }
+            Self::NoProgress { distance_m, within_ms } => (4, within_ms, [distance_m, 0.0, 0.0]),
+        };
+        FactBytes { tag, a, b: b.to_bits(), c: c.to_bits(), d: d.to_bits() }
+    }
+}
+
+payload!(FactKind in FactBytes);
+
+record! {
+    /// A proposition about the world.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Fact {
+        /// Its name.
+        pub name: Name,
+        /// What it says.
+        pub kind: FactKind,
+    }
+}
