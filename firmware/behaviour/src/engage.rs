@@ -2,11 +2,11 @@
 
 use crate::report::{Decision, Refusal, Report};
 use crate::{ACTIVITY, Behaviours, Phase, Status, behaviour_bit, behaviours_in};
-use grammar::{Component, Owner};
 use heapless::Vec;
 use monitor::{Signal, Violation};
+use parts::{Component, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
-use plan_format::mission::{Behaviour, Condition, Facts, Life, Mission, SwitchPoint, Symbol};
+use plan_format::mission::{Behaviour, Condition, Facts, Mission, SwitchPoint, Symbol};
 
 /// What engaging a behaviour may do to the facts that others protect.
 #[derive(Clone, Copy)]

@@ -58,9 +58,11 @@ pub use inputs::{MAX_PROGRESS_FACTS, Observations, World};
 pub use report::{Decision, MAX_DECISIONS, Refusal, Report};
 pub use run::{MAX_RUNNING, Running, RunningAction};
 
-use grammar::{Event, Forest, Owner};
+use grammar::Forest;
 use inputs::Senses;
-use monitor::{Entry, Grid};
+use monitor::Grid;
+use parts::bits::{bit16, members};
+use parts::{Event, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
 use plan_format::mission::{Condition, FactKind, Facts, Mission};
 
@@ -234,31 +236,7 @@ impl Plans {
         act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T,
     ) -> T {
         let Self { forest, grid, .. } = self;
-        act(forest, &mut |event| tell(grid, mission, event))
-    }
-}
-
-/// Passes a message on to the situation grid.
-fn tell(grid: &mut Grid, mission: &Mission<'_>, event: Event) {
-    match event {
-        Event::Planned { id, component } => {
-            let entry = Entry {
-                symbol: component.symbol,
-                owner: component.owner,
-                parent: component.parent,
-                edge: component.edge,
-                from: component.from,
-                to: component.to,
-                life: component.life,
-                production: component.production,
-                finished: 0,
-            };
-            grid.planned(id, entry);
-        }
-        Event::Decomposed { id, production } => grid.decomposed(mission, id, production),
-        Event::CameRound { id } => grid.came_round(id),
-        Event::Became { id, life } => grid.became(mission, id, life),
-        Event::Deleted { id } => grid.deleted(id),
+        act(forest, &mut |event| grid.heed(mission, &event))
     }
 }
 
@@ -268,15 +246,11 @@ pub(crate) fn fact_bit(index: u32) -> Facts {
 }
 
 /// The behaviours in a set, in order.
-pub(crate) fn behaviours_in(mut set: u16) -> impl Iterator<Item = usize> {
-    core::iter::from_fn(move || {
-        let index = set.trailing_zeros();
-        set &= set.wrapping_sub(1);
-        (index < u16::BITS).then_some(index as usize)
-    })
+pub(crate) fn behaviours_in(set: u16) -> impl Iterator<Item = usize> {
+    members(set.into()).map(usize::from)
 }
 
-/// The bit of a behaviour, in a set of behaviours or resources.
+/// The bit of a behaviour, in a set of behaviours; none for the owner of an activity.
 pub(crate) fn behaviour_bit(index: usize) -> u16 {
-    u32::try_from(index).ok().and_then(|index| 1_u16.checked_shl(index)).unwrap_or(0)
+    bit16(index as u8)
 }

@@ -3,11 +3,11 @@
 use crate::inputs::Observations;
 use crate::report::{Decision, Report};
 use crate::{Behaviours, behaviour_bit, behaviours_in};
-use grammar::{Choice, Id, Owner};
+use grammar::Choice;
 use heapless::Vec;
-use monitor::Entry;
+use parts::{Component, Id, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS, MAX_STEPS};
-use plan_format::mission::{Action, ActionKind, Condition, Life, Mission, Production, Symbol};
+use plan_format::mission::{Action, ActionKind, Condition, Mission, Production, Symbol};
 
 /// Atomic actions that run at once; further ones wait for their turn.
 pub const MAX_RUNNING: usize = 8;
@@ -163,7 +163,7 @@ impl Behaviours {
     fn doubt(&mut self, mission: &Mission<'_>, report: &mut Report) {
         let after = usize::from(self.last_doubt) + 1;
         let turn = (after..after + MAX_COMPONENTS).map(|id| (id % MAX_COMPONENTS) as Id);
-        let is_ahead = |entry: &Entry| {
+        let is_ahead = |entry: &Component| {
             let index = usize::from(entry.owner) % MAX_BEHAVIOURS;
             matches!(entry.life, Life::Planned | Life::Scheduled)
                 && self.running_owner(index) == Some(entry.owner)

@@ -3,10 +3,11 @@
 use crate::inputs::{Observations, is_over};
 use crate::report::{Decision, Report};
 use crate::{ACTIVITY, Behaviours, Phase, behaviour_bit, behaviours_in};
-use grammar::{Ended, Id, Owner};
+use grammar::Ended;
 use heapless::Vec;
 use math::Vec2;
 use monitor::{Signal, Violation};
+use parts::{Component, Id, Owner};
 use plan_format::limits::MAX_DEPTH;
 use plan_format::mission::{Action, ActionKind, Mission};
 
@@ -146,7 +147,7 @@ impl Behaviours {
     }
 
     /// A component is about to end at a vertex; what interrupting there would cost is remembered.
-    fn reach(&mut self, mission: &Mission<'_>, owner: Owner, component: &grammar::Component) {
+    fn reach(&mut self, mission: &Mission<'_>, owner: Owner, component: &Component) {
         let index = usize::from(owner);
         self.plans.reached |= behaviour_bit(index);
         let frame = component.parent;

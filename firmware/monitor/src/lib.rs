@@ -34,7 +34,8 @@ mod points;
 mod relation;
 
 pub use conflicts::{Doubt, Signal, Violation};
-pub use grid::{Entry, Grid, Id, Owner};
+pub use grid::Grid;
+pub use parts::{Component, Id, Life, Owner};
 pub use points::Point;
 pub use relation::{Node, Relation};
 

@@ -11,14 +11,12 @@
 
 pub mod bytes;
 mod check;
-mod life;
 pub mod records;
 #[cfg(feature = "std")]
 mod write;
 
 pub use bytes::Table;
 pub use check::MissionError;
-pub use life::Life;
 pub use records::{
     Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Frame,
     Inference, Input, Interval, Label, Name, Production, Row, Rule, RuleBase, Source, SwitchPoint,
