@@ -8,7 +8,7 @@
 //!
 //! Order of a step: inputs, facts and criticalities -> what is violated and what has ended -> who is
 //! engaged -> plans are decomposed and actions started. One file each: [`inputs`], [`watch`],
-//! [`engage`], [`run`].
+//! [`choose`], which decides, with [`switch`], which carries the decision out, and [`run`].
 //!
 //! Decisions where the paper is silent:
 //! - A missing input counts as its last value for the time that the mission gives it, then as the
@@ -47,10 +47,11 @@
 //! panics. Deliberately absent: plan merging (H33).
 #![no_std]
 
-mod engage;
+mod choose;
 mod inputs;
 mod report;
 mod run;
+mod switch;
 mod watch;
 
 pub use grammar::Choice;
@@ -147,6 +148,13 @@ pub struct Behaviours {
     pub(crate) last_doubt: u8,
 }
 
+/// What every part of one step works with.
+pub(crate) struct Context<'a> {
+    pub(crate) mission: &'a Mission<'a>,
+    pub(crate) seen: &'a Observations<'a>,
+    pub(crate) report: &'a mut Report,
+}
+
 /// The live plans and the grid that hears of every change in them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Plans {
@@ -193,10 +201,11 @@ impl Behaviours {
         self.now_us = self.now_us.saturating_add(passed_us);
         self.seen_us = Some(seen.time_us);
         self.sense(mission, seen);
-        self.infer_criticalities(mission, report);
-        self.watch(mission, seen, report);
-        self.engage(mission, report);
-        let running = self.run(mission, seen, report);
+        let context = &mut Context { mission, seen, report };
+        self.infer_criticalities(context);
+        self.watch(context);
+        self.engage(context);
+        let running = self.run(context);
         report.facts = self.facts();
         running
     }
