@@ -3,8 +3,6 @@
 use math::Vec2;
 use plan_format::{Blob, BlobError, Origin, Parameters};
 
-use crate::log;
-
 /// What to drive by when the blob is refused. A build decides it; the default stands still
 /// and takes manual commands only.
 #[derive(Clone, Copy, Debug, Default)]
@@ -41,7 +39,7 @@ pub fn load_paced<'a>(region: &'a [u8], fallback: &Fallback, beat: impl FnMut())
             Loaded { blob, refusal: None }
         }
         Err(refusal) => {
-            warn!("plan refused: {}", log::debug(&refusal));
+            warn!("blob refused: {}", refusal);
             let Fallback { parameters, origin, goal } = *fallback;
             Loaded { blob: Blob::without_map(parameters, origin, goal), refusal: Some(refusal) }
         }

@@ -55,6 +55,19 @@ impl GeoPoint {
 
 /// The local tangent plane of one map.
 ///
+/// ```
+/// use math::{Frame, GeoPoint};
+/// // One minute of latitude is one nautical mile, 1,852 m, at 45 degrees.
+/// let home = GeoPoint::from_degrees(45.0, 8.0).unwrap();
+/// let north = GeoPoint::from_degrees(45.0 + 1.0 / 60.0, 8.0).unwrap();
+/// let plain = Frame::new(home, [100.0, 200.0], 0.0).to_local(north).unwrap();
+/// assert!((plain.x - 100.0).abs() < 0.1 && (plain.y - 2_052.0).abs() < 1.0);
+/// // On a map whose y axis points east, north lies to the left: at negative x.
+/// let east_up = Frame::new(home, [0.0, 0.0], core::f64::consts::FRAC_PI_2);
+/// let turned = east_up.to_local(north).unwrap();
+/// assert!((turned.x + 1_852.0).abs() < 1.0 && turned.y.abs() < 0.1);
+/// ```
+///
 /// Built once, when a plan is loaded; [`Frame::to_local`] then costs a few
 /// single-precision multiplications.
 #[derive(Clone, Copy, Debug, PartialEq)]
