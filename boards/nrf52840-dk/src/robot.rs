@@ -6,11 +6,11 @@ use embassy_nrf::peripherals::{PWM0, WDT};
 use embassy_nrf::pwm::{DutyCycle, Prescaler, SimpleConfig, SimplePwm};
 use embassy_nrf::wdt::{self, HaltConfig, Watchdog, WatchdogHandle};
 use robot_io::{CommandRecord, Commands, Operator, Percepts};
-use runtime::drive::Differential;
+use runtime::mixer::Mixer;
 use runtime::{Observer, Robot, time};
 
 /// Measure these on the rover; the plan's parameters hold its limits.
-const BODY: Differential = Differential { track_m: 0.4, full_speed_mps: 2.0 };
+const MIXER: Mixer = Mixer { track_m: 0.4, full_speed_mps: 2.0 };
 /// PWM steps: the 16 MHz clock divided by them gives 20 kHz, which nobody hears.
 const FULL_DUTY: u16 = 800;
 /// The watchdog bites when five ticks are missed, or when the check of the blob has not gone on for
@@ -85,7 +85,7 @@ impl Robot for Rover {
     }
 
     async fn act(&mut self, record: &CommandRecord) {
-        let [left, right] = BODY.mix(&record.commands).map(duties);
+        let [left, right] = MIXER.mix(&record.commands).map(duties);
         self.motors.set_all_duties([left[0], left[1], right[0], right[1]]);
     }
 
@@ -113,10 +113,10 @@ impl Observer for Light {
     }
 }
 
-/// The two inputs of one motor, ahead and astern, for a drive of -1 ..= 1.
-fn duties(drive: f32) -> [DutyCycle; 2] {
-    let ahead = (drive.max(0.0) * f32::from(FULL_DUTY)) as u16;
-    let astern = ((-drive).max(0.0) * f32::from(FULL_DUTY)) as u16;
+/// The two inputs of one motor, ahead and astern, for an output of -1 ..= 1.
+fn duties(output: f32) -> [DutyCycle; 2] {
+    let ahead = (output.max(0.0) * f32::from(FULL_DUTY)) as u16;
+    let astern = ((-output).max(0.0) * f32::from(FULL_DUTY)) as u16;
     // Inverted polarity means: high while the counter is below the duty.
     [DutyCycle::inverted(ahead), DutyCycle::inverted(astern)]
 }

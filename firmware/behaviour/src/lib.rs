@@ -61,7 +61,7 @@ pub use run::{MAX_RUNNING, Running, RunningAction};
 
 use grammar::Forest;
 use inputs::Senses;
-use monitor::Grid;
+use monitor::SituationGrid;
 use parts::bits::{bit16, members};
 use parts::{Event, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
@@ -159,7 +159,7 @@ pub(crate) struct Context<'a> {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Plans {
     pub(crate) forest: Forest,
-    pub(crate) grid: Grid,
+    pub(crate) grid: SituationGrid,
     /// Behaviours that have reached a vertex since they were last carried on, one bit each.
     pub(crate) reached: u16,
     /// Behaviours that somebody waits for, one bit each.
@@ -227,7 +227,7 @@ impl Behaviours {
     }
 
     /// The situation grids: what the plans are and how their parts stand to each other.
-    pub fn grid(&self) -> &Grid {
+    pub fn grid(&self) -> &SituationGrid {
         &self.plans.grid
     }
 

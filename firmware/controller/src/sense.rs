@@ -10,7 +10,7 @@
 //!
 //! Where odometry or gyroscope are missing, the robot is taken to do what it was last told.
 
-use math::{Frame, Vec2, scalar, vector};
+use math::{MapFrame, Vec2, scalar, vector};
 use plan_format::Blob;
 use plan_format::parameters::FixPolicy;
 use robot_io::{Commands, Fix, Percepts, Reason, Receiver};
@@ -89,7 +89,7 @@ impl Track {
     }
 
     /// Judges a fix; an error says why it cannot be used.
-    fn judge(&self, fix: &Fix, frame: &Frame, policy: &FixPolicy) -> Result<Anchor, Reason> {
+    fn judge(&self, fix: &Fix, frame: &MapFrame, policy: &FixPolicy) -> Result<Anchor, Reason> {
         if !fix.is_valid || fix.accuracy_mm > policy.max_accuracy_mm {
             return Err(Reason::PoorFix);
         }
@@ -180,7 +180,7 @@ fn carry_on(track: &mut Track, percepts: &Percepts, elapsed_s: f32, speed_mps: f
 }
 
 /// The heading that a fix's velocity implies, map axes.
-fn course(fix: &Fix, frame: &Frame, is_astern: bool) -> Option<f32> {
+fn course(fix: &Fix, frame: &MapFrame, is_astern: bool) -> Option<f32> {
     let [east, north] = fix.velocity_mmps?.map(|mmps| mmps as f32 * 1e-3);
     let velocity = frame.turned(east, north);
     let ahead = if is_astern { -velocity } else { velocity };

@@ -3,7 +3,7 @@
 use parts::bits::{bit, bit16, members};
 use parts::{Component, Event, Id, Life, Owner};
 use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
-use plan_format::mission::{Description, Frame, Mission, Production, Symbol};
+use plan_format::mission::{Description, Mission, PlanFrame, Production, Symbol};
 
 /// A component, and what only its growth needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -313,7 +313,7 @@ impl Forest {
         mission.productions().get(usize::from(self.get(frame)?.production?))
     }
 
-    fn waiting_frame(&self, mission: &Mission<'_>, id: Id) -> Option<Frame> {
+    fn waiting_frame(&self, mission: &Mission<'_>, id: Id) -> Option<PlanFrame> {
         let component = self.get(id).filter(|component| component.life == Life::Scheduled)?;
         let Symbol::Frame(index) = component.symbol else { return None };
         mission.frames().get(usize::from(index))
@@ -464,7 +464,7 @@ impl Forest {
 /// The most applicable production that was not tried, with its number within the frame.
 fn choose(
     mission: &Mission<'_>,
-    frame: &Frame,
+    frame: &PlanFrame,
     tried: u16,
     applicability: &mut dyn FnMut(u16, &Production) -> f32,
 ) -> Option<(u8, Production)> {

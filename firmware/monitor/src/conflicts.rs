@@ -1,6 +1,6 @@
 //! What is violated now, and what may be violated later.
 
-use crate::grid::Grid;
+use crate::grid::SituationGrid;
 use crate::relation::{Node, Relation};
 use parts::{Component, Id, Life, Owner};
 use plan_format::mission::{Condition, Description, Facts, Mission, Symbol};
@@ -75,7 +75,7 @@ fn effects(mission: &Mission<'_>, symbol: Symbol) -> (Facts, Facts) {
     }
 }
 
-impl Grid {
+impl SituationGrid {
     /// Whether a component may start: its initial description, checked once.
     pub fn initial(&self, mission: &Mission<'_>, id: Id, facts: Facts) -> Option<Signal> {
         self.check(mission, id, facts, Violation::Initial, |description| description.initial)

@@ -14,7 +14,7 @@ struct Entry {
 
 /// The situation grids of all behaviours.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
+pub struct SituationGrid {
     entries: [Option<Entry>; MAX_COMPONENTS],
     /// Places that are taken, one bit each: most are free, and every tick looks at all often.
     taken: u32,
@@ -27,7 +27,7 @@ pub struct Grid {
     holding: u32,
 }
 
-impl Default for Grid {
+impl Default for SituationGrid {
     fn default() -> Self {
         Self {
             entries: [None; MAX_COMPONENTS],
@@ -40,7 +40,7 @@ impl Default for Grid {
     }
 }
 
-impl Grid {
+impl SituationGrid {
     /// Takes note of a change in a plan.
     pub fn heed(&mut self, mission: &Mission<'_>, event: &Event) {
         match *event {

@@ -1,6 +1,6 @@
 //! Where a behaviour can be interrupted: the coming vertices, and what is protected there.
 
-use crate::grid::{Grid, ahead};
+use crate::grid::{SituationGrid, ahead};
 use crate::relation::leads;
 use parts::bits::bit;
 use parts::{Component, Id, Life, Owner};
@@ -19,7 +19,7 @@ pub struct Point {
     pub lost_work: u16,
 }
 
-impl Grid {
+impl SituationGrid {
     /// The coming interruption points of a behaviour in the order in which they will be reached:
     /// from the innermost frames outwards, within a frame along the graph. A frame's exit is the
     /// vertex that the frame itself leads to, and is listed there; the root's exit is the end of

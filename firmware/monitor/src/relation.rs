@@ -1,11 +1,11 @@
 //! How two components stand to each other.
 
-use crate::grid::Grid;
+use crate::grid::SituationGrid;
 use parts::Id;
 use parts::bits::bit;
 use plan_format::mission::{Mission, Production};
 
-/// The relation of one component to another (H, "Situation Grid").
+/// The relation of one component to another (H, "Situation SituationGrid").
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Relation {
     /// Ancestor of.
@@ -52,7 +52,7 @@ impl From<Id> for Node {
     }
 }
 
-impl Grid {
+impl SituationGrid {
     /// The relation of `x` to `y`: "x is ... y". `None` where the two are the same, or one is not
     /// in the grid.
     pub fn relation(&self, mission: &Mission<'_>, x: Node, y: Node) -> Option<Relation> {

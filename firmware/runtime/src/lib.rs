@@ -7,7 +7,7 @@
 //! |---|---|
 //! | [`control_task`] | at each tick: wait, sense, decide, act |
 //! | [`gps_task`] | receiver bytes, UBX and NMEA mixed, into the [`FixSlot`] |
-//! | [`operator_task`], [`telemetry_task`] | frames of the radio link |
+//! | [`operator_task`], [`telemetry_task`] | packets of the radio link |
 //!
 //! A board implements [`Robot`] and spawns these tasks, which share [`Slots`]. What the operator
 //! asked for ([`operator`]), the protocol that carries it ([`link`]) and what silence means
@@ -27,10 +27,10 @@ mod log;
 
 pub mod blob;
 pub mod control;
-pub mod drive;
 pub mod gps;
 pub mod link;
 pub mod lockstep;
+pub mod mixer;
 pub mod operator;
 pub mod silence;
 #[cfg(target_os = "none")]

@@ -1,7 +1,7 @@
-//! The radio link's protocol: telemetry down, the operator up, a frame each.
+//! The radio link's protocol: telemetry down, the operator up, a packet each.
 //!
 //! What the operator asked for is kept in [`crate::operator`], and what silence means is
-//! decided in [`crate::silence`]. The operator's frames are to be repeated at least four times
+//! decided in [`crate::silence`]. The operator's packets are to be repeated at least four times
 //! within the timeout. Telemetry never holds up a tick: the newest record replaces one that was
 //! not sent.
 
@@ -10,14 +10,14 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_sync::signal::Signal;
 use embedded_io_async::{Read, Write};
 use robot_io::CommandRecord;
-use robot_io::frame::{self, Decoder, Downlink, Uplink};
+use robot_io::packet::{self, Decoder, Downlink, Uplink};
 
 use crate::operator::OperatorSlot;
 
 /// The newest record that is still to be sent.
 pub type Telemetry<M> = Signal<M, CommandRecord>;
 
-/// Reads frames from `reader` into `operator` until the reader ends.
+/// Reads packets from `reader` into `operator` until the reader ends.
 pub async fn operator_task<M: RawMutex>(
     mut reader: impl Read,
     operator: &OperatorSlot<M>,
@@ -48,7 +48,7 @@ pub async fn operator_task<M: RawMutex>(
 pub async fn telemetry_task<M: RawMutex>(mut writer: impl Write, telemetry: &Telemetry<M>) {
     loop {
         let record = telemetry.wait().await;
-        let Some(bytes) = frame::encode(&Downlink::Telemetry(record)) else { continue };
+        let Some(bytes) = packet::encode(&Downlink::Telemetry(record)) else { continue };
         if writer.write_all(&bytes).await.is_err() || writer.flush().await.is_err() {
             warn!("link: a record was not sent");
         }
@@ -99,12 +99,12 @@ mod tests {
     }
 
     #[test]
-    fn frames_reach_the_slot_through_garbage() {
+    fn packets_reach_the_slot_through_garbage() {
         let slot = OperatorSlot::<NoopRawMutex>::new();
-        let frame = frame::encode(&Uplink::Operator(BY_HAND)).unwrap();
+        let packet = packet::encode(&Uplink::Operator(BY_HAND)).unwrap();
         let mut bytes = [0x55; 200];
         bytes[100] = 0;
-        bytes[101..101 + frame.len()].copy_from_slice(&frame);
+        bytes[101..101 + packet.len()].copy_from_slice(&packet);
         block_on(operator_task(&bytes[..], &slot, || 7));
         assert_eq!(slot.at(7, &Parameters::default().link), Some(BY_HAND));
     }

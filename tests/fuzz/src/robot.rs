@@ -7,8 +7,8 @@ use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use math::Vec2;
 use plan_compiler::trace::{Trace, story};
 use plan_format::{Blob, Cell, Layer, Parameters, limits};
-use robot_io::frame::{self, Downlink, Uplink};
 use robot_io::limits::{COMMAND_RECORD_BYTES, SENSOR_RECORD_BYTES};
+use robot_io::packet::{self, Downlink, Uplink};
 use robot_io::{
     CommandRecord, Commands, Fix, Manual, Operator, Percepts, RangeReading, Receiver, SensorRecord,
 };
@@ -167,15 +167,15 @@ pub(crate) fn gps(bytes: &[u8]) {
 
 /// Frames up and down, and the task that listens.
 pub(crate) fn link(bytes: &[u8]) {
-    let (mut up, mut down) = (frame::Decoder::default(), frame::Decoder::default());
+    let (mut up, mut down) = (packet::Decoder::default(), packet::Decoder::default());
     for &byte in bytes {
         let said: Option<Uplink> = up.push(byte);
         if let Some(said) = said {
-            assert!(frame::encode(&said).is_some(), "what was said can be said again");
+            assert!(packet::encode(&said).is_some(), "what was said can be said again");
         }
         let told: Option<Downlink> = down.push(byte);
         if let Some(told) = told {
-            assert!(frame::encode(&told).is_some(), "what was told can be told again");
+            assert!(packet::encode(&told).is_some(), "what was told can be told again");
         }
     }
     let slot = OperatorSlot::<NoopRawMutex>::new();

@@ -2,7 +2,7 @@
 
 use behaviour::{Behaviours, Decision, MAX_RUNNING, Phase, REST_US};
 use controller::{Explanation, State};
-use monitor::{Component, Grid, Id, Life, Node, Relation, Signal, Violation};
+use monitor::{Component, Id, Life, Node, Relation, Signal, SituationGrid, Violation};
 use plan_format::Blob;
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
 use plan_format::mission::{Mission, Symbol};
@@ -16,7 +16,7 @@ pub struct Watch {
     seen_us: Option<u64>,
     failed_us: [Option<u64>; MAX_BEHAVIOURS],
     /// What the plans were.
-    grid: Grid,
+    grid: SituationGrid,
 }
 
 impl Watch {

@@ -18,8 +18,8 @@ mod write;
 pub use bytes::Table;
 pub use check::MissionError;
 pub use records::{
-    Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Frame,
-    Inference, Input, Interval, Label, Name, Production, Row, Rule, RuleBase, Source, SwitchPoint,
+    Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Inference,
+    Input, Interval, Label, Name, PlanFrame, Production, Row, Rule, RuleBase, Source, SwitchPoint,
     Symbol,
 };
 #[cfg(feature = "std")]
@@ -97,7 +97,7 @@ impl<'a> Mission<'a> {
     }
 
     /// Plan frames.
-    pub fn frames(&self) -> Table<'a, Frame> {
+    pub fn frames(&self) -> Table<'a, PlanFrame> {
         Table::new(self.0.frames)
     }
 
@@ -127,7 +127,7 @@ impl<'a> Mission<'a> {
     }
 
     /// The productions of a frame, in the order of their numbers.
-    pub fn productions_of(&self, frame: &Frame) -> impl Iterator<Item = Production> + use<'a> {
+    pub fn productions_of(&self, frame: &PlanFrame) -> impl Iterator<Item = Production> + use<'a> {
         self.productions().range(frame.first, frame.count)
     }
 
@@ -203,7 +203,7 @@ mod tests {
             resources: 1,
         });
         let name = draft.name("work");
-        draft.frames.push(Frame {
+        draft.frames.push(PlanFrame {
             name,
             first: 0,
             count: 2,

@@ -340,7 +340,7 @@ pub struct Action {
 
 /// A non-terminal symbol: a conceptual activity that is decomposed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub struct PlanFrame {
     /// Its name.
     pub name: Name,
     /// Index of its first production.
@@ -659,7 +659,7 @@ impl Record for Action {
     }
 }
 
-impl Record for Frame {
+impl Record for PlanFrame {
     const SIZE: usize = 30;
 
     #[inline]

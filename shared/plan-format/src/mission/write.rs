@@ -2,7 +2,7 @@
 
 use super::bytes::{Record, Writer};
 use super::records::{
-    Action, Behaviour, Description, Edge, Fact, Frame, Input, Interval, Name, Production, Rule,
+    Action, Behaviour, Description, Edge, Fact, Input, Interval, Name, PlanFrame, Production, Rule,
     RuleBase,
 };
 use super::{Mission, MissionError, Sections};
@@ -17,7 +17,7 @@ pub struct MissionDraft {
     pub facts: Vec<Fact>,
     pub descriptions: Vec<Description>,
     pub actions: Vec<Action>,
-    pub frames: Vec<Frame>,
+    pub frames: Vec<PlanFrame>,
     pub productions: Vec<Production>,
     pub edges: Vec<Edge>,
     pub intervals: Vec<Interval>,

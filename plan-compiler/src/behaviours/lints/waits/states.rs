@@ -2,7 +2,7 @@
 
 use super::Bound;
 use grammar::{Choice, Ended, Event, Forest, Id, Life};
-use monitor::Grid;
+use monitor::SituationGrid;
 use plan_format::limits::MAX_DEPTH;
 use plan_format::mission::{ActionKind, Condition, Mission, MissionDraft, Production, Symbol};
 use std::collections::HashMap;
@@ -46,7 +46,7 @@ pub(super) struct Stop {
 #[derive(Clone, Default)]
 struct Plan {
     forest: Forest,
-    grid: Grid,
+    grid: SituationGrid,
 }
 
 impl States {
