@@ -1,7 +1,6 @@
 //! From observations to aspects of interest, facts and criticalities.
 
-use crate::report::Report;
-use crate::{Behaviours, fact_bit};
+use crate::{Behaviours, Context, fact_bit};
 use math::{Vec2, vector};
 use plan_format::limits::{MAX_CHANNELS, MAX_INPUTS, MAX_RULE_BASES};
 use plan_format::mission::{FactKind, Facts, Input, Mission, Source};
@@ -130,10 +129,10 @@ impl Behaviours {
 
     /// The criticality of every behaviour is the result of its rule base; what it weighs against
     /// others follows.
-    pub(crate) fn infer_criticalities(&mut self, mission: &Mission<'_>, report: &mut Report) {
-        let behaviours = mission.behaviours().iter().zip(&mut self.statuses);
-        for ((behaviour, status), noted) in behaviours.zip(&mut report.criticalities) {
-            let criticality = self.senses.infer(mission, behaviour.rules);
+    pub(crate) fn infer_criticalities(&mut self, context: &mut Context<'_>) {
+        let behaviours = context.mission.behaviours().iter().zip(&mut self.statuses);
+        for ((behaviour, status), noted) in behaviours.zip(&mut context.report.criticalities) {
+            let criticality = self.senses.infer(context.mission, behaviour.rules);
             *noted = criticality;
             status.resources = behaviour.resources;
             status.is_dormant = criticality <= behaviour.dormant;

@@ -8,7 +8,7 @@
 //!
 //! Order of a step: inputs, facts and criticalities -> what is violated and what has ended -> who is
 //! engaged -> plans are decomposed and actions started. One file each: [`inputs`], [`watch`],
-//! [`engage`], [`run`].
+//! [`choose`], which decides, with [`switch`], which carries the decision out, and [`run`].
 //!
 //! Decisions where the paper is silent:
 //! - A missing input counts as its last value for the time that the mission gives it, then as the
@@ -47,10 +47,11 @@
 //! panics. Deliberately absent: plan merging (H33).
 #![no_std]
 
-mod engage;
+mod choose;
 mod inputs;
 mod report;
 mod run;
+mod switch;
 mod watch;
 
 pub use grammar::Choice;
@@ -58,9 +59,11 @@ pub use inputs::{MAX_PROGRESS_FACTS, Observations, World};
 pub use report::{Decision, MAX_DECISIONS, Refusal, Report};
 pub use run::{MAX_RUNNING, Running, RunningAction};
 
-use grammar::{Event, Forest, Owner};
+use grammar::Forest;
 use inputs::Senses;
-use monitor::{Entry, Grid};
+use monitor::SituationGrid;
+use parts::bits::{bit16, members};
+use parts::{Event, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
 use plan_format::mission::{Condition, FactKind, Facts, Mission};
 
@@ -145,11 +148,18 @@ pub struct Behaviours {
     pub(crate) last_doubt: u8,
 }
 
+/// What every part of one step works with.
+pub(crate) struct Context<'a> {
+    pub(crate) mission: &'a Mission<'a>,
+    pub(crate) seen: &'a Observations<'a>,
+    pub(crate) report: &'a mut Report,
+}
+
 /// The live plans and the grid that hears of every change in them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Plans {
     pub(crate) forest: Forest,
-    pub(crate) grid: Grid,
+    pub(crate) grid: SituationGrid,
     /// Behaviours that have reached a vertex since they were last carried on, one bit each.
     pub(crate) reached: u16,
     /// Behaviours that somebody waits for, one bit each.
@@ -191,10 +201,11 @@ impl Behaviours {
         self.now_us = self.now_us.saturating_add(passed_us);
         self.seen_us = Some(seen.time_us);
         self.sense(mission, seen);
-        self.infer_criticalities(mission, report);
-        self.watch(mission, seen, report);
-        self.engage(mission, report);
-        let running = self.run(mission, seen, report);
+        let context = &mut Context { mission, seen, report };
+        self.infer_criticalities(context);
+        self.watch(context);
+        self.engage(context);
+        let running = self.run(context);
         report.facts = self.facts();
         running
     }
@@ -216,7 +227,7 @@ impl Behaviours {
     }
 
     /// The situation grids: what the plans are and how their parts stand to each other.
-    pub fn grid(&self) -> &Grid {
+    pub fn grid(&self) -> &SituationGrid {
         &self.plans.grid
     }
 
@@ -234,31 +245,7 @@ impl Plans {
         act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T,
     ) -> T {
         let Self { forest, grid, .. } = self;
-        act(forest, &mut |event| tell(grid, mission, event))
-    }
-}
-
-/// Passes a message on to the situation grid.
-fn tell(grid: &mut Grid, mission: &Mission<'_>, event: Event) {
-    match event {
-        Event::Planned { id, component } => {
-            let entry = Entry {
-                symbol: component.symbol,
-                owner: component.owner,
-                parent: component.parent,
-                edge: component.edge,
-                from: component.from,
-                to: component.to,
-                life: component.life,
-                production: component.production,
-                finished: 0,
-            };
-            grid.planned(id, entry);
-        }
-        Event::Decomposed { id, production } => grid.decomposed(mission, id, production),
-        Event::CameRound { id } => grid.came_round(id),
-        Event::Became { id, life } => grid.became(mission, id, life),
-        Event::Deleted { id } => grid.deleted(id),
+        act(forest, &mut |event| grid.heed(mission, &event))
     }
 }
 
@@ -268,15 +255,11 @@ pub(crate) fn fact_bit(index: u32) -> Facts {
 }
 
 /// The behaviours in a set, in order.
-pub(crate) fn behaviours_in(mut set: u16) -> impl Iterator<Item = usize> {
-    core::iter::from_fn(move || {
-        let index = set.trailing_zeros();
-        set &= set.wrapping_sub(1);
-        (index < u16::BITS).then_some(index as usize)
-    })
+pub(crate) fn behaviours_in(set: u16) -> impl Iterator<Item = usize> {
+    members(set.into()).map(usize::from)
 }
 
-/// The bit of a behaviour, in a set of behaviours or resources.
+/// The bit of a behaviour, in a set of behaviours; none for the owner of an activity.
 pub(crate) fn behaviour_bit(index: usize) -> u16 {
-    u32::try_from(index).ok().and_then(|index| 1_u16.checked_shl(index)).unwrap_or(0)
+    bit16(index as u8)
 }

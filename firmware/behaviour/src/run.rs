@@ -1,13 +1,12 @@
 //! Carrying the engaged behaviours' plans on.
 
-use crate::inputs::Observations;
-use crate::report::{Decision, Report};
-use crate::{Behaviours, behaviour_bit, behaviours_in};
-use grammar::{Choice, Id, Owner};
+use crate::report::Decision;
+use crate::{Behaviours, Context, behaviour_bit, behaviours_in};
+use grammar::Choice;
 use heapless::Vec;
-use monitor::Entry;
+use parts::{Component, Id, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS, MAX_STEPS};
-use plan_format::mission::{Action, ActionKind, Condition, Life, Mission, Production, Symbol};
+use plan_format::mission::{Action, ActionKind, Condition, Mission, Production, Symbol};
 
 /// Atomic actions that run at once; further ones wait for their turn.
 pub const MAX_RUNNING: usize = 8;
@@ -34,42 +33,31 @@ pub type Running = Vec<RunningAction, MAX_RUNNING>;
 
 impl Behaviours {
     /// Carries every engaged behaviour's plan on by at most `MAX_STEPS` steps.
-    pub(crate) fn run(
-        &mut self,
-        mission: &Mission<'_>,
-        seen: &Observations<'_>,
-        report: &mut Report,
-    ) -> Running {
+    pub(crate) fn run(&mut self, context: &mut Context<'_>) -> Running {
         let mut running = Running::new();
         let mut is_busy = false;
         self.plans.reached = 0;
         for index in behaviours_in(self.engaged) {
             let Some(owner) = self.running_owner(index) else { continue };
-            is_busy |= self.advance(mission, owner, seen, report);
+            is_busy |= self.advance(owner, context);
             // Its start-up may have ended at once, and its own plan taken over.
             if let Some(next) = self.running_owner(index).filter(|&next| next != owner) {
-                is_busy |= self.advance(mission, next, seen, report);
+                is_busy |= self.advance(next, context);
             }
             if let Some(owner) = self.running_owner(index) {
-                self.collect(mission, index as u8, owner, &mut running);
+                self.collect(context.mission, index as u8, owner, &mut running);
             }
         }
         // Not when there was enough to do: doubts can wait, a tick cannot.
         if !is_busy {
-            self.doubt(mission, report);
+            self.doubt(context);
         }
         running
     }
 
     /// Decomposes what is scheduled and starts actions, a bounded number of steps. Returns
     /// whether there was anything to do.
-    fn advance(
-        &mut self,
-        mission: &Mission<'_>,
-        owner: Owner,
-        seen: &Observations<'_>,
-        report: &mut Report,
-    ) -> bool {
+    fn advance(&mut self, owner: Owner, context: &mut Context<'_>) -> bool {
         for step in 0..MAX_STEPS {
             let Some(id) = self.plans.forest.scheduled(owner) else { return step > 0 };
             let symbol = self.plans.forest.get(id).map(|component| component.symbol);
@@ -78,14 +66,14 @@ impl Behaviours {
             {
                 return step > 0;
             }
-            if let Some(signal) = self.plans.grid.initial(mission, id, self.facts()) {
-                report.note(Decision::Conflict(signal));
-                self.fail(mission, owner, id, report);
+            if let Some(signal) = self.plans.grid.initial(context.mission, id, self.facts()) {
+                context.report.note(Decision::Conflict(signal));
+                self.fail(owner, id, context);
                 continue;
             }
             match symbol {
-                Some(Symbol::Frame(frame)) => self.decompose(mission, owner, id, frame, report),
-                Some(Symbol::Action(_)) => self.start(mission, owner, id, seen, report),
+                Some(Symbol::Frame(frame)) => self.decompose(owner, id, frame, context),
+                Some(Symbol::Action(_)) => self.start(owner, id, context),
                 None => return true,
             }
             // Somebody waits for a vertex, and here is one: nothing new before that is decided.
@@ -97,51 +85,37 @@ impl Behaviours {
         true
     }
 
-    fn decompose(
-        &mut self,
-        mission: &Mission<'_>,
-        owner: Owner,
-        id: Id,
-        frame: u16,
-        report: &mut Report,
-    ) {
+    fn decompose(&mut self, owner: Owner, id: Id, frame: u16, context: &mut Context<'_>) {
         let senses = &self.senses;
         let mut best = 0.0;
         let mut applicability = |_: u16, production: &Production| {
-            let value = production.rules.map_or(1.0, |rules| senses.infer(mission, rules));
+            let value = production.rules.map_or(1.0, |rules| senses.infer(context.mission, rules));
             best = value.max(best);
             value
         };
         let plans = &mut self.plans;
-        let (id, choice) = plans.change(mission, |forest, tell| {
-            forest.decompose(mission, id, &mut applicability, tell)
+        let (id, choice) = plans.change(context.mission, |forest, tell| {
+            forest.decompose(context.mission, id, &mut applicability, tell)
         });
         match choice {
             Choice::Production(production) => {
-                report.note(Decision::Chose { production, applicability: best });
+                context.report.note(Decision::Chose { production, applicability: best });
             }
-            Choice::LoopEnded => self.complete(mission, owner, id, report),
+            Choice::LoopEnded => self.complete(owner, id, context),
             Choice::NothingApplicable | Choice::NoRoom | Choice::TooDeep => {
-                report.note(Decision::NotDecomposed { frame, why: choice });
-                self.fail(mission, owner, id, report);
+                context.report.note(Decision::NotDecomposed { frame, why: choice });
+                self.fail(owner, id, context);
             }
             Choice::NotScheduled => {}
         }
     }
 
-    fn start(
-        &mut self,
-        mission: &Mission<'_>,
-        owner: Owner,
-        id: Id,
-        seen: &Observations<'_>,
-        report: &mut Report,
-    ) {
-        self.plans.change(mission, |forest, tell| forest.start(id, tell));
+    fn start(&mut self, owner: Owner, id: Id, context: &mut Context<'_>) {
+        self.plans.change(context.mission, |forest, tell| forest.start(id, tell));
         if let Some(started_us) = self.started_us.get_mut(usize::from(id)) {
             *started_us = self.now_us;
         }
-        let Some((_, action)) = self.running_action(mission, owner, id) else { return };
+        let Some((_, action)) = self.running_action(context.mission, owner, id) else { return };
         match action.kind {
             ActionKind::SetOutput { output, is_on } => {
                 let bit = 1_u16.checked_shl(u32::from(output)).unwrap_or(0);
@@ -152,18 +126,18 @@ impl Behaviours {
             }
             ActionKind::Hold { .. } | ActionKind::Signal { .. } => {}
         }
-        if !is_reported(action.kind) && self.is_done(&action, self.now_us, seen) {
-            self.complete(mission, owner, id, report);
+        if !is_reported(action.kind) && self.is_done(&action, self.now_us, context.seen) {
+            self.complete(owner, id, context);
         }
     }
 
     /// Looks at the future of one component of a running plan each tick, in turn: doubts are early
     /// warnings, and bounded work a tick matters more than their promptness. What is due to start is
     /// checked anyway.
-    fn doubt(&mut self, mission: &Mission<'_>, report: &mut Report) {
+    fn doubt(&mut self, context: &mut Context<'_>) {
         let after = usize::from(self.last_doubt) + 1;
         let turn = (after..after + MAX_COMPONENTS).map(|id| (id % MAX_COMPONENTS) as Id);
-        let is_ahead = |entry: &Entry| {
+        let is_ahead = |entry: &Component| {
             let index = usize::from(entry.owner) % MAX_BEHAVIOURS;
             matches!(entry.life, Life::Planned | Life::Scheduled)
                 && self.running_owner(index) == Some(entry.owner)
@@ -172,9 +146,9 @@ impl Behaviours {
         let Some(id) = ahead.next() else { return };
         self.last_doubt = id;
         let grid = &self.plans.grid;
-        let mut note = |signal| report.note(Decision::Conflict(signal));
-        grid.possible(mission, id, self.facts(), &mut note);
-        grid.choices(mission, id, self.foreign(), &mut note);
+        let mut note = |signal| context.report.note(Decision::Conflict(signal));
+        grid.possible(context.mission, id, self.facts(), &mut note);
+        grid.choices(context.mission, id, self.foreign(), &mut note);
     }
 
     /// What all sleeping behaviours protect.

@@ -1,39 +1,35 @@
 //! What is violated, and what has ended.
 
 use crate::inputs::{Observations, is_over};
-use crate::report::{Decision, Report};
-use crate::{ACTIVITY, Behaviours, Phase, behaviour_bit, behaviours_in};
-use grammar::{Ended, Id, Owner};
+use crate::report::Decision;
+use crate::{ACTIVITY, Behaviours, Context, Phase, behaviour_bit, behaviours_in};
+use grammar::Ended;
 use heapless::Vec;
 use math::Vec2;
 use monitor::{Signal, Violation};
+use parts::{Component, Id, Owner};
 use plan_format::limits::MAX_DEPTH;
 use plan_format::mission::{Action, ActionKind, Mission};
 
 impl Behaviours {
     /// Takes note of everything that has happened to the engaged behaviours' plans since the last
     /// tick, before anybody decides on them.
-    pub(crate) fn watch(
-        &mut self,
-        mission: &Mission<'_>,
-        seen: &Observations<'_>,
-        report: &mut Report,
-    ) {
+    pub(crate) fn watch(&mut self, context: &mut Context<'_>) {
         for index in behaviours_in(self.engaged) {
             let Some(owner) = self.running_owner(index) else { continue };
-            self.heed_conflicts(mission, owner, report);
-            self.end_actions(mission, owner, seen, report);
+            self.heed_conflicts(owner, context);
+            self.end_actions(owner, context);
         }
-        self.heed_sleepers(report);
+        self.heed_sleepers(context);
     }
 
     /// What sleeping behaviours protect and is violated is reported; they look after it when they
     /// wake.
-    fn heed_sleepers(&self, report: &mut Report) {
+    fn heed_sleepers(&self, context: &mut Context<'_>) {
         for index in behaviours_in(self.holding()) {
             let (root, held) = (self.plans.forest.root(index as Owner), self.status(index).held);
             let signal = root.and_then(|id| Signal::foreign(id, held, self.facts()));
-            signal.into_iter().for_each(|signal| report.note(Decision::Conflict(signal)));
+            signal.into_iter().for_each(|signal| context.report.note(Decision::Conflict(signal)));
         }
     }
 
@@ -55,19 +51,19 @@ impl Behaviours {
 
     /// A component whose transient description does not hold fails; a frame whose protection
     /// interval does not hold chooses anew.
-    fn heed_conflicts(&mut self, mission: &Mission<'_>, owner: Owner, report: &mut Report) {
+    fn heed_conflicts(&mut self, owner: Owner, context: &mut Context<'_>) {
         // What finds no room is still violated in the next tick.
         let evident = self.plans.grid.evident(owner, self.facts());
         let signals: Vec<Signal, MAX_DEPTH> = evident.take(MAX_DEPTH).collect();
         // By reference: the loop over a `heapless::Vec` itself may panic where it is dropped.
         for &signal in &signals {
-            report.note(Decision::Conflict(signal));
+            context.report.note(Decision::Conflict(signal));
             match signal {
                 Signal::Evident { id, what: Violation::Interval, .. } => {
-                    self.plans.change(mission, |forest, tell| forest.fall_back(id, tell));
+                    self.plans.change(context.mission, |forest, tell| forest.fall_back(id, tell));
                 }
                 Signal::Evident { id, what: Violation::Transient, .. } => {
-                    self.fail(mission, owner, id, report);
+                    self.fail(owner, id, context);
                 }
                 _ => {}
             }
@@ -75,21 +71,17 @@ impl Behaviours {
     }
 
     /// Actions that have done what they are for, and those that have run out of time.
-    fn end_actions(
-        &mut self,
-        mission: &Mission<'_>,
-        owner: Owner,
-        seen: &Observations<'_>,
-        report: &mut Report,
-    ) {
+    fn end_actions(&mut self, owner: Owner, context: &mut Context<'_>) {
         for id in self.plans.forest.running() {
-            let Some((_, action)) = self.running_action(mission, owner, id) else { continue };
+            let Some((_, action)) = self.running_action(context.mission, owner, id) else {
+                continue;
+            };
             let started_us = self.started_us.get(usize::from(id)).copied().unwrap_or(0);
-            if self.is_done(&action, started_us, seen) {
-                self.complete(mission, owner, id, report);
+            if self.is_done(&action, started_us, context.seen) {
+                self.complete(owner, id, context);
             } else if is_over(started_us, action.timeout_ms, self.now_us) {
-                report.note(Decision::TimedOut { component: id });
-                self.fail(mission, owner, id, report);
+                context.report.note(Decision::TimedOut { component: id });
+                self.fail(owner, id, context);
             }
         }
     }
@@ -116,37 +108,34 @@ impl Behaviours {
 
     /// A component has done what it is for: its effects take place, its goal is checked, and so on
     /// upwards for every frame that it completes.
-    pub(crate) fn complete(
-        &mut self,
-        mission: &Mission<'_>,
-        owner: Owner,
-        id: Id,
-        report: &mut Report,
-    ) {
+    pub(crate) fn complete(&mut self, owner: Owner, id: Id, context: &mut Context<'_>) {
         let mut id = id;
         for _ in 0..=MAX_DEPTH {
             let Some(component) = self.plans.forest.get(id).copied() else { return };
             let before = self.symbols;
-            let Some(description) = mission.description(component.symbol) else { return };
+            let Some(description) = context.mission.description(component.symbol) else { return };
             self.symbols = self.symbols & !description.delete | description.add;
             if !description.goal.holds(self.facts()) {
                 self.symbols = before;
-                if let Some(signal) = self.plans.grid.goal(mission, id, self.facts()) {
-                    report.note(Decision::Conflict(signal));
+                if let Some(signal) = self.plans.grid.goal(context.mission, id, self.facts()) {
+                    context.report.note(Decision::Conflict(signal));
                 }
-                return self.fail(mission, owner, id, report);
+                return self.fail(owner, id, context);
             }
-            self.reach(mission, owner, &component);
-            match self.plans.change(mission, |forest, tell| forest.finish(mission, id, tell)) {
+            self.reach(context.mission, owner, &component);
+            match self
+                .plans
+                .change(context.mission, |forest, tell| forest.finish(context.mission, id, tell))
+            {
                 Ended::Completes(frame) => id = frame,
-                Ended::RootFinished => return self.end_plan(mission, owner, report),
+                Ended::RootFinished => return self.end_plan(owner, context),
                 Ended::GoesOn | Ended::FallsBack(_) | Ended::RootFailed => return,
             }
         }
     }
 
     /// A component is about to end at a vertex; what interrupting there would cost is remembered.
-    fn reach(&mut self, mission: &Mission<'_>, owner: Owner, component: &grammar::Component) {
+    fn reach(&mut self, mission: &Mission<'_>, owner: Owner, component: &Component) {
         let index = usize::from(owner);
         self.plans.reached |= behaviour_bit(index);
         let frame = component.parent;
@@ -157,35 +146,31 @@ impl Behaviours {
         }
     }
 
-    pub(crate) fn fail(
-        &mut self,
-        mission: &Mission<'_>,
-        owner: Owner,
-        id: Id,
-        report: &mut Report,
-    ) {
-        if self.plans.change(mission, |forest, tell| forest.fail(id, tell)) != Ended::RootFailed {
+    pub(crate) fn fail(&mut self, owner: Owner, id: Id, context: &mut Context<'_>) {
+        if self.plans.change(context.mission, |forest, tell| forest.fail(id, tell))
+            != Ended::RootFailed
+        {
             return;
         }
         match owner.checked_sub(ACTIVITY).map(usize::from) {
-            None => self.fail_behaviour(mission, usize::from(owner), report),
+            None => self.fail_behaviour(usize::from(owner), context),
             // A shut-down that fails has done what it could.
             Some(index) if self.status(index).phase == Phase::ShuttingDown => {
-                self.end_plan(mission, owner, report);
+                self.end_plan(owner, context);
             }
-            Some(index) => self.fail_behaviour(mission, index, report),
+            Some(index) => self.fail_behaviour(index, context),
         }
     }
 
     /// A whole plan has ended: a behaviour's own, or one of its activities.
-    fn end_plan(&mut self, mission: &Mission<'_>, owner: Owner, report: &mut Report) {
+    fn end_plan(&mut self, owner: Owner, context: &mut Context<'_>) {
         let Some(index) = owner.checked_sub(ACTIVITY).map(usize::from) else {
             self.set_phase(usize::from(owner), Phase::Idle);
-            report.note(Decision::Finished { behaviour: owner });
+            context.report.note(Decision::Finished { behaviour: owner });
             return;
         };
         match self.status(index).phase {
-            Phase::StartingUp => self.begin_work(mission, index, report),
+            Phase::StartingUp => self.begin_work(index, context),
             _ => self.set_phase(index, Phase::Sleeping),
         }
     }

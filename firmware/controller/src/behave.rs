@@ -22,8 +22,8 @@ const _: () = assert!(robot_io::limits::MAX_OUTPUTS == plan_format::limits::MAX_
 
 /// What is wanted in one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wish {
-    motion: Motion,
+pub struct Intent {
+    errand: Errand,
     /// Weight of the noise where an action names none.
     noise: f32,
     /// Never faster, m/s.
@@ -36,9 +36,9 @@ pub struct Wish {
     signal: u16,
 }
 
-/// How the robot is to move.
+/// What the robot is to do with its motors.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Motion {
+enum Errand {
     Follow(Target),
     GoTo(Vec2),
     Wander,
@@ -48,7 +48,7 @@ enum Motion {
 
 /// Where to: by a plan, or straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Way {
+pub enum Steering {
     /// By the advice of a parallel plan.
     Plan(Target),
     /// By the reactive schemas.
@@ -62,11 +62,11 @@ pub fn behave(
     percepts: &Percepts,
     position: Option<Vec2>,
     report: &mut Report,
-) -> Wish {
+) -> Intent {
     let parameters = blob.parameters();
     let mission = blob.mission();
-    let wish = Wish {
-        motion: Motion::None(Reason::Idle),
+    let intent = Intent {
+        errand: Errand::None(Reason::Idle),
         noise: parameters.gains.noise,
         max_speed_mps: f32::INFINITY,
         min_distance_m: 0.0,
@@ -75,11 +75,11 @@ pub fn behave(
     };
     if mission.behaviours().is_empty() {
         let target = Target { plan: parameters.plan, gains: parameters.gains };
-        return Wish { motion: Motion::Follow(target), ..wish };
+        return Intent { errand: Errand::Follow(target), ..intent };
     }
     if !percepts.operator.is_armed || percepts.operator.is_emergency_stop {
         behaviours.pause(percepts.time_us);
-        return wish;
+        return intent;
     }
     let seen = Observations {
         time_us: percepts.time_us,
@@ -88,29 +88,29 @@ pub fn behave(
         world: &Surroundings { blob, position },
     };
     let running = behaviours.step(&mission, &seen, report);
-    Wish { outputs: behaviours.outputs(), ..wish.of(&running) }
+    Intent { outputs: behaviours.outputs(), ..intent.of(&running) }
 }
 
-impl Wish {
+impl Intent {
     /// What the running actions want, all together.
     fn of(self, running: &Running) -> Self {
-        running.iter().fold(self, |wish, part| {
-            let motion = match part.kind {
+        running.iter().fold(self, |intent, part| {
+            let errand = match part.kind {
                 ActionKind::Follow { plan, reactive, advice, noise } => {
                     let gains = Gains { reactive, plan: advice, noise };
-                    Motion::Follow(Target { plan, gains })
+                    Errand::Follow(Target { plan, gains })
                 }
-                ActionKind::GoTo { x_m, y_m } => Motion::GoTo(Vec2::new(x_m, y_m)),
-                ActionKind::Wander { .. } => Motion::Wander,
-                ActionKind::Hold { .. } => Motion::None(Reason::Holding),
-                ActionKind::Signal { code } => return Self { signal: code, ..wish },
-                ActionKind::SetOutput { .. } => wish.motion,
+                ActionKind::GoTo { x_m, y_m } => Errand::GoTo(Vec2::new(x_m, y_m)),
+                ActionKind::Wander { .. } => Errand::Wander,
+                ActionKind::Hold { .. } => Errand::None(Reason::Holding),
+                ActionKind::Signal { code } => return Self { signal: code, ..intent },
+                ActionKind::SetOutput { .. } => intent.errand,
             };
             Self {
-                motion,
-                max_speed_mps: wish.max_speed_mps.min(part.max_speed_mps),
-                min_distance_m: wish.min_distance_m.max(part.min_distance_m),
-                ..wish
+                errand,
+                max_speed_mps: intent.max_speed_mps.min(part.max_speed_mps),
+                min_distance_m: intent.min_distance_m.max(part.min_distance_m),
+                ..intent
             }
         })
     }
@@ -130,17 +130,17 @@ impl Wish {
     }
 
     /// Where to from a position; an error says why the robot stands still.
-    pub fn target(&self, position: Vec2) -> Result<Way, Reason> {
+    pub fn target(&self, position: Vec2) -> Result<Steering, Reason> {
         let straight = |goal, noise| {
             let gains = Gains { reactive: 1.0, plan: 0.0, noise };
-            Way::Straight(Guidance { step: None, goal, gains, reason: Reason::Driving })
+            Steering::Straight(Guidance { step: None, goal, gains, reason: Reason::Driving })
         };
-        match self.motion {
-            Motion::Follow(target) => Ok(Way::Plan(target)),
-            Motion::GoTo(goal) => Ok(straight(goal, self.noise)),
+        match self.errand {
+            Errand::Follow(target) => Ok(Steering::Plan(target)),
+            Errand::GoTo(goal) => Ok(straight(goal, self.noise)),
             // Where the robot is attracts it nowhere; what is left is noise and repulsion.
-            Motion::Wander => Ok(straight(position, 1.0)),
-            Motion::None(reason) => Err(reason),
+            Errand::Wander => Ok(straight(position, 1.0)),
+            Errand::None(reason) => Err(reason),
         }
     }
 }
@@ -192,7 +192,7 @@ impl World for Surroundings<'_, '_> {
         let cost = self.best_cost(plan);
         cost == Some(0)
             || distance_m <= self.blob.parameters().schemas.goal_tolerance_m
-                && guidance::is_in_the_open(self.blob, cost, distance_m)
+                && guidance::has_free_path(self.blob, cost, distance_m)
     }
 
     fn is_at(&self, place: Vec2) -> bool {

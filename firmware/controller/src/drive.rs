@@ -47,6 +47,17 @@ impl Motion {
 
 /// The motion along `blended` (map axes, 1 = base speed) of a vehicle that heads to
 /// `heading_rad`. `is_repelled`: an obstacle within the margin is part of the sum.
+///
+/// ```
+/// use controller::drive::drive;
+/// use math::vector;
+/// let vehicle = plan_format::Parameters::default().vehicle;
+/// // Half a radian to the left of the heading: a turn rate of twice the error, and the base
+/// // speed of 1.4 m/s less by the cosine.
+/// let motion = drive(&vehicle, vector::from_angle(0.5), 0.0, false);
+/// assert!((motion.turn_rate_radps - 1.0).abs() < 0.01);
+/// assert!((motion.speed_mps - 1.4 * 0.8776).abs() < 0.005);
+/// ```
 pub fn drive(vehicle: &Vehicle, blended: Vec2, heading_rad: f32, is_repelled: bool) -> Motion {
     let length = vector::length(blended);
     if length == 0.0 {

@@ -107,7 +107,7 @@ fn weigh(
         |reason| Ok(Guidance { step: advice.direction, goal, gains: target.gains, reason });
     match advice.kind {
         Kind::Goal => Err(Reason::AtGoal),
-        Kind::Move if is_near && is_in_the_open(blob, advice.cost, distance_m) => {
+        Kind::Move if is_near && has_free_path(blob, advice.cost, distance_m) => {
             Err(Reason::AtGoal)
         }
         Kind::Move => with_advice(Reason::Driving),
@@ -119,7 +119,7 @@ fn weigh(
 
 /// Whether no obstacle is between here and the goal: the route is no longer than a free one
 /// could be. Being near the goal, but on the other side of a wall, is not being there.
-pub(crate) fn is_in_the_open(blob: &Blob<'_>, cost: Option<u32>, distance_m: f32) -> bool {
+pub(crate) fn has_free_path(blob: &Blob<'_>, cost: Option<u32>, distance_m: f32) -> bool {
     let resolution_m = blob.grid().resolution_m as f32;
     // Both ends are up to half a cell's diagonal away from the centres that costs are for.
     let free_m = OCTILE_EXCESS * (distance_m + core::f32::consts::SQRT_2 * resolution_m);

@@ -21,16 +21,52 @@
 //!   reactive schemas alone, bit for bit as if there had never been a plan.
 //!
 //! # Glossary
-//! - **advice**: what an internalized plan says in the robot's cell: a step, and its cost.
+//! One word for each idea, in code, files, help and docs. Each with an example.
+//!
+//! - **advice**: the step and the cost of an internalized plan in the robot's cell: "north-east,
+//!   51.6 m to the gate".
+//! - **applicability**: how well a production fits now, 0 ..= 1: refuelling at the near station
+//!   0.9, at the far one 0.4.
+//! - **aspect of interest**: an input that rules judge, mapped to 0 ..= 1: the fuel level.
+//! - **atomic action**: a step that the robot carries out itself: follow a plan, hold, set an
+//!   output.
+//! - **behaviour**: a task with a plan and a criticality: plough the field.
+//! - **blob**: the file that carries plans, mission and parameters to the robot: `plans.bin`.
+//! - **cell grid**: the map's cells, their size and their corner: 250 by 250 cells of 1 m.
 //! - **commands**: speed, turn rate, outputs and the reason for them; the result of a tick.
-//! - **fix**: one solution of the GPS receiver.
-//! - **gain**: weight of a schema or a group of schemas in the blend.
+//! - **component**: a part of a live plan: the second strip that is being ploughed.
+//! - **criticality**: how much a behaviour needs the robot now, 0 ..= 1: refuelling 0.8 with the
+//!   tank nearly empty.
+//! - **drive**: to turn a vector into speed and turn rate: 0.5 rad to the left gives 1 rad/s.
+//! - **fix**: one solution of the GPS receiver: 51.4779 N, 0.0015 W, to 1.5 m.
+//! - **gain**: weight of a schema or a group of schemas in the blend: 0.66 for the advice.
 //! - **guidance**: advice, goal and gains for one tick, after arrival and trouble are decided.
-//! - **layer**: one internalized plan: a goal and a set of constraints.
-//! - **parallel plan**: layers with one goal, each more constrained than the one before.
-//! - **percepts**: all that one tick may know.
-//! - **schema**: turns percepts into a vector.
+//! - **hold**: to stand still on purpose, an atomic action: wait 10 s for the tank to fill. What a
+//!   protection interval keeps is *held*.
+//! - **intent**: what the behaviours want in one tick: follow the plan `gate`, at 1 m/s at most.
+//! - **layer**: one internalized plan: a goal and a set of constraints: `gate/comms`.
+//! - **link**: the radio link to the operator, and only that: lost after 1 s of silence.
+//! - **map frame**: the tangent plane that turns latitude and longitude into the map's metres.
+//! - **mixer**: turns speed and turn rate into the outputs of two motors.
+//! - **motion**: a speed and a turn rate: 1.4 m/s straight ahead.
+//! - **observer**: watches ticks from outside and changes nothing: the counter of instructions.
+//! - **packet**: the bytes of one value on the link, with checksum and end mark.
+//! - **parallel plan**: layers with one goal, each more constrained than the one before: `gate`.
+//! - **percepts**: all that one tick may know: fix, ranges, heading, inputs, operator, time.
+//! - **place**: a point of the globe, latitude and longitude. A *position* is in map metres.
+//! - **plan frame**: a task that is replaced by one of its productions: `Strip`.
+//! - **production**: a graph of components that can replace a plan frame: lower, drive, lift.
+//! - **protection interval**: from where to where in a plan a fact must hold: the plough is down
+//!   from the first to the last metre of a strip.
+//! - **run**: to carry out a mission from its first tick to its last.
+//! - **schema**: turns percepts into a vector: away from the obstacle ahead.
+//! - **serial plan**: a production of follow actions, one after another: first `gate`, then
+//!   `depot`.
+//! - **situation grid**: what live plans assume, and whether it still holds: "fuel is needed
+//!   later, and no step provides it".
+//! - **steering**: of a vehicle, how it turns; of an intent, by a plan or straight to a goal.
 //! - **tick**: one run of [`tick`], 20 a second by default.
+//! - **transport**: carries records to and from a robot in lockstep: two pipes.
 //!
 //! Source: W (Wagner and Arkin, "Internalized Plans for Communication-Sensitive Robot Team
 //! Behaviors"); the drive follows the values of its experiments.
@@ -45,7 +81,7 @@ pub mod guidance;
 pub mod limit;
 pub mod sense;
 
-use behave::Wish;
+use behave::Intent;
 use behaviour::Behaviours;
 use plan_format::Blob;
 use plan_format::parameters::Vehicle;
@@ -117,11 +153,11 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let sensed = sense::sense(blob, &mut state.track, &percepts);
     let mut report = behaviour::Report::default();
     let position = sensed.position.ok();
-    let wish = behave::behave(blob, &mut state.behaviours, &percepts, position, &mut report);
-    let vehicle = wish.constrained(&blob.parameters().vehicle);
-    let decided = decide(blob, &vehicle, state, &percepts, &sensed, &wish);
+    let intent = behave::behave(blob, &mut state.behaviours, &percepts, position, &mut report);
+    let vehicle = intent.constrained(&blob.parameters().vehicle);
+    let decided = decide(blob, &vehicle, state, &percepts, &sensed, &intent);
     let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));
-    let commands = limit::limit(&vehicle, &percepts, wish.with_outputs(wanted));
+    let commands = limit::limit(&vehicle, &percepts, intent.with_outputs(wanted));
     state.track.commanded(&commands);
     Explanation { commands, sensed, report, blend }
 }
@@ -134,16 +170,16 @@ fn decide(
     state: &mut State,
     percepts: &Percepts,
     sensed: &sense::Sensed,
-    wish: &Wish,
+    intent: &Intent,
 ) -> Result<(Commands, Option<Blend>), Reason> {
     let schema = &blob.parameters().schemas;
     let position = sensed.position?;
     let is_armed = percepts.operator.is_armed;
-    let guidance = match wish.target(position)? {
-        behave::Way::Plan(target) => {
+    let guidance = match intent.target(position)? {
+        behave::Steering::Plan(target) => {
             guidance::guide(blob, &target, &mut state.progress, position, is_armed)?
         }
-        behave::Way::Straight(guidance) => guidance,
+        behave::Steering::Straight(guidance) => guidance,
     };
     let Some(heading_rad) = sensed.heading_rad else {
         return drive::creep(vehicle, percepts).map(|commands| (commands, None));

@@ -4,7 +4,7 @@ use math::scalar;
 use plan_format::parameters::{Steering, Vehicle};
 use robot_io::{Commands, Percepts, RangeReading, Reason};
 
-/// What the robot does of what it wants.
+/// Clamps the wanted commands by operator, obstacles and vehicle limits.
 ///
 /// Emergency stop, disarm and manual override outrank everything, in this order. A manual
 /// command is bounded by what the vehicle can do and by nothing else: the human who steers
@@ -12,6 +12,21 @@ use robot_io::{Commands, Percepts, RangeReading, Reason};
 ///
 /// Without them, motion towards any range reading inside the stop distance is stopped,
 /// whatever the gains. A vehicle that can turn on the spot still turns.
+///
+/// ```
+/// use controller::limit::limit;
+/// use robot_io::{Commands, Operator, Percepts, RangeReading, Reason};
+/// let vehicle = plan_format::Parameters::default().vehicle;
+/// let wanted = Commands { speed_mps: 1.0, ..Commands::stop(Reason::Driving) };
+/// let operator = Operator { is_armed: true, ..Operator::default() };
+/// let mut percepts = Percepts { operator, ..Percepts::default() };
+/// // The body has a radius of 0.3 m and stops 0.3 m before an obstacle.
+/// for (distance_m, speed_mps) in [(0.61, 1.0), (0.59, 0.0)] {
+///     let obstacle = RangeReading { bearing_rad: 0.0, distance_m };
+///     percepts.ranges = [obstacle].into_iter().collect();
+///     assert_eq!(limit(&vehicle, &percepts, wanted).speed_mps, speed_mps);
+/// }
+/// ```
 pub fn limit(vehicle: &Vehicle, percepts: &Percepts, wanted: Commands) -> Commands {
     let operator = &percepts.operator;
     if operator.is_emergency_stop {

@@ -10,7 +10,7 @@
 //!
 //! Where odometry or gyroscope are missing, the robot is taken to do what it was last told.
 
-use math::{Frame, Vec2, scalar, vector};
+use math::{MapFrame, Vec2, scalar, vector};
 use plan_format::Blob;
 use plan_format::parameters::FixPolicy;
 use robot_io::{Commands, Fix, Percepts, Reason, Receiver};
@@ -89,7 +89,7 @@ impl Track {
     }
 
     /// Judges a fix; an error says why it cannot be used.
-    fn judge(&self, fix: &Fix, frame: &Frame, policy: &FixPolicy) -> Result<Anchor, Reason> {
+    fn judge(&self, fix: &Fix, frame: &MapFrame, policy: &FixPolicy) -> Result<Anchor, Reason> {
         if !fix.is_valid || fix.accuracy_mm > policy.max_accuracy_mm {
             return Err(Reason::PoorFix);
         }
@@ -124,6 +124,27 @@ impl Anchor {
 }
 
 /// Brings the track up to the percepts' time.
+///
+/// ```
+/// use controller::sense::{Track, sense};
+/// use math::GeoPoint;
+/// use plan_format::{Blob, Origin, Parameters};
+/// use robot_io::{Fix, Percepts};
+/// let place = GeoPoint::from_degrees(45.0, 8.0).unwrap();
+/// let origin = Origin { place, at_m: [10.0, 20.0], heading_rad: 0.0 };
+/// let blob = Blob::without_map(Parameters::default(), Some(origin), None);
+/// let mut track = Track::default();
+/// let (time_us, accuracy_mm) = (50_000, 500);
+/// let fix = Fix { time_us, is_valid: true, place, accuracy_mm, velocity_mmps: None };
+/// let heading_rad = Some(0.0);
+/// let mut percepts = Percepts { time_us, fix: Some(fix), heading_rad, ..Percepts::default() };
+/// let start = sense(&blob, &mut track, &percepts).position.unwrap();
+/// assert_eq!((start.x, start.y), (10.0, 20.0));
+/// // Half a second later, without another fix, at 2 m/s to the east.
+/// percepts = Percepts { time_us: 550_000, fix: None, speed_mps: Some(2.0), ..percepts };
+/// let later = sense(&blob, &mut track, &percepts).position.unwrap();
+/// assert!((later.x - 11.0).abs() < 1e-4 && (later.y - 20.0).abs() < 1e-4);
+/// ```
 pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed {
     let elapsed_s = track.advance(percepts.time_us);
     let (Some(frame), Some(origin)) = (blob.frame(), blob.origin()) else {
@@ -159,7 +180,7 @@ fn carry_on(track: &mut Track, percepts: &Percepts, elapsed_s: f32, speed_mps: f
 }
 
 /// The heading that a fix's velocity implies, map axes.
-fn course(fix: &Fix, frame: &Frame, is_astern: bool) -> Option<f32> {
+fn course(fix: &Fix, frame: &MapFrame, is_astern: bool) -> Option<f32> {
     let [east, north] = fix.velocity_mmps?.map(|mmps| mmps as f32 * 1e-3);
     let velocity = frame.turned(east, north);
     let ahead = if is_astern { -velocity } else { velocity };

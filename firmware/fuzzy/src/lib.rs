@@ -48,6 +48,14 @@ pub fn fuzzify(position: f32) -> (usize, f32) {
 ///
 /// Each rule is its row of consequences and the position of its input in 0 ..= 1. Without any rule
 /// the result is 1/2: nothing speaks for or against.
+///
+/// ```
+/// use plan_format::mission::{Inference, Label, Row};
+/// // An input that asks for PS, centred at 4/6, wherever it lies.
+/// let row = Row::from([Label::PS; 7]);
+/// let result = fuzzy::infer([(row, 0.3)].into_iter(), Inference::Min);
+/// assert!((result - 4.0 / 6.0).abs() < 1e-6);
+/// ```
 pub fn infer(rules: impl Iterator<Item = (Row, f32)>, inference: Inference) -> f32 {
     let mut total = Shape::EMPTY;
     for (consequences, position) in rules {

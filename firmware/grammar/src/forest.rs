@@ -1,87 +1,37 @@
 //! The pool of components and what can be done with it.
 
+use parts::bits::{bit, bit16, members};
+use parts::{Component, Event, Id, Life, Owner};
 use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
-use plan_format::mission::{Description, Frame, Life, Mission, Production, Symbol};
+use plan_format::mission::{Description, Mission, PlanFrame, Production, Symbol};
 
-/// A component's place in the pool; used again after the component is deleted.
-pub type Id = u8;
-/// A behaviour, by its index in the mission.
-pub type Owner = u8;
-
-/// A part of a live plan.
+/// A component, and what only its growth needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Component {
-    /// What it is.
-    pub symbol: Symbol,
-    /// Whose plan it belongs to.
-    pub owner: Owner,
-    /// The frame it is part of; `None` for a root.
-    pub parent: Option<Id>,
-    /// Which edge of the parent's production it is, counted within the production.
-    pub edge: u8,
-    /// Vertices of the parent's production between which it stands.
-    pub from: u8,
-    /// See `from`.
-    pub to: u8,
-    /// Where it is in its life.
-    pub life: Life,
-    /// How many frames lie above it.
-    pub depth: u8,
-    /// The production it was replaced by, for a decomposed frame: index into the mission.
-    pub production: Option<u16>,
+struct Slot {
+    component: Component,
     /// Productions tried since it was planned, one bit each.
     tried: u16,
     /// Edges of its production that are finished, one bit each.
     finished: u16,
     /// Places of its parts, one bit each.
     parts: u32,
-    /// Whether end recursion has come round.
-    has_come_round: bool,
-    /// What its life was before it was suspended.
+    /// Whether tail recursion has restarted it.
+    has_restarted: bool,
+    /// Its life-cycle state before it was suspended.
     was: Life,
 }
 
-impl Component {
-    /// Whether it is an atomic action that is being carried out.
-    pub fn is_running(&self) -> bool {
-        self.life == Life::Started && matches!(self.symbol, Symbol::Action(_))
+impl From<Component> for Slot {
+    fn from(component: Component) -> Self {
+        Self {
+            component,
+            tried: 0,
+            finished: 0,
+            parts: 0,
+            has_restarted: false,
+            was: Life::Planned,
+        }
     }
-}
-
-/// What happened in a live plan, in order; the situation grid lives on these messages.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Event {
-    /// A component entered the plan.
-    Planned {
-        /// Its place.
-        id: Id,
-        /// The component.
-        component: Component,
-    },
-    /// A frame chose a production.
-    Decomposed {
-        /// The frame.
-        id: Id,
-        /// Index of the production in the mission.
-        production: u16,
-    },
-    /// End recursion: an equal frame below took this one's place.
-    CameRound {
-        /// The place.
-        id: Id,
-    },
-    /// A component's life went on.
-    Became {
-        /// Its place.
-        id: Id,
-        /// Its state now.
-        life: Life,
-    },
-    /// A component left the plan.
-    Deleted {
-        /// The place that is free now.
-        id: Id,
-    },
 }
 
 /// What came of an attempt to decompose a frame.
@@ -89,7 +39,7 @@ pub enum Event {
 pub enum Choice {
     /// It was replaced by this production, an index into the mission.
     Production(u16),
-    /// No production reached the threshold, and the frame has come round before: the loop is over.
+    /// No production reached the threshold, and the frame has restarted before: the loop is over.
     LoopEnded,
     /// No production that was not tried yet reached the threshold.
     NothingApplicable,
@@ -119,7 +69,7 @@ pub enum Ended {
 /// The live plans of all behaviours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forest {
-    slots: [Option<Component>; MAX_COMPONENTS],
+    slots: [Option<Slot>; MAX_COMPONENTS],
     /// Places that are taken, those whose component is scheduled, and those of actions that run, one
     /// bit each: every tick asks for them often.
     taken: u32,
@@ -147,11 +97,6 @@ impl Forest {
             life: Life::Planned,
             depth: 0,
             production: None,
-            tried: 0,
-            finished: 0,
-            parts: 0,
-            has_come_round: false,
-            was: Life::Planned,
         };
         self.add(id, component, tell);
         self.set_life(id, Life::Scheduled, tell);
@@ -160,7 +105,7 @@ impl Forest {
 
     /// A component.
     pub fn get(&self, id: Id) -> Option<&Component> {
-        self.slots.get(usize::from(id))?.as_ref()
+        Some(&self.slot(id)?.component)
     }
 
     /// All components with their places, in the order of the places.
@@ -170,7 +115,7 @@ impl Forest {
 
     /// The places of all components, in order, as they are now.
     pub fn ids(&self) -> impl Iterator<Item = Id> + use<> {
-        bits(self.taken)
+        members(self.taken)
     }
 
     /// How many components live.
@@ -192,12 +137,12 @@ impl Forest {
 
     /// The next scheduled component of a behaviour, frames and actions alike.
     pub fn scheduled(&self, owner: Owner) -> Option<Id> {
-        bits(self.scheduled).find(|&id| self.get(id).is_some_and(|part| part.owner == owner))
+        members(self.scheduled).find(|&id| self.get(id).is_some_and(|part| part.owner == owner))
     }
 
     /// The places of all atomic actions that run, in order.
     pub fn running(&self) -> impl Iterator<Item = Id> + use<> {
-        bits(self.running)
+        members(self.running)
     }
 
     /// A scheduled atomic action begins.
@@ -212,7 +157,7 @@ impl Forest {
     /// Decomposes a scheduled frame: one production is chosen by `applicability`, asked with the
     /// production's index and record, 0 ..= 1; its edges enter the plan and those that leave the
     /// entry are scheduled. Unless a production is chosen the frame waits on, and the caller
-    /// decides (see [`Forest::finish`], [`Forest::fail`]). End recursion may have moved the frame:
+    /// decides (see [`Forest::finish`], [`Forest::fail`]). Tail recursion may have moved the frame:
     /// the place where it stands now comes back too.
     pub fn decompose(
         &mut self,
@@ -224,11 +169,11 @@ impl Forest {
         let Some(frame) = self.waiting_frame(mission, id) else {
             return (id, Choice::NotScheduled);
         };
-        let id = self.come_round(mission, id, tell);
-        let Some(component) = self.get(id).copied() else { return (id, Choice::NotScheduled) };
-        let Some((number, production)) = choose(mission, &frame, component.tried, applicability)
-        else {
-            let is_over = component.has_come_round && component.tried == 0;
+        let id = self.restart(mission, id, tell);
+        let Some(slot) = self.slot(id) else { return (id, Choice::NotScheduled) };
+        let (component, tried, has_restarted) = (slot.component, slot.tried, slot.has_restarted);
+        let Some((number, production)) = choose(mission, &frame, tried, applicability) else {
+            let is_over = has_restarted && tried == 0;
             return (id, if is_over { Choice::LoopEnded } else { Choice::NothingApplicable });
         };
         if usize::from(component.depth) + 1 >= MAX_DEPTH {
@@ -238,9 +183,9 @@ impl Forest {
             return (id, Choice::NoRoom);
         }
         let chosen = frame.first.saturating_add(u16::from(number));
-        if let Some(slot) = self.get_mut(id) {
-            slot.production = Some(chosen);
-            slot.tried |= bit(number);
+        if let Some(slot) = self.slot_mut(id) {
+            slot.component.production = Some(chosen);
+            slot.tried |= bit16(number);
             slot.finished = 0;
         }
         self.set_life(id, Life::Started, tell);
@@ -258,11 +203,6 @@ impl Forest {
                 life: Life::Planned,
                 depth: component.depth.saturating_add(1),
                 production: None,
-                tried: 0,
-                finished: 0,
-                parts: 0,
-                has_come_round: false,
-                was: Life::Planned,
             };
             self.add(place, part, tell);
         }
@@ -281,7 +221,7 @@ impl Forest {
         let Some(production) = self.finish_edge(mission, parent, component.edge) else {
             return Ended::GoesOn;
         };
-        if self.get(parent).is_some_and(|frame| frame.finished == all_edges(&production)) {
+        if self.slot(parent).is_some_and(|frame| frame.finished == all_edges(&production)) {
             return Ended::Completes(parent);
         }
         self.schedule_at(parent, component.to, tell);
@@ -295,7 +235,7 @@ impl Forest {
         let parent = component.parent?;
         let production = self.production_of(mission, parent)?;
         let all = all_edges(&production);
-        let finished = self.get(parent)?.finished | bit(component.edge);
+        let finished = self.slot(parent)?.finished | bit16(component.edge);
         (finished & all == all).then_some(parent)
     }
 
@@ -314,8 +254,8 @@ impl Forest {
     /// Gives up what hangs below a frame, which will choose anew among what it has not tried.
     pub fn fall_back(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
         self.abandon_below(frame, tell);
-        if let Some(slot) = self.get_mut(frame) {
-            slot.production = None;
+        if let Some(slot) = self.slot_mut(frame) {
+            slot.component.production = None;
             slot.finished = 0;
         }
         self.set_life(frame, Life::Scheduled, tell);
@@ -325,7 +265,7 @@ impl Forest {
     /// not to blame: what it has tried may be tried again.
     pub fn begin_anew(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
         self.fall_back(frame, tell);
-        if let Some(slot) = self.get_mut(frame) {
+        if let Some(slot) = self.slot_mut(frame) {
             slot.tried = 0;
         }
     }
@@ -333,12 +273,11 @@ impl Forest {
     /// Puts a behaviour's plan to sleep as it is.
     pub fn suspend(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
         for id in self.ids() {
-            let Some(component) = self.get_mut(id).filter(|component| component.owner == owner)
-            else {
+            let Some(slot) = self.slot_mut(id).filter(|slot| slot.component.owner == owner) else {
                 continue;
             };
-            if matches!(component.life, Life::Scheduled | Life::Started) {
-                component.was = component.life;
+            if matches!(slot.component.life, Life::Scheduled | Life::Started) {
+                slot.was = slot.component.life;
                 self.set_life(id, Life::Suspended, tell);
             }
         }
@@ -348,12 +287,12 @@ impl Forest {
     /// that its initial description is checked again.
     pub fn resume(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
         for id in self.ids() {
-            let Some(component) = self.get(id).filter(|component| component.owner == owner) else {
+            let Some(slot) = self.slot(id).filter(|slot| slot.component.owner == owner) else {
                 continue;
             };
-            if component.life == Life::Suspended {
-                let is_action = matches!(component.symbol, Symbol::Action(_));
-                let life = if is_action { Life::Scheduled } else { component.was };
+            if slot.component.life == Life::Suspended {
+                let is_action = matches!(slot.component.symbol, Symbol::Action(_));
+                let life = if is_action { Life::Scheduled } else { slot.was };
                 self.set_life(id, life, tell);
             }
         }
@@ -374,23 +313,23 @@ impl Forest {
         mission.productions().get(usize::from(self.get(frame)?.production?))
     }
 
-    fn waiting_frame(&self, mission: &Mission<'_>, id: Id) -> Option<Frame> {
+    fn waiting_frame(&self, mission: &Mission<'_>, id: Id) -> Option<PlanFrame> {
         let component = self.get(id).filter(|component| component.life == Life::Scheduled)?;
         let Symbol::Frame(index) = component.symbol else { return None };
         mission.frames().get(usize::from(index))
     }
 
-    /// End recursion: where a frame is the last thing that an equal frame above it waits for, it
+    /// Tail recursion: where a frame is the last thing that an equal frame above it waits for, it
     /// takes that one's place. Returns the place where the frame stands then.
-    fn come_round(&mut self, mission: &Mission<'_>, id: Id, tell: &mut dyn FnMut(Event)) -> Id {
+    fn restart(&mut self, mission: &Mission<'_>, id: Id, tell: &mut dyn FnMut(Event)) -> Id {
         let Some(head) = self.loop_head(mission, id) else { return id };
         self.abandon_below(head, tell);
-        let Some(component) = self.get_mut(head) else { return id };
-        component.production = None;
-        component.tried = 0;
-        component.finished = 0;
-        component.has_come_round = true;
-        tell(Event::CameRound { id: head });
+        let Some(slot) = self.slot_mut(head) else { return id };
+        slot.component.production = None;
+        slot.tried = 0;
+        slot.finished = 0;
+        slot.has_restarted = true;
+        tell(Event::Restarted { id: head });
         self.set_life(head, Life::Scheduled, tell);
         head
     }
@@ -427,19 +366,18 @@ impl Forest {
 
     fn finish_edge(&mut self, mission: &Mission<'_>, frame: Id, edge: u8) -> Option<Production> {
         let production = self.production_of(mission, frame)?;
-        let component = self.get_mut(frame)?;
-        component.finished |= bit(edge);
+        self.slot_mut(frame)?.finished |= bit16(edge);
         Some(production)
     }
 
     /// A vertex of a frame's production may be reached: if no part leads there any more, those that
     /// leave it are scheduled.
     fn schedule_at(&mut self, frame: Id, vertex: u8, tell: &mut dyn FnMut(Event)) {
-        let parts = self.get(frame).map_or(0, |component| component.parts);
-        if bits(parts).any(|id| self.get(id).is_some_and(|part| part.to == vertex)) {
+        let parts = self.slot(frame).map_or(0, |slot| slot.parts);
+        if members(parts).any(|id| self.get(id).is_some_and(|part| part.to == vertex)) {
             return;
         }
-        for id in bits(parts) {
+        for id in members(parts) {
             if self.get(id).is_some_and(|part| part.from == vertex) {
                 self.set_life(id, Life::Scheduled, tell);
             }
@@ -448,10 +386,10 @@ impl Forest {
 
     fn abandon_below(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
         let parts_of = |set| {
-            let parts = bits(set).filter_map(|id: Id| Some(self.get(id)?.parts));
+            let parts = members(set).filter_map(|id: Id| Some(self.slot(id)?.parts));
             parts.fold(0, |all, parts| all | parts)
         };
-        let mut level = self.get(frame).map_or(0, |component| component.parts);
+        let mut level = self.slot(frame).map_or(0, |slot| slot.parts);
         let mut doomed = level;
         // A tree is no deeper than this, so nothing is left out.
         for _ in 0..MAX_DEPTH {
@@ -461,13 +399,17 @@ impl Forest {
             level = parts_of(level);
             doomed |= level;
         }
-        for id in bits(doomed) {
+        for id in members(doomed) {
             self.set_life(id, Life::Abandoned, tell);
             self.delete(id, tell);
         }
     }
 
-    fn get_mut(&mut self, id: Id) -> Option<&mut Component> {
+    fn slot(&self, id: Id) -> Option<&Slot> {
+        self.slots.get(usize::from(id))?.as_ref()
+    }
+
+    fn slot_mut(&mut self, id: Id) -> Option<&mut Slot> {
         self.slots.get_mut(usize::from(id))?.as_mut()
     }
 
@@ -478,37 +420,37 @@ impl Forest {
 
     fn add(&mut self, id: Id, component: Component, tell: &mut dyn FnMut(Event)) {
         if let Some(slot) = self.slots.get_mut(usize::from(id)) {
-            *slot = Some(component);
-            if let Some(frame) = component.parent.and_then(|parent| self.get_mut(parent)) {
-                frame.parts |= 1 << id;
+            *slot = Some(component.into());
+            if let Some(frame) = component.parent.and_then(|parent| self.slot_mut(parent)) {
+                frame.parts |= bit(id);
             }
-            self.taken |= 1 << id;
+            self.taken |= bit(id);
             tell(Event::Planned { id, component });
         }
     }
 
     fn set_life(&mut self, id: Id, life: Life, tell: &mut dyn FnMut(Event)) {
-        if let Some(component) = self.get_mut(id)
+        if let Some(Slot { component, .. }) = self.slot_mut(id)
             && component.life.may_become(life)
         {
             component.life = life;
             let is_running = component.is_running();
-            let bit = 1 << id;
-            self.scheduled &= !bit;
-            self.running &= !bit;
+            let place = bit(id);
+            self.scheduled &= !place;
+            self.running &= !place;
             if life == Life::Scheduled {
-                self.scheduled |= bit;
+                self.scheduled |= place;
             } else if is_running {
-                self.running |= bit;
+                self.running |= place;
             }
             tell(Event::Became { id, life });
         }
     }
 
     fn delete(&mut self, id: Id, tell: &mut dyn FnMut(Event)) {
-        if let Some(component) = self.slots.get_mut(usize::from(id)).and_then(Option::take) {
-            let others = !(1 << id);
-            if let Some(frame) = component.parent.and_then(|parent| self.get_mut(parent)) {
+        if let Some(slot) = self.slots.get_mut(usize::from(id)).and_then(Option::take) {
+            let others = !(bit(id));
+            if let Some(frame) = slot.component.parent.and_then(|parent| self.slot_mut(parent)) {
                 frame.parts &= others;
             }
             self.taken &= others;
@@ -522,14 +464,14 @@ impl Forest {
 /// The most applicable production that was not tried, with its number within the frame.
 fn choose(
     mission: &Mission<'_>,
-    frame: &Frame,
+    frame: &PlanFrame,
     tried: u16,
     applicability: &mut dyn FnMut(u16, &Production) -> f32,
 ) -> Option<(u8, Production)> {
     let mut best: Option<(f32, u8, Production)> = None;
     let all = mission.productions_of(frame);
     for (number, production) in (0_u8..).zip(all) {
-        if tried & bit(number) != 0 {
+        if tried & bit16(number) != 0 {
             continue;
         }
         let value = applicability(frame.first.saturating_add(u16::from(number)), &production);
@@ -555,18 +497,4 @@ fn all_edges(production: &Production) -> u16 {
         edges @ 0..16 => (1 << edges) - 1,
         _ => u16::MAX,
     }
-}
-
-/// The places in a set, in order.
-fn bits(mut set: u32) -> impl Iterator<Item = Id> {
-    core::iter::from_fn(move || {
-        let id = set.trailing_zeros();
-        set &= set.wrapping_sub(1);
-        (id < u32::BITS).then_some(id as Id)
-    })
-}
-
-/// The bit of an edge or a production.
-fn bit(number: u8) -> u16 {
-    1_u16.wrapping_shl(u32::from(number))
 }

@@ -17,11 +17,11 @@
 //!   frame with it; the parent, one level of abstraction higher, chooses anew among the
 //!   productions that it has not tried since it was planned. With none left it fails in turn, and
 //!   at the root the plan has failed.
-//! - Loops are end recursion: a frame that is the last thing an equal frame above it waits for
+//! - Loops are tail recursion: a frame that is the last thing an equal frame above it waits for
 //!   takes that one's place, unless a frame in between still has something to keep or bring about
 //!   or a protection interval spans it. So a loop runs in constant memory, for ever if need be.
-//! - A loop ends when no production is applicable any more: a frame that has come round counts as
-//!   finished then, where a first one has failed.
+//! - A loop ends when no production is applicable any more: a frame that has restarted counts as
+//!   finished then, where one that begins for the first time fails.
 //!
 //! Invariants: the components of one tree are always reachable from its root; no call panics or
 //! loops longer than the pool is large.
@@ -33,7 +33,8 @@
 
 mod forest;
 
-pub use forest::{Choice, Component, Ended, Event, Forest, Id, Owner};
+pub use forest::{Choice, Ended, Forest};
+pub use parts::{Component, Event, Id, Life, Owner};
 
 #[cfg(test)]
 mod tests;

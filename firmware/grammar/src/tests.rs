@@ -5,8 +5,8 @@ extern crate std;
 use super::*;
 use plan_format::limits::MAX_COMPONENTS;
 use plan_format::mission::{
-    Action, ActionKind, Behaviour, Condition, Description, Edge, Frame, Inference, Input, Interval,
-    Label, Life, Mission, MissionDraft, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
+    Action, ActionKind, Behaviour, Condition, Description, Edge, Inference, Input, Interval, Label,
+    Mission, MissionDraft, PlanFrame, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
 };
 use proptest::prelude::*;
 use std::{collections::BTreeMap, fmt::Write, format, string::String, vec, vec::Vec};
@@ -51,7 +51,7 @@ impl Grammar {
             }
             let name = draft.name(frame);
             let count = draft.productions.len() as u8 - first as u8;
-            draft.frames.push(Frame {
+            draft.frames.push(PlanFrame {
                 name,
                 first,
                 count,
@@ -447,7 +447,7 @@ proptest! {
             Event::Deleted { id } => {
                 if mirror.remove(&id).is_none() { wrong.push_str("deleted what was not there;"); }
             }
-            Event::Decomposed { .. } | Event::CameRound { .. } => {}
+            Event::Decomposed { .. } | Event::Restarted { .. } => {}
         };
         forest.plant(0, 0, &mut tell);
         for round in 0..400_usize {

@@ -1,8 +1,9 @@
 //! What is violated now, and what may be violated later.
 
-use crate::grid::{Entry, Grid, Id, Owner};
+use crate::grid::SituationGrid;
 use crate::relation::{Node, Relation};
-use plan_format::mission::{Condition, Description, Facts, Life, Mission, Symbol};
+use parts::{Component, Id, Life, Owner};
+use plan_format::mission::{Condition, Description, Facts, Mission, Symbol};
 
 /// A conflict between the plan and the world, or within the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,7 +75,7 @@ fn effects(mission: &Mission<'_>, symbol: Symbol) -> (Facts, Facts) {
     }
 }
 
-impl Grid {
+impl SituationGrid {
     /// Whether a component may start: its initial description, checked once.
     pub fn initial(&self, mission: &Mission<'_>, id: Id, facts: Facts) -> Option<Signal> {
         self.check(mission, id, facts, Violation::Initial, |description| description.initial)
@@ -208,11 +209,11 @@ impl Grid {
 }
 
 /// Its turn is still to come.
-fn is_ahead(entry: &Entry) -> bool {
+fn is_ahead(entry: &Component) -> bool {
     matches!(entry.life, Life::Planned | Life::Scheduled)
 }
 
 /// It has no effects any more.
-fn is_over(entry: &Entry) -> bool {
+fn is_over(entry: &Component) -> bool {
     matches!(entry.life, Life::Finished | Life::Failed | Life::Abandoned)
 }

@@ -1,39 +1,20 @@
 //! The store, and the messages that keep it.
 
+use parts::bits::{bit, bit16, members};
+use parts::{Component, Event, Id, Life, Owner};
 use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
-use plan_format::mission::{Condition, Life, Mission, Production, Symbol};
+use plan_format::mission::{Condition, Mission, Production, Symbol};
 
-/// A component's place.
-pub type Id = u8;
-/// A behaviour, by its index in the mission.
-pub type Owner = u8;
-
-/// What the grid knows of a component.
+/// A component, and which edges of its production are finished, one bit each.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Entry {
-    /// What it is.
-    pub symbol: Symbol,
-    /// Whose plan it belongs to.
-    pub owner: Owner,
-    /// The frame it is part of; `None` for a root.
-    pub parent: Option<Id>,
-    /// Which edge of the parent's production it is, counted within the production.
-    pub edge: u8,
-    /// Vertices of the parent's production between which it stands.
-    pub from: u8,
-    /// See `from`.
-    pub to: u8,
-    /// Where it is in its life.
-    pub life: Life,
-    /// The production a frame was replaced by: index into the mission.
-    pub production: Option<u16>,
-    /// Edges of its production that are finished, one bit each.
-    pub finished: u16,
+struct Entry {
+    component: Component,
+    finished: u16,
 }
 
 /// The situation grids of all behaviours.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
+pub struct SituationGrid {
     entries: [Option<Entry>; MAX_COMPONENTS],
     /// Places that are taken, one bit each: most are free, and every tick looks at all often.
     taken: u32,
@@ -46,7 +27,7 @@ pub struct Grid {
     holding: u32,
 }
 
-impl Default for Grid {
+impl Default for SituationGrid {
     fn default() -> Self {
         Self {
             entries: [None; MAX_COMPONENTS],
@@ -59,59 +40,66 @@ impl Default for Grid {
     }
 }
 
-impl Grid {
-    /// Message: a component entered the plan.
-    pub fn planned(&mut self, id: Id, entry: Entry) {
-        if let Some(slot) = self.entries.get_mut(usize::from(id)) {
-            *slot = Some(entry);
-            self.taken |= place_bit(id);
+impl SituationGrid {
+    /// Takes note of a change in a plan.
+    pub fn heed(&mut self, mission: &Mission<'_>, event: &Event) {
+        match *event {
+            Event::Planned { id, component } => self.planned(id, component),
+            Event::Decomposed { id, production } => self.decomposed(mission, id, production),
+            Event::Restarted { id } => self.restarted(id),
+            Event::Became { id, life } => self.became(mission, id, life),
+            Event::Deleted { id } => self.deleted(id),
         }
     }
 
-    /// Message: a frame chose a production.
-    pub fn decomposed(&mut self, mission: &Mission<'_>, id: Id, production: u16) {
+    fn planned(&mut self, id: Id, component: Component) {
+        if let Some(slot) = self.entries.get_mut(usize::from(id)) {
+            *slot = Some(Entry { component, finished: 0 });
+            self.taken |= bit(id);
+        }
+    }
+
+    fn decomposed(&mut self, mission: &Mission<'_>, id: Id, production: u16) {
         if let Some(entry) = self.get_mut(id) {
-            entry.production = Some(production);
+            entry.component.production = Some(production);
             entry.finished = 0;
             self.take_hold(mission, id);
         }
     }
 
-    /// Message: end recursion; the frame stands there as if new.
-    pub fn came_round(&mut self, id: Id) {
+    /// The frame stands there as if new.
+    fn restarted(&mut self, id: Id) {
         if let Some(entry) = self.get_mut(id) {
-            entry.production = None;
+            entry.component.production = None;
             entry.finished = 0;
-            self.holding &= !place_bit(id);
+            self.holding &= !bit(id);
         }
     }
 
-    /// Message: a component's life went on.
-    pub fn became(&mut self, mission: &Mission<'_>, id: Id, life: Life) {
+    fn became(&mut self, mission: &Mission<'_>, id: Id, life: Life) {
         let Some(entry) = self.get_mut(id) else { return };
-        entry.life = life;
-        let Entry { symbol, parent, edge, to, .. } = *entry;
-        self.watched &= !place_bit(id);
+        entry.component.life = life;
+        let Component { symbol, parent, edge, to, .. } = entry.component;
+        self.watched &= !bit(id);
         match life {
             Life::Started => self.watch(mission, id, symbol),
             Life::Finished => {
                 let Some(parent) = parent else { return };
                 if let Some(entry) = self.get_mut(parent) {
-                    entry.finished |= bit(edge);
+                    entry.finished |= bit16(edge);
                     self.reached(mission, parent, to);
                 }
             }
             // A frame that falls back has given its production up.
-            Life::Scheduled => self.came_round(id),
+            Life::Scheduled => self.restarted(id),
             _ => {}
         }
     }
 
-    /// Message: a component left the plan.
-    pub fn deleted(&mut self, id: Id) {
+    fn deleted(&mut self, id: Id) {
         if let Some(slot) = self.entries.get_mut(usize::from(id)) {
             *slot = None;
-            let others = !place_bit(id);
+            let others = !bit(id);
             self.taken &= others;
             self.watched &= others;
             self.holding &= others;
@@ -125,7 +113,7 @@ impl Grid {
             && !transient.is_empty()
         {
             *slot = transient;
-            self.watched |= place_bit(id);
+            self.watched |= bit(id);
         }
     }
 
@@ -142,18 +130,17 @@ impl Grid {
 
     /// Works out which protection intervals of a frame are in force.
     fn take_hold(&mut self, mission: &Mission<'_>, id: Id) {
-        self.holding &= !place_bit(id);
-        let Some((production, finished)) = self
-            .get(id)
-            .and_then(|entry| Some((self.production_of(mission, entry)?, entry.finished)))
-        else {
+        self.holding &= !bit(id);
+        let Some((production, finished)) = self.entry(id).and_then(|entry| {
+            Some((self.production_of(mission, &entry.component)?, entry.finished))
+        }) else {
             return;
         };
         if production.intervals == 0 {
             return;
         }
         let ahead = ahead(mission, &production, finished);
-        let is_ahead = |vertex| ahead & vertex_bit(vertex) != 0;
+        let is_ahead = |vertex| ahead & bit(vertex) != 0;
         let in_force = mission
             .intervals_of(&production)
             .filter(|interval| !is_ahead(interval.from) && is_ahead(interval.to));
@@ -162,20 +149,20 @@ impl Grid {
             && !held.is_empty()
         {
             *slot = held;
-            self.holding |= place_bit(id);
+            self.holding |= bit(id);
         }
     }
 
     /// The transient descriptions of a behaviour's components that run.
     pub(crate) fn transients(&self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
-        places(self.watched)
+        members(self.watched)
             .filter(move |&id| self.owner(id) == Some(owner))
             .filter_map(|id| Some((id, *self.transient.get(usize::from(id))?)))
     }
 
     /// What the frames of a behaviour's plan protect now, each all together.
     pub fn held(&self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
-        places(self.holding)
+        members(self.holding)
             .filter(move |&id| self.owner(id) == Some(owner))
             .filter_map(|id| Some((id, *self.held.get(usize::from(id))?)))
     }
@@ -185,17 +172,26 @@ impl Grid {
     }
 
     /// What the grid knows of a component.
-    pub fn get(&self, id: Id) -> Option<&Entry> {
+    pub fn get(&self, id: Id) -> Option<&Component> {
+        Some(&self.entry(id)?.component)
+    }
+
+    fn entry(&self, id: Id) -> Option<&Entry> {
         self.entries.get(usize::from(id))?.as_ref()
     }
 
+    /// The finished edges of a frame's production, one bit each.
+    pub(crate) fn finished(&self, id: Id) -> u16 {
+        self.entry(id).map_or(0, |entry| entry.finished)
+    }
+
     /// Everything that the grid knows, in the order of the places.
-    pub fn iter(&self) -> impl Iterator<Item = (Id, &Entry)> {
-        places(self.taken).filter_map(|id| Some((id, self.get(id)?)))
+    pub fn iter(&self) -> impl Iterator<Item = (Id, &Component)> {
+        members(self.taken).filter_map(|id| Some((id, self.get(id)?)))
     }
 
     /// The components above one, from its parent to the root.
-    pub fn above(&self, id: Id) -> impl Iterator<Item = (Id, &Entry)> {
+    pub fn above(&self, id: Id) -> impl Iterator<Item = (Id, &Component)> {
         let parent = |id: Id| self.get(id).and_then(|entry| entry.parent);
         core::iter::successors(parent(id), move |&id| parent(id))
             .take(MAX_DEPTH)
@@ -216,7 +212,11 @@ impl Grid {
     }
 
     /// The production that a frame was replaced by.
-    pub(crate) fn production_of(&self, mission: &Mission<'_>, frame: &Entry) -> Option<Production> {
+    pub(crate) fn production_of(
+        &self,
+        mission: &Mission<'_>,
+        frame: &Component,
+    ) -> Option<Production> {
         mission.productions().get(usize::from(frame.production?))
     }
 
@@ -229,30 +229,6 @@ impl Grid {
 pub(crate) fn ahead(mission: &Mission<'_>, production: &Production, finished: u16) -> u32 {
     let edges = (0..).zip(mission.edges_of(production));
     edges
-        .filter(|&(number, _)| finished & bit(number) == 0)
-        .fold(0, |ahead, (_, edge)| ahead | vertex_bit(edge.to))
-}
-
-/// The places in a set, in order.
-fn places(mut set: u32) -> impl Iterator<Item = Id> {
-    core::iter::from_fn(move || {
-        let id = set.trailing_zeros();
-        set &= set.wrapping_sub(1);
-        (id < u32::BITS).then_some(id as Id)
-    })
-}
-
-/// The bit of a place.
-fn place_bit(id: Id) -> u32 {
-    1_u32.wrapping_shl(u32::from(id))
-}
-
-/// The bit of a vertex.
-pub(crate) fn vertex_bit(vertex: u8) -> u32 {
-    1_u32.wrapping_shl(u32::from(vertex))
-}
-
-/// The bit of an edge of a production, of which there are no more than bits.
-pub(crate) fn bit(edge: u8) -> u16 {
-    1_u16.wrapping_shl(u32::from(edge))
+        .filter(|&(number, _)| finished & bit16(number) == 0)
+        .fold(0, |ahead, (_, edge)| ahead | bit(edge.to))
 }

@@ -4,7 +4,7 @@
 //! the mission, its initial, transient and goal descriptions; it knows the relation of each
 //! component to each other, which protection intervals are in force, and from that it signals
 //! *evident* conflicts (violated now) and *possible* ones (a later need is no longer provided
-//! for). It only reports; the behaviour control system acts (Hasemann, "Situation Grid").
+//! for). It only reports; the behaviour control system acts (Hasemann, "Situation SituationGrid").
 //!
 //! The grid lives on messages about the plan: it never looks at the plan itself, so that what it
 //! believes can be replayed from a log.
@@ -34,7 +34,8 @@ mod points;
 mod relation;
 
 pub use conflicts::{Doubt, Signal, Violation};
-pub use grid::{Entry, Grid, Id, Owner};
+pub use grid::SituationGrid;
+pub use parts::{Component, Id, Life, Owner};
 pub use points::Point;
 pub use relation::{Node, Relation};
 

@@ -1,8 +1,10 @@
 //! Where a behaviour can be interrupted: the coming vertices, and what is protected there.
 
-use crate::grid::{Entry, Grid, Id, Owner, ahead, vertex_bit};
+use crate::grid::{SituationGrid, ahead};
 use crate::relation::leads;
-use plan_format::mission::{Condition, Life, Mission, Production};
+use parts::bits::bit;
+use parts::{Component, Id, Life, Owner};
+use plan_format::mission::{Condition, Mission, Production};
 
 /// A coming point of a plan at which it may be interrupted (H, figure 2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +19,7 @@ pub struct Point {
     pub lost_work: u16,
 }
 
-impl Grid {
+impl SituationGrid {
     /// The coming interruption points of a behaviour in the order in which they will be reached:
     /// from the innermost frames outwards, within a frame along the graph. A frame's exit is the
     /// vertex that the frame itself leads to, and is listed there; the root's exit is the end of
@@ -33,7 +35,7 @@ impl Grid {
         }
     }
 
-    fn frames(&self, owner: Owner) -> impl Iterator<Item = (Id, &Entry)> {
+    fn frames(&self, owner: Owner) -> impl Iterator<Item = (Id, &Component)> {
         self.iter().filter(move |(_, entry)| {
             entry.owner == owner
                 && entry.production.is_some()
@@ -41,12 +43,18 @@ impl Grid {
         })
     }
 
-    fn points_of(&self, mission: &Mission<'_>, id: Id, frame: &Entry, tell: &mut dyn FnMut(Point)) {
+    fn points_of(
+        &self,
+        mission: &Mission<'_>,
+        id: Id,
+        frame: &Component,
+        tell: &mut dyn FnMut(Point),
+    ) {
         let Some(production) = self.production_of(mission, frame) else { return };
         let outer = self.held_above(mission, id);
-        let ahead = ahead(mission, &production, frame.finished);
+        let ahead = ahead(mission, &production, self.finished(id));
         for vertex in 1..production.vertices.saturating_sub(1) {
-            if ahead & vertex_bit(vertex) == 0 {
+            if ahead & bit(vertex) == 0 {
                 continue;
             }
             let held = with_held_at(mission, &production, vertex, outer);

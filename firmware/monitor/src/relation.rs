@@ -1,9 +1,11 @@
 //! How two components stand to each other.
 
-use crate::grid::{Grid, Id, vertex_bit};
+use crate::grid::SituationGrid;
+use parts::Id;
+use parts::bits::bit;
 use plan_format::mission::{Mission, Production};
 
-/// The relation of one component to another (H, "Situation Grid").
+/// The relation of one component to another (H, "Situation SituationGrid").
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Relation {
     /// Ancestor of.
@@ -50,7 +52,7 @@ impl From<Id> for Node {
     }
 }
 
-impl Grid {
+impl SituationGrid {
     /// The relation of `x` to `y`: "x is ... y". `None` where the two are the same, or one is not
     /// in the grid.
     pub fn relation(&self, mission: &Mission<'_>, x: Node, y: Node) -> Option<Relation> {
@@ -139,13 +141,13 @@ pub(crate) fn leads(mission: &Mission<'_>, production: &Production, from: u8, to
         return from == to;
     }
     let edges = || mission.edges_of(production);
-    let mut reached = vertex_bit(from);
+    let mut reached = bit(from);
     // Edges lead upwards, so one pass over the vertices in order is enough.
     for vertex in from..to {
-        if reached & vertex_bit(vertex) != 0 {
+        if reached & bit(vertex) != 0 {
             let next = edges().filter(|edge| edge.from == vertex);
-            reached = next.fold(reached, |reached, edge| reached | vertex_bit(edge.to));
+            reached = next.fold(reached, |reached, edge| reached | bit(edge.to));
         }
     }
-    reached & vertex_bit(to) != 0
+    reached & bit(to) != 0
 }

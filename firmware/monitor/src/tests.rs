@@ -1,9 +1,10 @@
 extern crate std;
 
 use super::*;
+use parts::Event;
 use plan_format::mission::{
-    Action, ActionKind, Behaviour, Condition, Description, Edge, Facts, Frame, Inference, Input,
-    Interval, Label, Life, Mission, MissionDraft, Production, Rule, RuleBase, Source, SwitchPoint,
+    Action, ActionKind, Behaviour, Condition, Description, Edge, Facts, Inference, Input, Interval,
+    Label, Mission, MissionDraft, PlanFrame, Production, Rule, RuleBase, Source, SwitchPoint,
     Symbol,
 };
 use proptest::prelude::*;
@@ -48,7 +49,7 @@ fn mission(
     let (may_add, may_delete) =
         actions.iter().fold((0, 0), |(add, delete), d| (add | d.add, delete | d.delete));
     for (description, productions) in frames {
-        draft.frames.push(Frame {
+        draft.frames.push(PlanFrame {
             name,
             first: draft.productions.len() as u16,
             count: productions.len() as u8,
@@ -109,25 +110,34 @@ fn mission(
     draft.write().expect("the mission is sound")
 }
 
-fn entry(symbol: Symbol, owner: Owner, parent: Option<(Id, &Edge, u8)>, life: Life) -> Entry {
+fn component(
+    symbol: Symbol,
+    owner: Owner,
+    parent: Option<(Id, &Edge, u8)>,
+    life: Life,
+) -> Component {
     let (parent, from, to, edge) = match parent {
         Some((parent, edge, number)) => (Some(parent), edge.from, edge.to, number),
         None => (None, 0, 0, 0),
     };
-    Entry { symbol, owner, parent, edge, from, to, life, production: None, finished: 0 }
+    Component { symbol, owner, parent, edge, from, to, life, depth: 0, production: None }
 }
 
 /// Tells the grid that a frame chose a production, whose parts take the places from `first` on.
-fn decompose(grid: &mut Grid, mission: &Mission<'_>, frame: Id, production: u16, first: Id) {
+fn decompose(
+    grid: &mut SituationGrid,
+    mission: &Mission<'_>,
+    frame: Id,
+    production: u16,
+    first: Id,
+) {
     let owner = grid.get(frame).expect("the frame is in the grid").owner;
-    grid.became(mission, frame, Life::Started);
-    grid.decomposed(mission, frame, production);
+    grid.heed(mission, &Event::Became { id: frame, life: Life::Started });
+    grid.heed(mission, &Event::Decomposed { id: frame, production });
     let record = mission.productions().get(usize::from(production)).expect("it exists");
     for (number, edge) in (0..).zip(mission.edges_of(&record)) {
-        grid.planned(
-            first + number,
-            entry(edge.symbol, owner, Some((frame, &edge, number)), Life::Planned),
-        );
+        let component = component(edge.symbol, owner, Some((frame, &edge, number)), Life::Planned);
+        grid.heed(mission, &Event::Planned { id: first + number, component });
     }
 }
 
@@ -146,12 +156,18 @@ fn h17_the_matrix_of_relations() {
         &[],
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = Grid::default();
-    grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+    let mut grid = SituationGrid::default();
+    grid.heed(
+        &mission,
+        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+    );
     decompose(&mut grid, &mission, 0, 0, 1);
     decompose(&mut grid, &mission, 2, 1, 5);
     // Another behaviour's plan.
-    grid.planned(9, entry(Symbol::Frame(0), 1, None, Life::Scheduled));
+    grid.heed(
+        &mission,
+        &Event::Planned { id: 9, component: component(Symbol::Frame(0), 1, None, Life::Scheduled) },
+    );
     let names = ["R", "a", "B", "c", "d", "x", "y", "z?", "S"];
     let nodes: Vec<Node> = [0, 1, 2, 3, 4, 5, 6]
         .into_iter()
@@ -198,8 +214,11 @@ fn h14_initial_transient_goal_and_inherited_constraints() {
     let frame = Description { max_speed_mps: 0.5, min_distance_m: 2.0, ..SILENT };
     let bytes = mission(&[action], &[(frame, &[&[(0, 1, A)]])], &[]);
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = Grid::default();
-    grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+    let mut grid = SituationGrid::default();
+    grid.heed(
+        &mission,
+        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+    );
     decompose(&mut grid, &mission, 0, 0, 1);
     assert_eq!(grid.constraints(&mission, 1), (0.5, 2.0));
     let evident = |id, what, facts| Some(Signal::Evident { id, what, facts });
@@ -207,9 +226,9 @@ fn h14_initial_transient_goal_and_inherited_constraints() {
     assert_eq!(grid.initial(&mission, 1, 1), None);
     assert_eq!(grid.goal(&mission, 1, 1), evident(1, Violation::Goal, 4));
     assert_eq!(grid.goal(&mission, 1, 4), None);
-    let transients = |grid: &Grid| grid.evident(0, 2).collect::<Vec<_>>();
+    let transients = |grid: &SituationGrid| grid.evident(0, 2).collect::<Vec<_>>();
     assert_eq!(transients(&grid), [], "what does not run is not checked");
-    grid.became(&mission, 1, Life::Started);
+    grid.heed(&mission, &Event::Became { id: 1, life: Life::Started });
     assert_eq!(
         transients(&grid),
         evident(1, Violation::Transient, 2).into_iter().collect::<Vec<_>>()
@@ -228,15 +247,18 @@ fn h26_intervals_and_the_points_of_figure_4() {
         &[on_field],
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = Grid::default();
-    grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+    let mut grid = SituationGrid::default();
+    grid.heed(
+        &mission,
+        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+    );
     decompose(&mut grid, &mission, 0, 0, 1);
-    let points = |grid: &Grid| {
+    let points = |grid: &SituationGrid| {
         let mut all = vec![];
         grid.points(&mission, 0, &mut |p| all.push((p.vertex, p.held.must, p.lost_work)));
         all
     };
-    let violations = |grid: &Grid, owner| grid.evident(owner, 0).collect::<Vec<_>>();
+    let violations = |grid: &SituationGrid, owner| grid.evident(owner, 0).collect::<Vec<_>>();
     assert_eq!(points(&grid), [(1, 1, 10), (2, 0, 20)], "point 1 is protected, point 2 is not");
     let own = Signal::Evident { id: 0, what: Violation::Interval, facts: 1 };
     assert_eq!(violations(&grid, 0), [own]);
@@ -246,10 +268,10 @@ fn h26_intervals_and_the_points_of_figure_4() {
     assert_eq!(Signal::foreign(frame, held, 0), Some(foreign));
     assert_eq!(Signal::foreign(frame, held, 1), None);
     for part in [1, 2] {
-        grid.became(&mission, part, Life::Scheduled);
-        grid.became(&mission, part, Life::Started);
-        grid.became(&mission, part, Life::Finished);
-        grid.deleted(part);
+        grid.heed(&mission, &Event::Became { id: part, life: Life::Scheduled });
+        grid.heed(&mission, &Event::Became { id: part, life: Life::Started });
+        grid.heed(&mission, &Event::Became { id: part, life: Life::Finished });
+        grid.heed(&mission, &Event::Deleted { id: part });
     }
     assert_eq!(points(&grid), []);
     assert_eq!(violations(&grid, 0), [], "the interval has ended");
@@ -269,8 +291,11 @@ fn h19_a_doubtful_choice_is_named() {
         &[on_field],
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = Grid::default();
-    grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+    let mut grid = SituationGrid::default();
+    grid.heed(
+        &mission,
+        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+    );
     decompose(&mut grid, &mission, 0, 0, 1);
     let mut all = vec![];
     grid.choices(&mission, 2, Condition::default(), &mut |signal| all.push(signal));
@@ -288,16 +313,19 @@ fn h21_a_lost_producer_is_flagged_before_the_consumer_starts() {
         &[],
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = Grid::default();
-    grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+    let mut grid = SituationGrid::default();
+    grid.heed(
+        &mission,
+        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+    );
     decompose(&mut grid, &mission, 0, 0, 1);
-    let doubts = |grid: &Grid, facts| {
+    let doubts = |grid: &SituationGrid, facts| {
         let mut all = vec![];
         grid.possible(&mission, 2, facts, &mut |signal| all.push(signal));
         all
     };
     assert_eq!(doubts(&grid, 0), []);
-    grid.deleted(1);
+    grid.heed(&mission, &Event::Deleted { id: 1 });
     let doubt = Signal::Possible { id: 2, why: Doubt::NoProducer, facts: 1 };
     assert_eq!(doubts(&grid, 0), [doubt]);
     assert_eq!(doubts(&grid, 1), [], "it holds already");
@@ -326,7 +354,7 @@ fn random_plan() -> impl Strategy<Value = (Vec<Description>, Vec<(u8, u8)>)> {
 
 /// Whether a need of `consumer` fails in some order of the components that respects the graph.
 fn may_fail(
-    grid: &Grid,
+    grid: &SituationGrid,
     mission: &Mission<'_>,
     descriptions: &[Description],
     consumer: usize,
@@ -363,8 +391,8 @@ proptest! {
             (0..).zip(&edges).map(|(number, &(from, to))| (from, to, Symbol::Action(number))).collect();
         let bytes = mission(&descriptions, &[(SILENT, &[&symbols])], &[]);
         let mission = Mission::parse(&bytes).expect("it is sound");
-        let mut grid = Grid::default();
-        grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+        let mut grid = SituationGrid::default();
+        grid.heed(&mission, &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) });
         decompose(&mut grid, &mission, 0, 0, 1);
         let producible = descriptions.iter().fold(0, |all, description| all | description.add);
         for consumer in 0..descriptions.len() {
@@ -390,10 +418,10 @@ proptest! {
         let inner: &[&[(u8, u8, Symbol)]] = &[&[(0, 1, A), (0, 1, A), (1, 2, A)], &[(0, 1, A)]];
         let bytes = mission(&descriptions, &[(SILENT, &[&symbols]), (SILENT, inner)], &[]);
         let mission = Mission::parse(&bytes).expect("it is sound");
-        let mut grid = Grid::default();
-        grid.planned(0, entry(Symbol::Frame(0), 0, None, Life::Scheduled));
+        let mut grid = SituationGrid::default();
+        grid.heed(&mission, &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) });
         decompose(&mut grid, &mission, 0, 0, 1);
-        let relations = |grid: &Grid| {
+        let relations = |grid: &SituationGrid| {
             let ids: Vec<Id> = grid.iter().map(|(id, _)| id).collect();
             let mut all = vec![];
             for &x in &ids {

@@ -20,14 +20,3 @@ macro_rules! info {
 macro_rules! info {
     ($text:literal $(, $argument:expr)* $(,)?) => {{ $(let _ = &$argument;)* }};
 }
-
-/// What `Debug` prints, for types that know nothing of defmt.
-#[cfg(all(feature = "defmt", target_os = "none"))]
-pub(crate) fn debug<T: core::fmt::Debug>(value: &T) -> defmt::Debug2Format<'_, T> {
-    defmt::Debug2Format(value)
-}
-
-#[cfg(not(all(feature = "defmt", target_os = "none")))]
-pub(crate) fn debug<T: core::fmt::Debug>(value: &T) -> &T {
-    value
-}

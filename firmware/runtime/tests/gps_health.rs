@@ -1,14 +1,14 @@
 //! A receiver that never gives a solution says why: from its bytes to what telemetry and the
-//! robot's reason say, through the tasks that a board runs and a frame of the link.
+//! robot's reason say, through the tasks that a board runs and a packet of the link.
 
 use std::cell::RefCell;
 
 use math::{GeoPoint, Vec2};
 use plan_format::parameters::Gains;
 use plan_format::{Blob, Origin, Parameters};
-use robot_io::frame::{self, Downlink};
+use robot_io::packet::{self, Downlink};
 use robot_io::{Operator, Reason, Receiver, SensorRecord};
-use runtime::lockstep::{Link, run};
+use runtime::lockstep::{Transport, run_blocking};
 
 const HOME: GeoPoint = GeoPoint { lat_e7: 337_756_180, lon_e7: -843_963_300 };
 const TICKS_A_SECOND: usize = 20;
@@ -20,7 +20,7 @@ fn eastward() -> Blob<'static> {
     Blob::without_map(parameters, Some(origin), Some(Vec2::new(100.0, 0.0)))
 }
 
-/// A link on whose one end bytes come from a receiver, and on whose other frames of telemetry
+/// A link on whose one end bytes come from a receiver, and on whose other packets of telemetry
 /// are read.
 struct Wire<'a> {
     /// What comes in each second.
@@ -30,7 +30,7 @@ struct Wire<'a> {
     said: &'a RefCell<Vec<(Receiver, Reason)>>,
 }
 
-impl Link for Wire<'_> {
+impl Transport for Wire<'_> {
     fn receive(&mut self) -> Option<SensorRecord> {
         let piece = match self.pieces.next() {
             Some(piece) => piece,
@@ -48,10 +48,11 @@ impl Link for Wire<'_> {
     }
 
     fn send(&mut self, record: &robot_io::CommandRecord) {
-        let bytes = frame::encode(&Downlink::Telemetry(*record)).expect("a record is not too long");
-        let mut decoder = frame::Decoder::default();
+        let bytes =
+            packet::encode(&Downlink::Telemetry(*record)).expect("a record is not too long");
+        let mut decoder = packet::Decoder::default();
         let said = bytes.iter().find_map(|&byte| decoder.push(byte));
-        let Some(Downlink::Telemetry(record)) = said else { panic!("a frame of telemetry") };
+        let Some(Downlink::Telemetry(record)) = said else { panic!("a packet of telemetry") };
         self.said.borrow_mut().push((record.receiver, record.commands.reason));
     }
 }
@@ -60,7 +61,7 @@ impl Link for Wire<'_> {
 fn listen(seconds: Vec<Vec<u8>>) -> Vec<(Receiver, Reason)> {
     let said = RefCell::new(Vec::new());
     let pieces = Vec::new().into_iter();
-    run(eastward(), Wire { seconds: seconds.into_iter(), pieces, said: &said });
+    run_blocking(eastward(), Wire { seconds: seconds.into_iter(), pieces, said: &said }, ());
     said.into_inner().into_iter().skip(TICKS_A_SECOND - 1).step_by(TICKS_A_SECOND).collect()
 }
 

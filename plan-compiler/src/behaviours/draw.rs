@@ -10,7 +10,7 @@ pub use dot::dot;
 pub use picture::picture;
 
 use plan_format::mission::{
-    Action, ActionKind, Behaviour, Condition, Facts, Frame, Label, Mission, Production, Source,
+    Action, ActionKind, Behaviour, Condition, Facts, Label, Mission, PlanFrame, Production, Source,
     Symbol,
 };
 
@@ -149,14 +149,14 @@ impl<'d> Drawn<'d> {
     }
 
     /// A frame's name with what it asks of its productions.
-    fn frame_title(&self, frame: &Frame) -> String {
+    fn frame_title(&self, frame: &PlanFrame) -> String {
         let name = self.mission.name(frame.name);
         let has_rules = self.mission.productions_of(frame).any(|p| p.rules.is_some());
         if has_rules { format!("{name}, from {:.3}", frame.threshold) } else { name.to_owned() }
     }
 
     /// A production's name, if it says more than its frame's.
-    fn production_title(&self, frame: &Frame, production: &Production) -> &'d str {
+    fn production_title(&self, frame: &PlanFrame, production: &Production) -> &'d str {
         let name = self.mission.name(production.name);
         if name == self.mission.name(frame.name) { "" } else { name }
     }

@@ -6,7 +6,7 @@ use maps::numbers::metres;
 use maps::problem::Problem;
 use math::geodetic::SEMI_MAJOR_M;
 use math::scalar::wide;
-use math::{Frame, GeoPoint};
+use math::{GeoPoint, MapFrame};
 
 /// Where a place lies in the map, metres; otherwise what is wrong with it. The goal's name is
 /// for the message.
@@ -50,9 +50,9 @@ pub(super) fn meant_as_degrees(input: &Input<'_>, at: Point) -> Option<String> {
     Some(format!("geo:{}", uri(place)))
 }
 
-fn frame(input: &Input<'_>) -> Option<Frame> {
+fn frame(input: &Input<'_>) -> Option<MapFrame> {
     let reference = input.map.reference?;
-    Some(Frame::new(reference.place, reference.at, reference.heading_rad))
+    Some(MapFrame::new(reference.place, reference.at, reference.heading_rad))
 }
 
 fn swapped(place: GeoPoint) -> Option<GeoPoint> {

@@ -202,7 +202,7 @@ impl embedded_io_async::ErrorType for Uart {
 }
 
 impl embedded_io_async::Write for Uart {
-    /// Waits in place while the line is busy: 87 us a byte, and a frame has about 40.
+    /// Waits in place while the line is busy: 87 us a byte, and a packet has about 40.
     async fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
         for &byte in bytes {
             while uart0::STATE.read() & uart0::SENDER_IS_FULL != 0 {}

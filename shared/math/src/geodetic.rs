@@ -5,7 +5,7 @@
 //! latitude and longitude are taken in integers (1e-7 degrees, as receivers send
 //! them) before any float, so no precision is lost far from Greenwich. The plane
 //! is flat: at distance d from the reference the error is about d^2 tan(latitude) / R
-//! across (0.8 m at 3 km and 30 degrees); [`Frame::RANGE_M`] bounds it.
+//! across (0.8 m at 3 km and 30 degrees); [`MapFrame::RANGE_M`] bounds it.
 //! Deliberately absent: UTM zones, height.
 
 use crate::scalar::wide;
@@ -55,10 +55,23 @@ impl GeoPoint {
 
 /// The local tangent plane of one map.
 ///
-/// Built once, when a plan is loaded; [`Frame::to_local`] then costs a few
+/// ```
+/// use math::{MapFrame, GeoPoint};
+/// // One minute of latitude is one nautical mile, 1,852 m, at 45 degrees.
+/// let home = GeoPoint::from_degrees(45.0, 8.0).unwrap();
+/// let north = GeoPoint::from_degrees(45.0 + 1.0 / 60.0, 8.0).unwrap();
+/// let plain = MapFrame::new(home, [100.0, 200.0], 0.0).to_local(north).unwrap();
+/// assert!((plain.x - 100.0).abs() < 0.1 && (plain.y - 2_052.0).abs() < 1.0);
+/// // On a map whose y axis points east, north lies to the left: at negative x.
+/// let east_up = MapFrame::new(home, [0.0, 0.0], core::f64::consts::FRAC_PI_2);
+/// let turned = east_up.to_local(north).unwrap();
+/// assert!((turned.x + 1_852.0).abs() < 1.0 && turned.y.abs() < 0.1);
+/// ```
+///
+/// Built once, when a plan is loaded; [`MapFrame::to_local`] then costs a few
 /// single-precision multiplications.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub struct MapFrame {
     reference: GeoPoint,
     /// Map coordinates of the reference, metres.
     offset: Vec2,
@@ -68,7 +81,7 @@ pub struct Frame {
     sin_heading: f32,
 }
 
-impl Frame {
+impl MapFrame {
     /// Fixes farther than this from the reference are refused, metres along either axis.
     pub const RANGE_M: f32 = 20_000.0;
 
@@ -92,7 +105,7 @@ impl Frame {
     }
 
     /// Map metres of a place; `None` where it is not on the globe or farther than
-    /// [`Frame::RANGE_M`] from the reference.
+    /// [`MapFrame::RANGE_M`] from the reference.
     pub fn to_local(&self, place: GeoPoint) -> Option<Vec2> {
         if !place.is_valid() {
             return None;
@@ -141,7 +154,7 @@ pub fn metres_per_degree(lat_deg: f64) -> (f64, f64) {
 }
 
 /// Metres east and north from one place to another, both `[latitude, longitude]` in
-/// degrees, in the plane of the first: [`Frame`]'s arithmetic in double precision, for
+/// degrees, in the plane of the first: [`MapFrame`]'s arithmetic in double precision, for
 /// maps that give more digits than a receiver does.
 pub fn offset_m(from_deg: [f64; 2], to_deg: [f64; 2]) -> [f64; 2] {
     let (per_lat, per_lon) = metres_per_degree(from_deg[0]);
@@ -188,7 +201,7 @@ mod tests {
 
     #[test]
     fn there_and_back_is_within_the_unit() {
-        let frame = Frame::new(place(33.7756, -84.399), [10.0, -20.0], 0.3);
+        let frame = MapFrame::new(place(33.7756, -84.399), [10.0, -20.0], 0.3);
         for i in -20..20 {
             let p = Vec2::new(i as f32 * 37.0, i as f32 * -21.5);
             let back = frame.to_local(frame.to_geodetic(p)).unwrap();
@@ -199,21 +212,21 @@ mod tests {
     #[test]
     fn heading_turns_the_axes_clockwise_of_north() {
         // A map whose y axis points east: a place to the east has positive y.
-        let frame = Frame::new(place(0.0, 0.0), [0.0, 0.0], core::f64::consts::FRAC_PI_2);
+        let frame = MapFrame::new(place(0.0, 0.0), [0.0, 0.0], core::f64::consts::FRAC_PI_2);
         let p = frame.to_local(place(0.0, 0.001)).unwrap();
         assert!(p.y > 111.0 && p.x.abs() < 0.01, "{p:?}");
     }
 
     #[test]
     fn the_date_line_is_no_border() {
-        let frame = Frame::new(place(10.0, 179.9999), [0.0, 0.0], 0.0);
+        let frame = MapFrame::new(place(10.0, 179.9999), [0.0, 0.0], 0.0);
         let p = frame.to_local(place(10.0, -179.9999)).unwrap();
         assert!((p.x - 21.9).abs() < 0.1, "{p:?}");
     }
 
     #[test]
     fn double_precision_offsets_agree_with_the_frame() {
-        let frame = Frame::new(place(33.7756, -84.399), [0.0, 0.0], 0.0);
+        let frame = MapFrame::new(place(33.7756, -84.399), [0.0, 0.0], 0.0);
         let [x, y] = offset_m([33.7756, -84.399], [33.776141, -84.398784]);
         let p = frame.to_local(place(33.776141, -84.398784)).unwrap();
         assert!((x - f64::from(p.x)).abs() < 1e-3 && (y - f64::from(p.y)).abs() < 1e-3);
@@ -223,7 +236,7 @@ mod tests {
 
     #[test]
     fn what_is_too_far_or_off_the_globe_is_refused() {
-        let frame = Frame::new(place(50.0, 7.0), [0.0, 0.0], 0.0);
+        let frame = MapFrame::new(place(50.0, 7.0), [0.0, 0.0], 0.0);
         assert!(frame.to_local(place(51.0, 7.0)).is_none());
         assert!(frame.to_local(GeoPoint { lat_e7: 2_000_000_000, lon_e7: 0 }).is_none());
         assert!(GeoPoint::from_degrees(f64::NAN, 0.0).is_none());

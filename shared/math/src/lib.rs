@@ -15,5 +15,5 @@ pub mod geodetic;
 pub mod scalar;
 pub mod vector;
 
-pub use geodetic::{Frame, GeoPoint};
+pub use geodetic::{GeoPoint, MapFrame};
 pub use vector::{Pose, Vec2};

@@ -9,7 +9,7 @@ use crate::mission::{ActionKind, Mission, MissionError, Source};
 use crate::parameters::Parameters;
 use crate::work::Work;
 use crate::{header, limits};
-use math::{Frame, Vec2};
+use math::{MapFrame, Vec2};
 
 /// Every internalized plan of a mission, with the parameters to drive by.
 ///
@@ -19,7 +19,7 @@ pub struct Blob<'a> {
     grid: Grid,
     single: SingleGrid,
     origin: Option<Origin>,
-    frame: Option<Frame>,
+    frame: Option<MapFrame>,
     parameters: Parameters,
     goal: Option<Vec2>,
     sections: Sections<'a>,
@@ -120,7 +120,7 @@ impl<'a> Blob<'a> {
         bytes: usize,
     ) -> Self {
         let single = SingleGrid::new(&grid);
-        let frame = origin.map(|o| Frame::new(o.place, o.at_m, o.heading_rad));
+        let frame = origin.map(|o| MapFrame::new(o.place, o.at_m, o.heading_rad));
         let mission = Mission::default();
         Self { grid, single, origin, frame, parameters, goal, sections, mission, bytes }
     }
@@ -141,7 +141,7 @@ impl<'a> Blob<'a> {
     }
 
     /// The transform from GPS fixes to the map's metres, if the origin is known.
-    pub fn frame(&self) -> Option<&Frame> {
+    pub fn frame(&self) -> Option<&MapFrame> {
         self.frame.as_ref()
     }
 

@@ -14,6 +14,13 @@ pub const DIAGONAL_STEP: u32 = 8119;
 
 /// A cost-to-goal in metres: `resolution x (a + b sqrt 2)` for a cost of
 /// `a` straight and `b` diagonal steps.
+///
+/// ```
+/// use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP, cost_metres};
+/// // Three steps straight and one diagonally, in cells of half a metre.
+/// let cost_m = cost_metres(3 * STRAIGHT_STEP + DIAGONAL_STEP, 0.5);
+/// assert!((cost_m - 0.5 * (3.0 + 2.0_f64.sqrt())).abs() < 1e-7);
+/// ```
 pub fn cost_metres(cost: u32, resolution_m: f64) -> f64 {
     f64::from(cost) / f64::from(STRAIGHT_STEP) * resolution_m
 }

@@ -8,8 +8,8 @@
 #![no_std]
 
 pub mod commands;
-pub mod frame;
 pub mod limits;
+pub mod packet;
 pub mod percepts;
 pub mod receiver;
 pub mod record;

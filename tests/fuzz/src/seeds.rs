@@ -2,7 +2,7 @@
 
 use math::GeoPoint;
 use plan_compiler::trace::Trace;
-use robot_io::frame::{self, Downlink, Uplink};
+use robot_io::packet::{self, Downlink, Uplink};
 use robot_io::{
     CommandRecord, Commands, Fix, Manual, Operator, Percepts, Reason, Receiver, SensorRecord,
 };
@@ -103,8 +103,8 @@ fn frames() -> Vec<u8> {
         Operator { is_armed: true, ..Operator::default() },
         Operator { is_armed: true, is_emergency_stop: true, manual },
     ];
-    let up = operators.map(|operator| frame::encode(&Uplink::Operator(operator)));
-    let down = frame::encode(&Downlink::Telemetry(CommandRecord {
+    let up = operators.map(|operator| packet::encode(&Uplink::Operator(operator)));
+    let down = packet::encode(&Downlink::Telemetry(CommandRecord {
         time_us: 1 << 40,
         commands: Commands::stop(Reason::NoFix),
         trace_hash: u64::MAX,

@@ -28,7 +28,7 @@ const READERS: &[(&str, &str)] = &[
     ("plan-compiler/src/trace.rs", "trace"),
     ("shared/plan-format/src/mission/mod.rs", "blob"),
     ("shared/plan-format/src/plan.rs", "blob"),
-    ("shared/robot-io/src/frame.rs", "link"),
+    ("shared/robot-io/src/packet.rs", "link"),
     ("shared/robot-io/src/record.rs", "lockstep"),
     ("tests/sim/src/surroundings.rs", "world"),
 ];

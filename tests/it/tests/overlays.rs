@@ -84,7 +84,7 @@ fn a_utm_origin_places_the_map_on_the_globe() {
 
     // The frame that the robot uses brings the same places to the same points: the grid's
     // north is not true north, and the reference's heading says so.
-    let frame = math::Frame::new(reference.place, reference.at, reference.heading_rad);
+    let frame = math::MapFrame::new(reference.place, reference.at, reference.heading_rad);
     let place = math::GeoPoint::from_degrees(35.0001, 86.0001).expect("on the globe");
     let local = frame.to_local(place).expect("within range");
     let off = [f64::from(local.x) - 18.4734, f64::from(local.y) - 21.9977];

@@ -12,7 +12,7 @@ use harness::{Build, Machine, QemuPilot, counts, setup};
 use it::own_map;
 use math::{GeoPoint, Vec2};
 use plan_format::parameters::Gains;
-use robot_io::frame::{Decoder, Downlink};
+use robot_io::packet::{Decoder, Downlink};
 use robot_io::{CommandRecord, Reason, SensorRecord};
 use sim::receiver::{Dialect, Mode, Solution};
 use sim::{HostPilot, Outcome, Pilot, SensorSettings};

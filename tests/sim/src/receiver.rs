@@ -5,7 +5,7 @@
 
 use crate::{Point, Random, Stream};
 use math::scalar::wide;
-use math::{Frame, GeoPoint, Vec2};
+use math::{GeoPoint, MapFrame, Vec2};
 use plan_compiler::map::Reference;
 use std::collections::VecDeque;
 
@@ -60,7 +60,7 @@ impl ReceiverSettings {
 #[derive(Clone, Debug)]
 pub struct Receiver {
     settings: ReceiverSettings,
-    frame: Frame,
+    frame: MapFrame,
     /// Of the map's y axis, clockwise from true north.
     heading_rad: f64,
     random: Random,
@@ -81,7 +81,7 @@ impl Receiver {
         let error_m = [0, 1].map(|_| settings.sigma_m * random.normal());
         Self {
             settings,
-            frame: Frame::new(reference.place, reference.at, reference.heading_rad),
+            frame: MapFrame::new(reference.place, reference.at, reference.heading_rad),
             heading_rad: reference.heading_rad,
             random,
             error_m,

@@ -5,8 +5,9 @@ use plan_compiler::field::{Field, GOAL};
 use plan_compiler::pack::pack;
 use plan_format::grid::octile;
 use plan_format::mission::{
-    Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Frame, Inference,
-    Input, Interval, Label, MissionDraft, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
+    Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Inference, Input,
+    Interval, Label, MissionDraft, PlanFrame, Production, Rule, RuleBase, Source, SwitchPoint,
+    Symbol,
 };
 use plan_format::{
     Direction, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, write,
@@ -239,7 +240,7 @@ fn frame(
         first_interval,
         intervals: intervals.len() as u8,
     });
-    draft.frames.push(Frame {
+    draft.frames.push(PlanFrame {
         name,
         first: draft.productions.len() as u16 - 1,
         count: 1,

@@ -2,10 +2,10 @@
 
 use behaviour::{Behaviours, Decision, MAX_RUNNING, Phase, REST_US};
 use controller::{Explanation, State};
-use monitor::{Entry, Grid, Id, Node, Relation, Signal, Violation};
+use monitor::{Component, Id, Life, Node, Relation, Signal, SituationGrid, Violation};
 use plan_format::Blob;
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
-use plan_format::mission::{Life, Mission, Symbol};
+use plan_format::mission::{Mission, Symbol};
 use robot_io::Percepts;
 
 /// What has to be remembered from tick to tick to judge the next.
@@ -16,7 +16,7 @@ pub struct Watch {
     seen_us: Option<u64>,
     failed_us: [Option<u64>; MAX_BEHAVIOURS],
     /// What the plans were.
-    grid: Grid,
+    grid: SituationGrid,
 }
 
 impl Watch {
@@ -100,7 +100,7 @@ impl Watch {
 }
 
 /// The atomic actions that run.
-pub fn running(behaviours: &Behaviours) -> impl Iterator<Item = (Id, &Entry)> {
+pub fn running(behaviours: &Behaviours) -> impl Iterator<Item = (Id, &Component)> {
     behaviours.grid().iter().filter(|(_, entry)| {
         entry.life == Life::Started && matches!(entry.symbol, Symbol::Action(_))
     })

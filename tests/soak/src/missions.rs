@@ -4,8 +4,8 @@ use crate::fixtures;
 use crate::random::Random;
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_CHANNELS, MAX_FACTS, MAX_OUTPUTS};
 use plan_format::mission::{
-    Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Frame,
-    Inference, Input, Interval, Label, Mission, MissionDraft, Production, Rule, RuleBase, Source,
+    Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Inference,
+    Input, Interval, Label, Mission, MissionDraft, PlanFrame, Production, Rule, RuleBase, Source,
     SwitchPoint, Symbol,
 };
 
@@ -73,7 +73,7 @@ fn copied(mission: &Mission<'_>) -> MissionDraft {
     draft.facts = mission.facts().iter().map(|fact| Fact { name, ..fact }).collect();
     draft.descriptions = mission.descriptions().iter().collect();
     draft.actions = mission.actions().iter().map(|action| Action { name, ..action }).collect();
-    draft.frames = mission.frames().iter().map(|frame| Frame { name, ..frame }).collect();
+    draft.frames = mission.frames().iter().map(|frame| PlanFrame { name, ..frame }).collect();
     draft.productions =
         mission.productions().iter().map(|production| Production { name, ..production }).collect();
     draft.edges = mission.edges().iter().collect();
@@ -284,7 +284,7 @@ impl Artist<'_> {
             for _ in 0..count {
                 self.production(frame, frames);
             }
-            let frame = Frame {
+            let frame = PlanFrame {
                 name,
                 first,
                 count,

@@ -19,8 +19,8 @@ use behaviour::{Behaviours, Decision, Observations, Refusal, Report, Running, Wo
 use math::{Vec2, vector};
 use monitor::{Doubt, Signal, Violation};
 use plan_format::mission::{
-    Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Frame,
-    Inference, Input, Interval, Label, Mission, MissionDraft, Production, Rule, RuleBase, Source,
+    Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Inference,
+    Input, Interval, Label, Mission, MissionDraft, PlanFrame, Production, Rule, RuleBase, Source,
     SwitchPoint, Symbol,
 };
 use std::fmt::Write;
@@ -202,7 +202,7 @@ impl Writer {
 
     fn frame(&mut self, name: &str, clauses: &[Vec<&str>]) {
         let name = self.draft.name(name);
-        let frame = Frame {
+        let frame = PlanFrame {
             name,
             first: self.draft.productions.len() as u16,
             count: 0,

@@ -6,8 +6,8 @@ use plan_compiler::bitmap::Bitmap;
 use plan_compiler::pack::pack;
 use plan_compiler::search::{Corners, solve};
 use plan_format::mission::{
-    Action, ActionKind, Behaviour, Condition, Description, Edge, Frame, Inference, Input, Label,
-    MissionDraft, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
+    Action, ActionKind, Behaviour, Condition, Description, Edge, Inference, Input, Label,
+    MissionDraft, PlanFrame, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
 };
 use plan_format::{Blob, Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, write};
 use robot_io::{Commands, Fix, Operator, Percepts, RangeReading};
@@ -88,7 +88,7 @@ fn mission(criticality: Label, actions: &[ActionKind]) -> MissionDraft {
         first_interval: 0,
         intervals: 0,
     });
-    draft.frames.push(Frame {
+    draft.frames.push(PlanFrame {
         name,
         first: 0,
         count: 1,

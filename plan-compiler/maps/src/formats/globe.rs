@@ -10,12 +10,12 @@ use crate::model::{Extent, Map, Point, Reference, Role};
 use crate::numbers::metres;
 use crate::problem::Problem;
 use math::GeoPoint;
-use math::geodetic::{Frame, metres_per_degree, offset_m};
+use math::geodetic::{MapFrame, metres_per_degree, offset_m};
 
 /// Room left around the outermost coordinates, so that there is a way around what stands there.
 const MARGIN_M: f64 = 10.0;
 /// The plane serves no farther than this from its centre, metres.
-const REACH_M: f64 = Frame::RANGE_M as f64;
+const REACH_M: f64 = MapFrame::RANGE_M as f64;
 
 /// Beyond this latitude meridians run together so fast that a plane is no map, degrees.
 const MAX_LATITUDE_DEG: f64 = 85.0;

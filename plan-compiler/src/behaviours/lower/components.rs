@@ -5,7 +5,7 @@ use crate::behaviours::syntax::{self, Doing, FactSyntax};
 use crate::toml::{Span, Text};
 use plan_format::limits;
 use plan_format::mission::{
-    Action, ActionKind, Description, Edge, Facts, Frame, Production, Symbol,
+    Action, ActionKind, Description, Edge, Facts, PlanFrame, Production, Symbol,
 };
 use plan_format::parameters::Gains;
 
@@ -33,7 +33,7 @@ impl Lowering<'_> {
             for production in &frame.productions {
                 self.production(production);
             }
-            self.draft.frames.push(Frame {
+            self.draft.frames.push(PlanFrame {
                 name,
                 first,
                 count: frame.productions.len().min(usize::from(u8::MAX)) as u8,

@@ -75,7 +75,7 @@ pub(crate) fn below(draft: &MissionDraft, frame: usize) -> Vec<Symbol> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plan_format::mission::{Condition, Description, Edge, Frame, Production};
+    use plan_format::mission::{Condition, Description, Edge, PlanFrame, Production};
     use proptest::prelude::*;
 
     /// Frames and actions, each frame with one production of the given components.
@@ -102,7 +102,7 @@ mod tests {
             });
         }
         for (index, parts) in frames.iter().enumerate() {
-            draft.frames.push(Frame {
+            draft.frames.push(PlanFrame {
                 name,
                 first: index as u16,
                 count: 1,

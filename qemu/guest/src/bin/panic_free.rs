@@ -6,7 +6,7 @@
 //! images: debug ones check for overflow, and that check is a panic.
 //!
 //! Covered: validation, look-ups, the whole tick with its behaviours, trace hash, records, the
-//! frames of the link both ways, and the receiver's drivers from bytes to fix and verdict.
+//! packets of the link both ways, and the receiver's drivers from bytes to fix and verdict.
 //! Deliberately absent: the polling of the tasks around them and the executor, whose code is
 //! made by others and can panic as far as the compiler sees, and the drivers of the board.
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -19,7 +19,7 @@ mod gate {
     use core::hint::black_box;
     use embassy_sync::blocking_mutex::raw::NoopRawMutex;
     use plan_format::{Answer, Blob};
-    use robot_io::frame::{Decoder, Downlink, Uplink, encode};
+    use robot_io::packet::{Decoder, Downlink, Uplink, encode};
     use robot_io::{CommandRecord, Percepts, SensorRecord, TraceHash};
     use runtime::{FixSlot, gps};
 

@@ -7,7 +7,6 @@ use core::fmt;
 
 /// Why a mission is refused. The doc comment is the message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
 pub enum MissionError {
     /// a table is not made of whole, known records
     Tables,
@@ -23,20 +22,40 @@ pub enum MissionError {
     Graph,
 }
 
+impl MissionError {
+    /// Every error's number and text, once.
+    const fn row(self) -> (u8, &'static str) {
+        match self {
+            Self::Tables => (1, "a table is not made of whole, known records"),
+            Self::TooLarge => (2, "a table is longer than this build's limits"),
+            Self::Name => (3, "a name is not UTF-8 or out of range"),
+            Self::Reference => (4, "a record refers to another that does not exist"),
+            Self::Number => (5, "a number is not finite or out of its range"),
+            Self::Graph => (6, "a production is not a graph from one entry to one exit"),
+        }
+    }
+
+    /// A number for logs, from 1; never reused for another meaning.
+    pub const fn code(self) -> u8 {
+        self.row().0
+    }
+}
+
 impl fmt::Display for MissionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Tables => "a table is not made of whole, known records",
-            Self::TooLarge => "a table is longer than this build's limits",
-            Self::Name => "a name is not UTF-8 or out of range",
-            Self::Reference => "a record refers to another that does not exist",
-            Self::Number => "a number is not finite or out of its range",
-            Self::Graph => "a production is not a graph from one entry to one exit",
-        })
+        f.write_str(self.row().1)
     }
 }
 
 impl core::error::Error for MissionError {}
+
+#[cfg(all(feature = "defmt", target_os = "none"))]
+impl defmt::Format for MissionError {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let (code, text) = self.row();
+        defmt::write!(f, "code {=u8}, {=str}", code, text);
+    }
+}
 
 type Checked = Result<(), MissionError>;
 

@@ -138,7 +138,7 @@ record! {
 record! {
     /// A non-terminal symbol: a conceptual activity that is decomposed.
     #[derive(Clone, Copy, Debug, PartialEq)]
-    pub struct Frame {
+    pub struct PlanFrame {
         /// Its name.
         pub name: Name,
         /// Index of its first production.

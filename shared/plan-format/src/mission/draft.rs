@@ -1,8 +1,8 @@
 //! Writing a mission.
 
 use super::{
-    Action, Behaviour, Description, Edge, Fact, Frame, Input, Interval, Mission, MissionError,
-    Name, Production, Rule, RuleBase, Sections,
+    Action, Behaviour, Description, Edge, Fact, Input, Interval, Mission, MissionError, Name,
+    PlanFrame, Production, Rule, RuleBase, Sections,
 };
 use crate::record::Record;
 
@@ -16,7 +16,7 @@ pub struct MissionDraft {
     pub facts: Vec<Fact>,
     pub descriptions: Vec<Description>,
     pub actions: Vec<Action>,
-    pub frames: Vec<Frame>,
+    pub frames: Vec<PlanFrame>,
     pub productions: Vec<Production>,
     pub edges: Vec<Edge>,
     pub intervals: Vec<Interval>,

@@ -15,7 +15,6 @@ mod components;
 #[cfg(feature = "std")]
 mod draft;
 mod facts;
-mod life;
 mod names;
 mod productions;
 mod rules;
@@ -23,11 +22,10 @@ mod rules;
 pub use crate::record::Table;
 pub use behaviours::{Behaviour, SwitchPoint};
 pub use check::MissionError;
-pub use components::{Action, ActionKind, Description, Frame};
+pub use components::{Action, ActionKind, Description, PlanFrame};
 #[cfg(feature = "std")]
 pub use draft::MissionDraft;
 pub use facts::{Condition, Fact, FactKind, Facts};
-pub use life::Life;
 pub use names::Name;
 pub use productions::{Edge, Interval, Production, Symbol};
 pub use rules::{Inference, Input, Label, Row, Rule, RuleBase, Source};
@@ -104,7 +102,7 @@ impl<'a> Mission<'a> {
     }
 
     /// Plan frames.
-    pub fn frames(&self) -> Table<'a, Frame> {
+    pub fn frames(&self) -> Table<'a, PlanFrame> {
         Table::new(self.0.frames)
     }
 
@@ -134,7 +132,7 @@ impl<'a> Mission<'a> {
     }
 
     /// The productions of a frame, in the order of their numbers.
-    pub fn productions_of(&self, frame: &Frame) -> impl Iterator<Item = Production> + use<'a> {
+    pub fn productions_of(&self, frame: &PlanFrame) -> impl Iterator<Item = Production> + use<'a> {
         self.productions().range(frame.first, frame.count)
     }
 
@@ -211,7 +209,7 @@ mod tests {
             resources: 1,
         });
         let name = draft.name("work");
-        draft.frames.push(Frame {
+        draft.frames.push(PlanFrame {
             name,
             first: 0,
             count: 2,

@@ -111,7 +111,7 @@ fn the_place_astray_is_the_one_far_from_most() {
 fn the_robot_finds_itself_where_the_map_says() {
     let places = [[51.48, -0.002], [51.4815, 0.001]];
     let plane = Plane::new(None, places.into_iter(), None).expect("a plane");
-    let frame = Frame::new(plane.reference, [0.0; 2], 0.0);
+    let frame = MapFrame::new(plane.reference, [0.0; 2], 0.0);
     for place in places {
         let fix = GeoPoint::from_degrees(place[0], place[1]).expect("on the globe");
         let there = frame.to_local(fix).expect("near");

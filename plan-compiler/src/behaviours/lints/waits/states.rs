@@ -1,12 +1,10 @@
 //! All states that a plan can come to, by the robot's own crates.
 
 use super::Bound;
-use grammar::{Choice, Ended, Event, Forest, Id};
-use monitor::{Entry, Grid};
+use grammar::{Choice, Ended, Event, Forest, Id, Life};
+use monitor::SituationGrid;
 use plan_format::limits::MAX_DEPTH;
-use plan_format::mission::{
-    ActionKind, Condition, Life, Mission, MissionDraft, Production, Symbol,
-};
+use plan_format::mission::{ActionKind, Condition, Mission, MissionDraft, Production, Symbol};
 use std::collections::HashMap;
 
 /// States of one plan that are looked through, at most.
@@ -48,7 +46,7 @@ pub(super) struct Stop {
 #[derive(Clone, Default)]
 struct Plan {
     forest: Forest,
-    grid: Grid,
+    grid: SituationGrid,
 }
 
 impl States {
@@ -150,26 +148,7 @@ impl Plan {
         act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T,
     ) -> T {
         let Self { forest, grid } = self;
-        act(forest, &mut |event| match event {
-            Event::Planned { id, component } => grid.planned(
-                id,
-                Entry {
-                    symbol: component.symbol,
-                    owner: component.owner,
-                    parent: component.parent,
-                    edge: component.edge,
-                    from: component.from,
-                    to: component.to,
-                    life: component.life,
-                    production: component.production,
-                    finished: 0,
-                },
-            ),
-            Event::Decomposed { id, production } => grid.decomposed(mission, id, production),
-            Event::CameRound { id } => grid.came_round(id),
-            Event::Became { id, life } => grid.became(mission, id, life),
-            Event::Deleted { id } => grid.deleted(id),
-        })
+        act(forest, &mut |event| grid.heed(mission, &event))
     }
 
     /// The actions that run, and how long each may, milliseconds.

@@ -1,12 +1,12 @@
-//! Frames: how a value crosses a serial line that loses, flips and invents bytes.
+//! Packets: how a value crosses a serial line that loses, flips and invents bytes.
 //!
-//! A frame is the value's postcard bytes, their CRC-16 (CCITT-FALSE, little-endian), both
+//! A packet is the value's postcard bytes, their CRC-16 (CCITT-FALSE, little-endian), both
 //! stuffed by COBS so that no byte is 0, and a 0 at the end. Whatever happens on the line,
 //! the decoder is in step again after the next 0.
 //!
-//! Invariants: [`Decoder::push`] is total and keeps at most [`MAX_STUFFED_BYTES`]; a frame
+//! Invariants: [`Decoder::push`] is total and keeps at most [`MAX_STUFFED_BYTES`]; a packet
 //! with one flipped bit is never accepted. Deliberately absent: addresses, sequence numbers,
-//! acknowledgements. Each frame says a whole state, so the next one mends a lost one.
+//! acknowledgements. Each packet says a whole state, so the next one mends a lost one.
 
 use heapless::Vec;
 use serde::de::DeserializeOwned;
@@ -16,29 +16,29 @@ use crate::limits::MAX_WIRE_BYTES;
 use crate::{CommandRecord, Operator};
 
 const CRC_BYTES: usize = 2;
-/// Bytes of the longest frame before stuffing.
+/// Bytes of the longest packet before stuffing.
 const MAX_PLAIN_BYTES: usize = MAX_WIRE_BYTES + CRC_BYTES;
-/// Bytes of the longest frame after stuffing, without the closing 0: one more for each 254.
+/// Bytes of the longest packet after stuffing, without the closing 0: one more for each 254.
 pub const MAX_STUFFED_BYTES: usize = MAX_PLAIN_BYTES + MAX_PLAIN_BYTES / 254 + 1;
-/// Bytes of the longest frame on the wire.
-pub const MAX_FRAME_BYTES: usize = MAX_STUFFED_BYTES + 1;
+/// Bytes of the longest packet on the wire.
+pub const MAX_PACKET_BYTES: usize = MAX_STUFFED_BYTES + 1;
 
-/// What a robot says. New kinds are added at the end.
+/// What a robot sends. New kinds are added at the end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Downlink {
     /// What it did in a tick.
     Telemetry(CommandRecord),
 }
 
-/// What a robot is told. New kinds are added at the end.
+/// What a robot receives. New kinds are added at the end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Uplink {
     /// What the human in charge wants; repeated, since silence means something too.
     Operator(Operator),
 }
 
-/// A frame that says `value`, with the closing 0; `None` if it is too long.
-pub fn encode<T: Serialize>(value: &T) -> Option<Vec<u8, MAX_FRAME_BYTES>> {
+/// A packet that says `value`, with the closing 0; `None` if it is too long.
+pub fn encode<T: Serialize>(value: &T) -> Option<Vec<u8, MAX_PACKET_BYTES>> {
     let mut plain = [0; MAX_PLAIN_BYTES];
     let length = postcard::to_slice(value, &mut plain).ok()?.len();
     let (value_bytes, rest) = plain.split_at_mut_checked(length)?;
@@ -52,21 +52,21 @@ fn value<T: DeserializeOwned>(payload: &[u8]) -> Option<T> {
     rest.is_empty().then_some(value)
 }
 
-/// Finds frames in a stream of bytes.
+/// Finds packets in a stream of bytes.
 #[derive(Clone, Debug, Default)]
 pub struct Decoder {
-    /// Unstuffed bytes of the frame that is arriving.
+    /// Unstuffed bytes of the packet that is arriving.
     plain: Vec<u8, MAX_STUFFED_BYTES>,
     /// Bytes to copy before the next code byte.
     left: u8,
     /// Whether a 0 stands where the current block ends.
     owes_zero: bool,
-    /// Whether the frame is broken already, up to the next 0.
+    /// Whether the packet is broken already, up to the next 0.
     is_broken: bool,
 }
 
 impl Decoder {
-    /// Takes the next byte. When it closes a sound frame, answers with what the frame says.
+    /// Takes the next byte. When it closes a sound packet, answers with what the packet says.
     pub fn push<T: DeserializeOwned>(&mut self, byte: u8) -> Option<T> {
         if byte != 0 {
             self.unstuff(byte);
@@ -94,7 +94,7 @@ impl Decoder {
         self.is_broken |= self.plain.push(byte).is_err();
     }
 
-    /// The payload, if the frame is whole and its checksum right.
+    /// The payload, if the packet is whole and its checksum right.
     fn payload(&self) -> Option<&[u8]> {
         if self.is_broken || self.left > 0 {
             return None;
@@ -105,24 +105,24 @@ impl Decoder {
 }
 
 /// COBS (Cheshire and Baker 1999) with the closing 0.
-fn stuff(plain: &[u8]) -> Option<Vec<u8, MAX_FRAME_BYTES>> {
-    let mut frame = Vec::new();
+fn stuff(plain: &[u8]) -> Option<Vec<u8, MAX_PACKET_BYTES>> {
+    let mut packet = Vec::new();
     let mut blocks = plain.split(|&byte| byte == 0);
     blocks.try_for_each(|block| {
         let mut chunks = block.chunks_exact(254);
         for full in chunks.by_ref() {
-            frame.push(0xff).ok()?;
-            frame.extend_from_slice(full).ok()?;
+            packet.push(0xff).ok()?;
+            packet.extend_from_slice(full).ok()?;
         }
         let rest = chunks.remainder();
-        frame.push(rest.len() as u8 + 1).ok()?;
-        frame.extend_from_slice(rest).ok()
+        packet.push(rest.len() as u8 + 1).ok()?;
+        packet.extend_from_slice(rest).ok()
     })?;
-    frame.push(0).ok()?;
-    Some(frame)
+    packet.push(0).ok()?;
+    Some(packet)
 }
 
-/// CRC-16/CCITT-FALSE: polynomial 0x1021, start 0xffff. Bit by bit: frames are short and
+/// CRC-16/CCITT-FALSE: polynomial 0x1021, start 0xffff. Bit by bit: packets are short and
 /// rare, and a table would cost 512 bytes of flash.
 fn crc16(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xffff, |crc, &byte| {
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
     use crate::{Commands, Manual, Reason, Receiver};
 
-    /// What a stream of bytes says, one entry a sound frame.
+    /// What a stream of bytes says, one entry a sound packet.
     fn read_all(bytes: &[u8]) -> Vec<Uplink, 8> {
         let mut decoder = Decoder::default();
         bytes.iter().filter_map(|&byte| decoder.push(byte)).collect()
@@ -158,8 +158,8 @@ mod tests {
         // Operator, not armed, stopped, no manual command; then the checksum of 00 00 01 00.
         let stop = Operator { is_emergency_stop: true, ..Operator::default() };
         let [low, high] = crc16(&[0, 0, 1, 0]).to_le_bytes();
-        let frame = encode(&Uplink::Operator(stop)).unwrap();
-        assert_eq!(frame, [1, 1, 2, 1, 3, low, high, 0]);
+        let packet = encode(&Uplink::Operator(stop)).unwrap();
+        assert_eq!(packet, [1, 1, 2, 1, 3, low, high, 0]);
     }
 
     #[test]
@@ -177,8 +177,8 @@ mod tests {
                     (0..length).map(|i| (i * step % 5 * 51) as u8).collect();
                 let mut sealed = plain.clone();
                 sealed.extend_from_slice(&crc16(&plain).to_le_bytes()).unwrap();
-                let frame = stuff(&sealed).unwrap();
-                let (last, stuffed) = frame.split_last().unwrap();
+                let packet = stuff(&sealed).unwrap();
+                let (last, stuffed) = packet.split_last().unwrap();
                 assert!(*last == 0 && !stuffed.contains(&0));
                 let mut decoder = Decoder::default();
                 stuffed.iter().for_each(|&byte| decoder.unstuff(byte));
@@ -196,9 +196,9 @@ mod tests {
             instructions: u32::MAX,
             receiver: Receiver::NoVelocity,
         };
-        let frame = encode(&Downlink::Telemetry(record)).unwrap();
+        let packet = encode(&Downlink::Telemetry(record)).unwrap();
         let mut decoder = Decoder::default();
-        let back = frame.iter().find_map(|&byte| decoder.push(byte));
+        let back = packet.iter().find_map(|&byte| decoder.push(byte));
         assert_eq!(back, Some(Downlink::Telemetry(record)));
     }
 
@@ -206,11 +206,11 @@ mod tests {
     fn a_frame_with_one_flipped_bit_is_refused_and_the_next_is_read() {
         for speed_mps in [0.0, 1.0, -0.7, 1e-3, 253.9] {
             let (said, next) = (uplink(speed_mps), uplink(0.25));
-            let frame = encode(&said).unwrap();
-            for bit in 0..frame.len() * 8 {
-                let mut bytes = frame.clone();
+            let packet = encode(&said).unwrap();
+            for bit in 0..packet.len() * 8 {
+                let mut bytes = packet.clone();
                 bytes[bit / 8] ^= 1 << (bit % 8);
-                // A lost end makes one frame of two: the one after them must be read.
+                // A lost end makes one packet of two: the one after them must be read.
                 let mut stream: Vec<u8, 512> = Vec::new();
                 for part in [&bytes, &encode(&uplink(9.0)).unwrap(), &encode(&next).unwrap()] {
                     stream.extend_from_slice(part).unwrap();
@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn the_decoder_is_in_step_after_any_garbage() {
-        let frame = encode(&uplink(0.5)).unwrap();
+        let packet = encode(&uplink(0.5)).unwrap();
         // A small generator of bytes, so that the crate needs none.
         let mut state = 1_u32;
         for length in (0..600).chain([5_000]) {
@@ -236,7 +236,7 @@ mod tests {
                 assert_eq!(said, None);
             }
             let _: Option<Uplink> = decoder.push(0);
-            let said = frame.iter().find_map(|&byte| decoder.push(byte));
+            let said = packet.iter().find_map(|&byte| decoder.push(byte));
             assert_eq!(said, Some(uplink(0.5)), "after {length} bytes");
         }
     }

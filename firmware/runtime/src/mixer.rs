@@ -2,20 +2,20 @@
 
 use robot_io::Commands;
 
-/// A body on two driven wheels or tracks.
+/// Mixes speed and turn rate for a body on two driven wheels or tracks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Differential {
+pub struct Mixer {
     /// From wheel to wheel, metres.
     pub track_m: f32,
-    /// Speed of a wheel at full drive, m/s.
+    /// Speed of a wheel at full output, m/s.
     pub full_speed_mps: f32,
 }
 
-impl Differential {
-    /// Drive of the left and the right wheel, -1 ..= 1.
+impl Mixer {
+    /// Output for the left and the right wheel, -1 ..= 1.
     ///
     /// Where a wheel would have to turn faster than it can, both are slowed by the same
-    /// factor: the robot then keeps the circle that it was told, more slowly.
+    /// factor: the robot then keeps the circle that was commanded, more slowly.
     pub fn mix(&self, commands: &Commands) -> [f32; 2] {
         let half_difference = commands.turn_rate_radps * self.track_m / 2.0;
         let left = commands.speed_mps - half_difference;
@@ -36,7 +36,7 @@ mod tests {
     use robot_io::Reason;
 
     fn mix(speed_mps: f32, turn_rate_radps: f32) -> [f32; 2] {
-        let body = Differential { track_m: 0.5, full_speed_mps: 2.0 };
+        let body = Mixer { track_m: 0.5, full_speed_mps: 2.0 };
         body.mix(&Commands { speed_mps, turn_rate_radps, ..Commands::stop(Reason::Driving) })
     }
 
@@ -57,7 +57,7 @@ mod tests {
     fn nonsense_stands_still() {
         assert_eq!(mix(f32::NAN, f32::NAN), [0.0, 0.0]);
         assert_eq!(mix(f32::INFINITY, 0.0), [0.0, 0.0]);
-        let broken = Differential { track_m: 0.5, full_speed_mps: 0.0 };
+        let broken = Mixer { track_m: 0.5, full_speed_mps: 0.0 };
         assert_eq!(broken.mix(&Commands::stop(Reason::AtGoal)), [0.0, 0.0]);
     }
 }

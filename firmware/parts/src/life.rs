@@ -1,4 +1,4 @@
-//! The life cycle of a plan component.
+//! The life cycle of a component.
 
 /// The life cycle of a component (H, "Plan Component Representation").
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,0 +1,199 @@
+//! Which behaviours should have the robot. Decides and reports; changes nothing.
+
+use crate::report::{Decision, Refusal};
+use crate::{ACTIVITY, Behaviours, Context, Phase, behaviour_bit, behaviours_in};
+use heapless::Vec;
+use parts::Owner;
+use plan_format::limits::MAX_BEHAVIOURS;
+use plan_format::mission::{Behaviour, Condition, Facts, Mission, SwitchPoint};
+
+/// What engaging a behaviour may do to the facts that others protect.
+#[derive(Clone, Copy)]
+pub(crate) struct Effects {
+    may_add: Facts,
+    may_delete: Facts,
+}
+
+impl Effects {
+    /// Of everything that a behaviour may do.
+    pub(crate) fn of(mission: &Mission<'_>, behaviour: &Behaviour) -> Self {
+        let frames = [Some(behaviour.root), behaviour.start_up, behaviour.shut_down];
+        let all = frames
+            .into_iter()
+            .flatten()
+            .filter_map(|index| mission.frames().get(usize::from(index)));
+        all.fold(Self { may_add: 0, may_delete: 0 }, |effects, frame| Self {
+            may_add: effects.may_add | frame.may_add,
+            may_delete: effects.may_delete | frame.may_delete,
+        })
+    }
+
+    fn endanger(self, held: Condition) -> bool {
+        held.must & self.may_delete != 0 || held.must_not & self.may_add != 0
+    }
+
+    /// Whether there are none.
+    fn is_empty(self) -> bool {
+        self.may_add | self.may_delete == 0
+    }
+}
+
+/// A behaviour that wants the robot, or has it.
+#[derive(Clone, Copy)]
+pub(crate) struct Claim {
+    pub(crate) index: usize,
+    pub(crate) resources: u16,
+    pub(crate) is_engaged: bool,
+    pub(crate) is_urgent: bool,
+    pub(crate) weight: f32,
+}
+
+impl Claim {
+    /// Whether it goes before another that comes later in the mission.
+    fn outranks(&self, other: &Self) -> bool {
+        if self.is_urgent != other.is_urgent {
+            return self.is_urgent;
+        }
+        // Among equals, whoever has the robot keeps it.
+        self.weight > other.weight
+            || self.weight == other.weight && (self.is_engaged || !other.is_engaged)
+    }
+}
+
+impl Behaviours {
+    /// Everyone who wants the robot, the weightiest first, among equals by index.
+    pub(crate) fn claims(&self, mission: &Mission<'_>) -> Vec<Claim, MAX_BEHAVIOURS> {
+        let mut claims: Vec<Claim, MAX_BEHAVIOURS> = Vec::new();
+        let statuses = self.statuses.iter().take(mission.behaviours().len());
+        for (index, status) in statuses.enumerate() {
+            let is_engaged = status.is_engaged();
+            if !is_engaged && (status.is_dormant || self.now_us < status.rests_until_us) {
+                continue;
+            }
+            let claim = Claim {
+                index,
+                resources: status.resources,
+                is_engaged,
+                is_urgent: status.is_urgent,
+                weight: if status.is_dormant { 0.0 } else { status.weight },
+            };
+            let at = claims.iter().position(|other| !other.outranks(&claim));
+            // There are as many places as behaviours.
+            let _ = claims.insert(at.unwrap_or(claims.len()), claim);
+        }
+        claims
+    }
+
+    /// The engaged behaviours that need what a claim needs, one bit each.
+    pub(crate) fn in_the_way(&self, claim: &Claim) -> u16 {
+        let others = self.engaged & !behaviour_bit(claim.index);
+        behaviours_in(others)
+            .filter(|&index| self.status(index).resources & claim.resources != 0)
+            .fold(0, |set, index| set | behaviour_bit(index))
+    }
+
+    /// Those who are not in the way but protect what would suffer, one bit each. That they do is
+    /// noted of what is urgent, too, though it does not keep it out.
+    pub(crate) fn excluding(
+        &self,
+        claim: &Claim,
+        effects: Effects,
+        in_the_way: u16,
+        context: &mut Context<'_>,
+    ) -> u16 {
+        let mut excluding = 0;
+        if effects.is_empty() {
+            return excluding;
+        }
+        let aside = in_the_way | behaviour_bit(claim.index);
+        for index in behaviours_in((self.engaged | self.holding()) & !aside) {
+            if !self.endangers_held(index, effects) {
+                continue;
+            }
+            excluding |= behaviour_bit(index);
+            let (behaviour, by) = (claim.index as u8, index as u8);
+            context.report.note(if claim.is_urgent {
+                Decision::Overruled { behaviour: by, by: behaviour }
+            } else {
+                Decision::Refused { behaviour, by, why: Refusal::Excluded }
+            });
+        }
+        excluding
+    }
+
+    /// Those in the way that can be interrupted now, one bit each; the others' reasons are noted.
+    pub(crate) fn yielding(
+        &self,
+        claim: &Claim,
+        effects: Effects,
+        in_the_way: u16,
+        context: &mut Context<'_>,
+    ) -> u16 {
+        let mut yielding = in_the_way;
+        let mut is_soon = true;
+        for other in behaviours_in(in_the_way) {
+            let Some(why) = self.keeps_the_robot(context.mission, other, effects) else { continue };
+            let (behaviour, by) = (claim.index as u8, other as u8);
+            context.report.note(Decision::Refused { behaviour, by, why });
+            yielding &= !behaviour_bit(other);
+            is_soon &= matches!(why, Refusal::NoPointYet | Refusal::ShuttingDown);
+        }
+        // Nobody sleeps in vain while another takes its time.
+        if is_soon { yielding } else { 0 }
+    }
+
+    /// Why an engaged behaviour does not yield to another now.
+    fn keeps_the_robot(
+        &self,
+        mission: &Mission<'_>,
+        index: usize,
+        effects: Effects,
+    ) -> Option<Refusal> {
+        let behaviour = mission.behaviours().get(index)?;
+        let status = self.status(index);
+        let ran_us = self.now_us.saturating_sub(status.engaged_us);
+        match status.phase {
+            Phase::ShuttingDown => return Some(Refusal::ShuttingDown),
+            Phase::StartingUp => return Some(Refusal::NoPointYet),
+            _ if ran_us < u64::from(behaviour.dwell_ms) * 1_000 => return Some(Refusal::Dwell),
+            _ => {}
+        }
+        if self.is_acting(index) || self.endangers_held(index, effects) {
+            return Some(Refusal::NoPointYet);
+        }
+        let is_better_ahead = behaviour.switch_point == SwitchPoint::Best && {
+            let mut is_better = false;
+            self.plans.grid.points(mission, index as Owner, &mut |point| {
+                is_better |= point.lost_work < status.lost_work && !effects.endanger(point.held);
+            });
+            is_better
+        };
+        is_better_ahead.then_some(Refusal::BetterPointAhead)
+    }
+
+    /// Whether a behaviour's plan, or the activity that prepares it, protects what would suffer.
+    fn endangers_held(&self, index: usize, effects: Effects) -> bool {
+        if effects.is_empty() {
+            return false;
+        }
+        let status = self.status(index);
+        if status.phase == Phase::Sleeping {
+            return effects.endanger(status.held);
+        }
+        let owner = index as Owner;
+        effects.endanger(self.held_by(owner))
+            || status.phase != Phase::Active && effects.endanger(self.held_by(owner + ACTIVITY))
+    }
+
+    /// What the protection intervals in force in a plan protect, all together.
+    pub(crate) fn held_by(&self, owner: Owner) -> Condition {
+        self.plans.grid.held(owner).fold(Condition::default(), |all, (_, held)| all.and(held))
+    }
+
+    /// Whether some action of a behaviour's plan runs: it is between vertices.
+    fn is_acting(&self, index: usize) -> bool {
+        let forest = &self.plans.forest;
+        let owner = |id| forest.get(id).map(|component| usize::from(component.owner));
+        forest.running().any(|id| owner(id) == Some(index))
+    }
+}

@@ -1,0 +1,41 @@
+//! Sets of small numbers, a bit each.
+//!
+//! Sets of places in the pool and of vertices are `u32`; sets of behaviours, resources and the
+//! edges or productions of one frame are `u16`. The limits of the blob keep all members below
+//! the width of their set.
+
+use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
+
+const _: () = assert!(MAX_COMPONENTS <= u32::BITS as usize, "sets of places are u32");
+const _: () = assert!(MAX_BEHAVIOURS <= u16::BITS as usize, "sets of behaviours are u16");
+
+/// The set of this one number; empty from 32 on.
+///
+/// ```
+/// assert_eq!(parts::bits::bit(3), 0b1000);
+/// assert_eq!(parts::bits::bit(32), 0);
+/// ```
+pub const fn bit(number: u8) -> u32 {
+    match 1_u32.checked_shl(number as u32) {
+        Some(bit) => bit,
+        None => 0,
+    }
+}
+
+/// As [`bit`], in the narrow sets; empty from 16 on.
+pub const fn bit16(number: u8) -> u16 {
+    bit(number) as u16
+}
+
+/// The members of a set, in ascending order.
+///
+/// ```
+/// assert!(parts::bits::members(0b1011).eq([0, 1, 3]));
+/// ```
+pub fn members(mut set: u32) -> impl Iterator<Item = u8> {
+    core::iter::from_fn(move || {
+        let number = set.trailing_zeros();
+        set &= set.wrapping_sub(1);
+        (number < u32::BITS).then_some(number as u8)
+    })
+}
