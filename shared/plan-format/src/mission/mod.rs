@@ -16,10 +16,10 @@ mod components;
 mod draft;
 mod facts;
 mod life;
-mod names;
 mod productions;
 mod rules;
 
+pub use crate::names::Name;
 pub use crate::record::Table;
 pub use behaviours::{Behaviour, SwitchPoint};
 pub use check::MissionError;
@@ -28,7 +28,6 @@ pub use components::{Action, ActionKind, Description, Frame};
 pub use draft::MissionDraft;
 pub use facts::{Condition, Fact, FactKind, Facts};
 pub use life::Life;
-pub use names::Name;
 pub use productions::{Edge, Interval, Production, Symbol};
 pub use rules::{Inference, Input, Label, Row, Rule, RuleBase, Source};
 
@@ -153,9 +152,7 @@ impl<'a> Mission<'a> {
 
     /// The text of a name; empty where there is none.
     pub fn name(&self, name: Name) -> &'a str {
-        let from = usize::from(name.offset);
-        let bytes = self.0.names.get(from..).and_then(|rest| rest.get(..usize::from(name.length)));
-        bytes.and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or("")
+        name.text(self.0.names).unwrap_or("")
     }
 
     /// The description of a frame or an action.
@@ -311,7 +308,7 @@ mod tests {
             ActionKind::SetOutput { output: 13, is_on: true },
         ];
         draft.actions.extend(actions.map(|kind| Action { kind, ..action }));
-        assert_eq!(crate::header::crc32(&[&draft.write().unwrap()], || ()), 1_455_390_616);
+        assert_eq!(crate::seal::crc32(&[&draft.write().unwrap()], || ()), 1_455_390_616);
     }
 
     #[test]
