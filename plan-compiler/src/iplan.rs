@@ -105,12 +105,9 @@ fn write_map(
 
 /// Every layer of every plan.
 fn layers<'b>(blob: &Blob<'b>) -> impl Iterator<Item = (ParallelPlan<'b>, Layer<'b>)> {
-    let blob = *blob;
-    let parallel_plans = (0..blob.plan_count()).filter_map(move |index| blob.parallel_plan(index));
-    parallel_plans.flat_map(|parallel| {
-        (0..parallel.layer_count())
-            .filter_map(move |index| parallel.layer(index).map(|layer| (parallel, layer)))
-    })
+    let with_layers =
+        |parallel: ParallelPlan<'b>| parallel.layers().map(move |layer| (parallel, layer));
+    blob.parallel_plans().flat_map(with_layers)
 }
 
 /// The cells in the order of the file.

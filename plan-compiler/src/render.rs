@@ -215,8 +215,7 @@ fn entries(
 
 /// Goals of the other plans, by name.
 fn other_goals<'b>(blob: &Blob<'b>, parallel: &ParallelPlan<'_>) -> Vec<(&'b str, Point)> {
-    let plans = (0..blob.plan_count()).filter_map(|index| blob.parallel_plan(index));
-    let others = plans.filter(|other| other.name() != parallel.name());
+    let others = blob.parallel_plans().filter(|other| other.name() != parallel.name());
     others.map(|other| (other.name(), other.goal_m())).collect()
 }
 
@@ -297,10 +296,7 @@ fn frame(sheet: &Sheet, title: &str) -> Group {
 
 /// The characters of the plans' names that a PNG shows as boxes, since the font lacks them.
 pub fn lacking(blob: &Blob<'_>) -> String {
-    let names: String = (0..blob.plan_count())
-        .filter_map(|index| blob.parallel_plan(index))
-        .map(|p| p.name())
-        .collect();
+    let names: String = blob.parallel_plans().map(|parallel| parallel.name()).collect();
     text::lacking(&names).collect::<std::collections::BTreeSet<char>>().into_iter().collect()
 }
 

@@ -21,7 +21,7 @@ use crate::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
 use crate::field::{advised, escape, is_blocked};
 use crate::search::Corners;
 use maps::Bitmap;
-use plan_format::{Answer, Blob, Cell, Direction, Grid, Layer, ParallelPlan};
+use plan_format::{Answer, Blob, Cell, Direction, Grid, Layer};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -59,15 +59,15 @@ const LISTED: usize = 3;
 /// Proves every cell of every layer; `progress` hears of layers done and layers to do.
 pub fn verify(blob: &Blob<'_>, progress: Progress<'_>) -> Report {
     let grid = blob.grid();
-    let all = parallel_plans(blob).map(|parallel| parallel.layer_count()).sum();
+    let all = blob.parallel_plans().map(|parallel| parallel.layer_count()).sum();
     progress(0, all);
     let mut report = Report { cuts_corners: cuts_corners(blob), ..Report::default() };
     let corners = if report.cuts_corners { Corners::Allow } else { Corners::Forbid };
-    for parallel in parallel_plans(blob) {
+    for parallel in blob.parallel_plans() {
         let [x, y] = parallel.goal_m();
         let goal = grid.cell_at(x, y);
         let mut lower: Option<Bitmap> = None;
-        for layer in layers(parallel) {
+        for layer in parallel.layers() {
             let field = decode(grid, &layer);
             let name = format!("{}/{}", parallel.name(), layer.name());
             let blocked = blocked_cells(&field);
@@ -87,8 +87,8 @@ pub fn verify(blob: &Blob<'_>, progress: Progress<'_>) -> Report {
 pub fn compare(blob: &Blob<'_>, expected: &[(String, Bitmap)]) -> Report {
     let grid = blob.grid();
     let mut report = Report::default();
-    for parallel in parallel_plans(blob) {
-        for layer in layers(parallel) {
+    for parallel in blob.parallel_plans() {
+        for layer in parallel.layers() {
             let name = format!("{}/{}", parallel.name(), layer.name());
             let mut found = Findings { report: &mut report, grid, layer: &name, listed: 0 };
             let Some((_, expected)) = expected.iter().find(|(name, _)| name == layer.name()) else {
@@ -130,15 +130,6 @@ impl Findings<'_> {
     }
 }
 
-fn parallel_plans<'b>(blob: &Blob<'b>) -> impl Iterator<Item = ParallelPlan<'b>> {
-    let blob = *blob;
-    (0..blob.plan_count()).filter_map(move |index| blob.parallel_plan(index))
-}
-
-fn layers<'b>(plan: ParallelPlan<'b>) -> impl Iterator<Item = Layer<'b>> {
-    (0..plan.layer_count()).filter_map(move |index| plan.layer(index))
-}
-
 fn cells(grid: &Grid) -> impl Iterator<Item = Cell> + use<> {
     let columns = grid.columns;
     (0..grid.rows).flat_map(move |row| (0..columns).map(move |column| Cell::new(column, row)))
@@ -172,7 +163,7 @@ fn cuts_corners(blob: &Blob<'_>) -> bool {
     let is_blocked = |layer: &Layer<'_>, cell: Option<Cell>| {
         cell.is_some_and(|cell| matches!(layer.look_up(cell), Answer::Blocked { .. }))
     };
-    parallel_plans(blob).flat_map(layers).any(|layer| {
+    blob.parallel_plans().flat_map(|parallel| parallel.layers()).any(|layer| {
         cells(grid).any(|cell| match layer.look_up(cell) {
             Answer::Move { direction, .. } if direction.is_diagonal() => beside(direction)
                 .into_iter()

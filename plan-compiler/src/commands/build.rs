@@ -2,7 +2,7 @@
 
 use super::description::{self, describe};
 use super::progress::{with_patience, with_progress};
-use super::{Failure, check_output, layers, parallel_plans, project, tell};
+use super::{Failure, check_output, project, tell};
 use crate::cli::{Build, Compiling};
 use maps::numbers::pair;
 use maps::problem::Problem;
@@ -142,9 +142,9 @@ fn summary(
         grid.resolution_m,
         took.as_millis()
     );
-    for parallel in parallel_plans(&blob) {
+    for parallel in blob.parallel_plans() {
         let _ = writeln!(text, "  {} to {}", parallel.name(), pair(parallel.goal_m()));
-        for layer in layers(parallel) {
+        for layer in parallel.layers() {
             let counts = layer.counts();
             let _ = writeln!(
                 text,

@@ -1,6 +1,5 @@
 //! What a blob holds, as programs read it.
 
-use super::{layers, parallel_plans};
 use plan_format::{Blob, Counts, FORMAT_VERSION, Grid, Layer};
 use serde::Serialize;
 
@@ -79,10 +78,10 @@ pub(super) fn describe<'b>(blob: &Blob<'b>, bytes: usize) -> Description<'b> {
             unreachable,
         }
     };
-    let plans = parallel_plans(blob).map(|parallel| Parallel {
+    let plans = blob.parallel_plans().map(|parallel| Parallel {
         name: parallel.name(),
         goal_m: parallel.goal_m(),
-        layers: layers(parallel).map(one_layer).collect(),
+        layers: parallel.layers().map(one_layer).collect(),
     });
     let plans: Vec<Parallel<'b>> = plans.collect();
     let layers: usize = plans.iter().map(|plan| plan.layers.len()).sum();

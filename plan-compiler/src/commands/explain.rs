@@ -203,10 +203,8 @@ fn write_rules(
 fn write_layers(text: &mut String, blob: &Blob<'_>, at: Vec2) -> std::fmt::Result {
     let Some(cell) = blob.cell_at(at) else { return writeln!(text, "cell       off the map") };
     writeln!(text, "cell       column {}, row {}", cell.column, cell.row)?;
-    let plans = (0..blob.plan_count()).filter_map(|index| blob.parallel_plan(index));
-    for parallel in plans {
-        let layers = (0..parallel.layer_count()).filter_map(|index| parallel.layer(index));
-        for layer in layers {
+    for parallel in blob.parallel_plans() {
+        for layer in parallel.layers() {
             write!(text, "  advice   {}/{}: ", parallel.name(), layer.name())?;
             match layer.look_up(cell) {
                 Answer::Move { direction, cost } => {

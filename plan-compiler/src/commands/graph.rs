@@ -1,6 +1,6 @@
 //! `graph`: behaviours and their plans as graphs.
 
-use super::{Failure, open, parallel_plans, read_blob, refuse_output, tell};
+use super::{Failure, open, read_blob, refuse_output, tell};
 use crate::cli::Graph;
 use maps::problem::Problem;
 use maps::problem::has_errors;
@@ -33,7 +33,7 @@ pub(super) fn run(args: &Graph, quiet: bool) -> Result<(), Failure> {
     } else {
         let blob = read_blob(&args.input)?;
         let plan = open(&args.input, &blob)?;
-        let plans: Vec<String> = parallel_plans(&plan).map(|plan| plan.name().to_owned()).collect();
+        let plans: Vec<String> = plan.parallel_plans().map(|plan| plan.name().to_owned()).collect();
         drawn(args, &Drawn { mission: plan.mission(), plans: &plans }, draw)?
     };
     Ok(output::write_file(&args.output, |out| out.write_all(&bytes))?)

@@ -1,7 +1,7 @@
 //! `inspect`: what a blob holds, for a person or as JSON.
 
 use super::description::{bytes_per_cell, describe, raw_bytes};
-use super::{Failure, layers, open, parallel_plans, print, print_text, read_blob};
+use super::{Failure, open, print, print_text, read_blob};
 use crate::cli::Inspect;
 use maps::numbers::{metres, pair};
 use plan_format::parameters::{OnTrouble, Selection, Steering};
@@ -43,9 +43,9 @@ fn write_text(out: &mut dyn Write, path: &Path, blob: &Blob<'_>, bytes: usize) -
         None => writeln!(out, "  origin  none: a robot with GPS cannot use these plans")?,
     }
     write_robot(out, blob)?;
-    for parallel in parallel_plans(blob) {
+    for parallel in blob.parallel_plans() {
         writeln!(out, "  plan    {} to {}", parallel.name(), pair(parallel.goal_m()))?;
-        for layer in layers(parallel) {
+        for layer in parallel.layers() {
             let counts = layer.counts();
             writeln!(
                 out,
@@ -61,7 +61,7 @@ fn write_text(out: &mut dyn Write, path: &Path, blob: &Blob<'_>, bytes: usize) -
             )?;
         }
     }
-    let count: usize = parallel_plans(blob).map(|parallel| parallel.layer_count()).sum();
+    let count: usize = blob.parallel_plans().map(|parallel| parallel.layer_count()).sum();
     if count > 0 {
         let raw = raw_bytes(grid) * count as u64;
         writeln!(

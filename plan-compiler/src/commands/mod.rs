@@ -168,24 +168,13 @@ fn quoted(path: &Path) -> String {
     if name.contains(char::is_whitespace) { format!("\"{name}\"") } else { name }
 }
 
-/// Every parallel plan of a blob.
-fn parallel_plans<'b>(blob: &Blob<'b>) -> impl Iterator<Item = ParallelPlan<'b>> {
-    let blob = *blob;
-    (0..blob.plan_count()).filter_map(move |index| blob.parallel_plan(index))
-}
-
-/// Every layer of a parallel plan.
-fn layers<'b>(plan: ParallelPlan<'b>) -> impl Iterator<Item = Layer<'b>> {
-    (0..plan.layer_count()).filter_map(move |index| plan.layer(index))
-}
-
 /// The layer of a name; without one, the only layer that there is.
 fn find<'b>(
     blob: &Blob<'b>,
     name: Option<&LayerName>,
 ) -> Result<(ParallelPlan<'b>, Layer<'b>), Failure> {
     let mut all =
-        parallel_plans(blob).flat_map(|plan| layers(plan).map(move |layer| (plan, layer)));
+        blob.parallel_plans().flat_map(|plan| plan.layers().map(move |layer| (plan, layer)));
     let Some(name) = name else {
         return match (all.next(), all.next()) {
             (Some(only), None) => Ok(only),
@@ -216,8 +205,9 @@ fn find<'b>(
 /// The names of the layers of a blob, of which more than a dozen help nobody.
 fn known_layers(blob: &Blob<'_>) -> Vec<String> {
     const LISTED: usize = 12;
-    let mut names = parallel_plans(blob)
-        .flat_map(|plan| layers(plan).map(move |l| format!("{}/{}", plan.name(), l.name())));
+    let mut names = blob
+        .parallel_plans()
+        .flat_map(|plan| plan.layers().map(move |l| format!("{}/{}", plan.name(), l.name())));
     let mut known: Vec<String> = names.by_ref().take(LISTED).collect();
     let more = names.count();
     if more > 0 {

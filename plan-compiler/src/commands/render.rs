@@ -1,7 +1,7 @@
 //! `render`: layers as a picture.
 
 use super::verify::compare_cells;
-use super::{Failure, find, layers, open, project, read_blob, refuse_output, tell};
+use super::{Failure, find, open, project, read_blob, refuse_output, tell};
 use crate::cli::Render;
 use maps::numbers::{metres, pair};
 use maps::problem::Problem;
@@ -84,7 +84,7 @@ fn chosen<'b>(
     let followed = || blob.parallel_plan(usize::from(blob.parameters().plan));
     let parallel = named.map(|(parallel, _)| parallel).or_else(followed);
     let parallel = parallel.ok_or_else(|| Problem::error("the blob holds no blob at all"))?;
-    Ok(layers(parallel).map(|layer| (parallel, layer)).collect())
+    Ok(parallel.layers().map(|layer| (parallel, layer)).collect())
 }
 
 /// The way in each layer that has one; where none has, that is an error.

@@ -24,8 +24,10 @@ pub(crate) struct OwnCells {
     /// A bit for each of them.
     mask: u64,
     count: usize,
-    /// Theirs, in the order of the mask. What stands behind them is no move.
+    /// The codes of these cells, in the order of the mask. The rest are filled with a code that is
+    /// not a move.
     codes: [u8; BLOCK_CELLS],
+    /// The costs of these cells, in the order of the mask.
     costs: [u32; BLOCK_CELLS],
 }
 
@@ -36,7 +38,7 @@ impl OwnCells {
     }
 
     /// Adds the next cell of the block, if it matters, as all moves do. Without a branch, since in
-    /// noise and mazes nobody could guess which way it went.
+    /// noise and mazes the processor cannot predict it.
     #[inline(always)]
     pub(crate) fn add(&mut self, cell: usize, matters: bool, code: u8, cost: u32) {
         let at = self.count % BLOCK_CELLS;
@@ -240,7 +242,7 @@ fn write_indices(wanted: &[(u32, u64)], window: &[u32], class: u32, words: &mut 
     }
 }
 
-/// The class of a block of so many entries in any order.
+/// The class of a block, from the number of its entries, which may stand in any order.
 pub(crate) fn index_class(entries: usize) -> u32 {
     let fits = |&class: &u32| entries <= class_entries(class) as usize;
     if entries <= 1 { 0 } else { (INDEX_1..INDEX_4).find(fits).unwrap_or(INDEX_4) }

@@ -1,4 +1,4 @@
-//! Blocks whose rows are parted: from west to east one entry after the other.
+//! Blocks whose rows are split by borders: from west to east one entry after the other.
 //!
 //! Walls, the ridges between two ways out of a building and the limits of what a root serves are
 //! nearly straight on the scale of eight cells, so most blocks of two or three entries have them in
@@ -9,14 +9,14 @@ use plan_format::layout::MAX_BORDERS;
 /// The order of a block's entries from west to east, and the borders between them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Parts {
-    /// Positions among the sets that were to be parted.
+    /// Positions among the sets that were given.
     pub(crate) order: Vec<usize>,
     /// For each border a word of 4 bits a row, the southernmost lowest: the first column behind it.
     pub(crate) borders: Vec<u32>,
 }
 
 impl Parts {
-    /// Borders that part sets of cells, if they stand in the same order in all rows. Cells of no
+    /// Borders that separate sets of cells, if the sets stand in the same order in all rows. Cells of no
     /// set may lie anywhere.
     pub(crate) fn of(sets: &[u64]) -> Option<Self> {
         if !(2..=MAX_BORDERS as usize + 1).contains(&sets.len()) {
@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_are_parted_from_west_to_east() {
+    fn rows_are_split_from_west_to_east() {
         let west = 0x0f0f_0f0f_0f0f_0f0f;
         let south = 0xffff_ffff;
         let halves = Parts { order: vec![1, 0], borders: vec![0x4444_4444] };

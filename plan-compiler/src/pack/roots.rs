@@ -183,7 +183,7 @@ fn by_cost(bordered: &Bordered, range: Range<u32>) -> Vec<u32> {
 }
 
 /// Calls `act` with each cell that has moves and a cost in a range. Most ranges hold few cells of a
-/// row or most, so many are passed over at once.
+/// row or most, so a run of 32 is passed over at once.
 #[inline(always)]
 fn each(bordered: &Bordered, range: &Range<u32>, mut act: impl FnMut(Cell, u32)) {
     const MANY: usize = 32;

@@ -105,7 +105,7 @@ impl BlockCells {
 /// the root lies east of the first column and north of each row.
 #[inline(always)]
 fn longer(east: i32, north: [i32; 8]) -> [u64; 2] {
-    // The first so many columns, as a row.
+    // A row whose first `columns` bits are set.
     let first = |columns: i32| (1u64 << columns.clamp(0, 8)) - 1;
     let (mut wide, mut high) = (0, 0);
     for (y, north) in north.into_iter().enumerate() {

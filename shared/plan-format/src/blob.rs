@@ -1,14 +1,16 @@
 //! The blob as a robot sees it: parsed once, then asked every tick.
 
-use crate::bytes::Words;
-use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
+use crate::directory::{Directory, LayerRecord, Origin, PlanRecord, SCHEMA_HASH};
 use crate::error::BlobError;
 use crate::grid::{Cell, Grid};
 use crate::layer::{Layer, Unproved};
 use crate::mission::{ActionKind, Mission, MissionError, Source};
+use crate::names::{Name, is_name};
 use crate::parameters::Parameters;
+use crate::record::Table;
+use crate::words::Words;
 use crate::work::Work;
-use crate::{header, limits};
+use crate::{limits, seal};
 use math::{MapFrame, Vec2};
 
 /// Every internalized plan of a mission, with the parameters to drive by.
@@ -54,8 +56,8 @@ impl SingleGrid {
 struct Sections<'a> {
     columns: u32,
     rows: u32,
-    plans: &'a [u8],
-    layers: &'a [u8],
+    plans: Table<'a, PlanRecord>,
+    layers: Table<'a, LayerRecord>,
     names: &'a [u8],
     cells: Words<'a>,
 }
@@ -76,7 +78,7 @@ impl<'a> Blob<'a> {
     /// already. What lies between two beats is bounded, and so is their number: by the length of
     /// the blob ([`limits::MAX_CHECKS_PER_WORD`]).
     pub fn parse_paced(region: &'a [u8], mut beat: impl FnMut()) -> Result<Self, BlobError> {
-        let sealed = header::open(region, &mut beat)?;
+        let sealed = seal::open(region, SCHEMA_HASH, &mut beat)?;
         let (directory, rest) = postcard::take_from_bytes::<Directory<'a>>(sealed.payload)
             .map_err(|_| BlobError::Directory)?;
         if !rest.is_empty() {
@@ -184,9 +186,13 @@ impl<'a> Blob<'a> {
 
     /// A parallel plan by its name.
     pub fn find(&self, name: &str) -> Option<ParallelPlan<'a>> {
-        (0..self.plan_count())
-            .filter_map(|index| self.parallel_plan(index))
-            .find(|plan| plan.name() == name)
+        self.parallel_plans().find(|plan| plan.name() == name)
+    }
+
+    /// All parallel plans, in the order of their indices.
+    pub fn parallel_plans(&self) -> impl Iterator<Item = ParallelPlan<'a>> + use<'a> {
+        let sections = self.sections;
+        (0..sections.plan_count()).map_while(move |index| sections.plan(index))
     }
 }
 
@@ -202,8 +208,8 @@ impl Blob<'static> {
         let sections = Sections {
             columns: 0,
             rows: 0,
-            plans: &[],
-            layers: &[],
+            plans: Table::new(&[]),
+            layers: Table::new(&[]),
             names: &[],
             cells: Words::default(),
         };
@@ -224,35 +230,35 @@ impl<'a> Sections<'a> {
         Some(Self {
             columns: directory.grid.columns,
             rows: directory.grid.rows,
-            plans: directory.plans,
-            layers: directory.layers,
+            plans: Table::new(directory.plans),
+            layers: Table::new(directory.layers),
             names: directory.names,
             cells: Words::new(directory.cells)?,
         })
     }
 
     fn plan_count(&self) -> usize {
-        self.plans.len() / PlanRecord::BYTES
+        self.plans.len()
     }
 
     fn plan(&self, index: usize) -> Option<ParallelPlan<'a>> {
-        let record = PlanRecord::get(self.plans, index)?;
+        let record = self.plans.get(index)?;
         Some(ParallelPlan { sections: *self, record })
     }
 
     /// Proves once that every plan, layer and name can be read and is within its limits.
     fn validate(&self, grid: &Grid, work: &mut Work<impl FnMut()>) -> Result<(), BlobError> {
-        if self.layers.len() > limits::MAX_BLOB_LAYERS * LayerRecord::BYTES {
+        if self.layers.len() > limits::MAX_BLOB_LAYERS {
             return Err(BlobError::Layers);
         }
         work.allow(self.cells.len());
         let plans = self.plan_count();
-        if plans > limits::MAX_PLANS || self.plans.len() != plans * PlanRecord::BYTES {
+        if plans > limits::MAX_PLANS || !self.plans.is_whole() {
             return Err(BlobError::Plans);
         }
         let mut next_layer = 0;
         for index in 0..plans {
-            let record = PlanRecord::get(self.plans, index).ok_or(BlobError::Plans)?;
+            let record = self.plans.get(index).ok_or(BlobError::Plans)?;
             let count = usize::from(record.layer_count);
             // Layers stand in the order of their plans, so that none is lost or used twice.
             if usize::from(record.first_layer) != next_layer
@@ -270,7 +276,7 @@ impl<'a> Sections<'a> {
                 plan.validate_layer(layer, work)?;
             }
         }
-        let all = next_layer * LayerRecord::BYTES == self.layers.len();
+        let all = next_layer == self.layers.len() && self.layers.is_whole();
         if all { Ok(()) } else { Err(BlobError::Layers) }
     }
 
@@ -292,15 +298,15 @@ impl<'a> Sections<'a> {
     }
 
     fn plan_name(&self, index: usize) -> Option<&'a str> {
-        PlanRecord::get(self.plans, index)?.name.get(self.names)
+        self.plans.get(index)?.name.text(self.names)
     }
 
     fn check_name(
         &self,
-        name: NameAt,
+        name: Name,
         mut earlier: impl Iterator<Item = Option<&'a str>>,
     ) -> Result<(), BlobError> {
-        let name = name.get(self.names).ok_or(BlobError::Name)?;
+        let name = name.text(self.names).ok_or(BlobError::Name)?;
         let used = earlier.any(|other| other == Some(name));
         if is_name(name) && !used { Ok(()) } else { Err(BlobError::Name) }
     }
@@ -317,7 +323,7 @@ impl<'a> ParallelPlan<'a> {
     /// Its name, unique within the blob.
     pub fn name(&self) -> &'a str {
         // Names were validated.
-        self.record.name.get(self.sections.names).unwrap_or_default()
+        self.record.name.text(self.sections.names).unwrap_or_default()
     }
 
     /// The goal, map metres.
@@ -353,18 +359,24 @@ impl<'a> ParallelPlan<'a> {
         })
     }
 
+    /// All layers, the least constrained first.
+    pub fn layers(&self) -> impl Iterator<Item = Layer<'a>> + use<'a> {
+        let plan = *self;
+        (0..plan.layer_count()).map_while(move |index| plan.layer(index))
+    }
+
     fn layer_record(&self, index: usize) -> Option<LayerRecord> {
         if index >= self.layer_count() {
             return None;
         }
         let first = usize::from(self.record.first_layer);
-        LayerRecord::get(self.sections.layers, first.checked_add(index)?)
+        self.sections.layers.get(first.checked_add(index)?)
     }
 
     fn validate_layer(&self, index: usize, work: &mut Work<impl FnMut()>) -> Result<(), BlobError> {
         let record = self.layer_record(index).ok_or(BlobError::Layers)?;
         let earlier = (0..index)
-            .map(|other| self.layer_record(other).and_then(|r| r.name.get(self.sections.names)));
+            .map(|other| self.layer_record(other).and_then(|r| r.name.text(self.sections.names)));
         self.sections.check_name(record.name, earlier)?;
         let number = usize::from(self.record.first_layer) + index;
         let unproved = Unproved::of(number, &record, self.sections.layers);

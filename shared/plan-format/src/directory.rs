@@ -1,8 +1,9 @@
 //! The directory: one postcard message whose byte slices are the sections, read in place;
 //! and the fixed records in the sections.
 
-use crate::bytes::{f64_at, u16_at, u32_at};
+use crate::names::Name;
 use crate::parameters::Parameters;
+use crate::record::record;
 use crate::{Grid, limits};
 use math::GeoPoint;
 use postcard_schema::{Schema, key::Key};
@@ -11,9 +12,9 @@ use serde::{Deserialize, Serialize};
 /// Where a map lies on the globe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Origin {
-    /// The place ...
+    /// WGS-84 position of `at_m`.
     pub place: GeoPoint,
-    /// ... of this point of the map, metres.
+    /// A point of the map, metres.
     pub at_m: [f64; 2],
     /// Direction of the map's y axis, radians clockwise from true north.
     pub heading_rad: f64,
@@ -82,124 +83,55 @@ pub(crate) struct Directory<'a> {
 /// raise the version still refuse each other's blobs.
 pub(crate) const SCHEMA_HASH: [u8; 8] = Key::for_path::<Directory<'static>>("plans").to_bytes();
 
-/// A name: where it stands in section `names`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct NameAt {
-    pub(crate) offset: u16,
-    pub(crate) length: u8,
-}
-
-impl NameAt {
-    /// The text; `None` where it is out of range or not UTF-8.
-    pub(crate) fn get(self, names: &[u8]) -> Option<&str> {
-        let offset = usize::from(self.offset);
-        let bytes = names.get(offset..)?.get(..usize::from(self.length))?;
-        core::str::from_utf8(bytes).ok()
+record! {
+    /// One parallel plan in section `plans`.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct PlanRecord {
+        pub(crate) name: Name,
+        pub(crate) layer_count: u8,
+        pub(crate) first_layer: u16,
+        pub(crate) goal_m: [f64; 2],
     }
 }
 
-/// One parallel plan in section `plans`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PlanRecord {
-    pub(crate) name: NameAt,
-    pub(crate) layer_count: u8,
-    pub(crate) first_layer: u16,
-    pub(crate) goal_m: [f64; 2],
-}
-
-impl PlanRecord {
-    pub(crate) const BYTES: usize = 22;
-
-    pub(crate) fn get(section: &[u8], index: usize) -> Option<Self> {
-        let at = index.checked_mul(Self::BYTES)?;
-        let record = section.get(at..)?.get(..Self::BYTES)?;
-        Some(Self {
-            name: NameAt { offset: u16_at(record, 0)?, length: *record.get(2)? },
-            layer_count: *record.get(3)?,
-            first_layer: u16_at(record, 4)?,
-            goal_m: [f64_at(record, 6)?, f64_at(record, 14)?],
-        })
-    }
-
-    #[cfg(feature = "std")]
-    pub(crate) fn put(&self, section: &mut Vec<u8>) {
-        section.extend_from_slice(&self.name.offset.to_le_bytes());
-        section.extend_from_slice(&[self.name.length, self.layer_count]);
-        section.extend_from_slice(&self.first_layer.to_le_bytes());
-        for metres in self.goal_m {
-            section.extend_from_slice(&metres.to_le_bytes());
-        }
+record! {
+    /// One layer in section `layers`. Offsets are words of section `cells`.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct LayerRecord {
+        pub(crate) name: Name,
+        /// Where the table of plane `terrain` begins.
+        pub(crate) terrain: u32,
+        /// Where the table of plane `routes` begins.
+        pub(crate) routes: u32,
+        /// Where the roots begin.
+        pub(crate) roots: u32,
+        pub(crate) root_count: u16,
+        /// Bytes that this layer added.
+        pub(crate) bytes: u32,
+        pub(crate) counts: Counts,
     }
 }
 
-/// One layer in section `layers`. Offsets are words of section `cells`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LayerRecord {
-    pub(crate) name: NameAt,
-    /// Where the table of plane `terrain` begins.
-    pub(crate) terrain: u32,
-    /// Where the table of plane `routes` begins.
-    pub(crate) routes: u32,
-    /// Where the roots begin.
-    pub(crate) roots: u32,
-    pub(crate) root_count: u16,
-    /// Bytes that this layer added.
-    pub(crate) bytes: u32,
-    pub(crate) counts: Counts,
-}
-
-/// How many cells of a layer are of each kind; together all cells of the grid.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Free cells with a route, goals included.
-    pub free: u32,
-    /// Blocked cells.
-    pub blocked: u32,
-    /// Free cells without a route.
-    pub unreachable: u32,
-}
-
-impl LayerRecord {
-    pub(crate) const BYTES: usize = 33;
-
-    pub(crate) fn get(section: &[u8], index: usize) -> Option<Self> {
-        let at = index.checked_mul(Self::BYTES)?;
-        let record = section.get(at..)?.get(..Self::BYTES)?;
-        Some(Self {
-            name: NameAt { offset: u16_at(record, 0)?, length: *record.get(2)? },
-            terrain: u32_at(record, 3)?,
-            routes: u32_at(record, 7)?,
-            roots: u32_at(record, 11)?,
-            root_count: u16_at(record, 15)?,
-            bytes: u32_at(record, 17)?,
-            counts: Counts {
-                free: u32_at(record, 21)?,
-                blocked: u32_at(record, 25)?,
-                unreachable: u32_at(record, 29)?,
-            },
-        })
-    }
-
-    #[cfg(feature = "std")]
-    pub(crate) fn put(&self, section: &mut Vec<u8>) {
-        section.extend_from_slice(&self.name.offset.to_le_bytes());
-        section.push(self.name.length);
-        for offset in [self.terrain, self.routes, self.roots] {
-            section.extend_from_slice(&offset.to_le_bytes());
-        }
-        section.extend_from_slice(&self.root_count.to_le_bytes());
-        let Counts { free, blocked, unreachable } = self.counts;
-        for number in [self.bytes, free, blocked, unreachable] {
-            section.extend_from_slice(&number.to_le_bytes());
-        }
+record! {
+    /// How many cells of a layer are of each kind; together all cells of the grid.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Counts {
+        /// Free cells with a route, goals included.
+        pub free: u32,
+        /// Blocked cells.
+        pub blocked: u32,
+        /// Free cells without a route.
+        pub unreachable: u32,
     }
 }
 
-/// Whether a text may name a plan or a layer: trimmed, not empty, short enough, without `/`
-/// (which joins the two) and without control characters.
-pub fn is_name(name: &str) -> bool {
-    !name.is_empty()
-        && name.len() <= limits::MAX_NAME_BYTES
-        && name.trim().len() == name.len()
-        && !name.chars().any(|character| character == '/' || character.is_control())
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::Record;
+
+    #[test]
+    fn records_have_the_sizes_of_the_format() {
+        assert_eq!((PlanRecord::SIZE, LayerRecord::SIZE), (22, 33));
+    }
 }

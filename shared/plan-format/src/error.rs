@@ -95,7 +95,7 @@ impl core::fmt::Display for BlobError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(self.row().1)?;
         if let Self::Version { found } = self {
-            write!(f, " ({found}; this build reads {})", crate::header::FORMAT_VERSION)?;
+            write!(f, " ({found}; this build reads {})", crate::seal::FORMAT_VERSION)?;
         }
         if let Self::Mission { error } = self {
             write!(f, ": {error}")?;

@@ -26,7 +26,6 @@ pub fn cost_metres(cost: u32, resolution_m: f64) -> f64 {
 }
 
 /// Cost of the shortest path of `dx` columns and `dy` rows without obstacles.
-#[inline]
 pub const fn octile(dx: u32, dy: u32) -> u32 {
     let (short, long) = if dx < dy { (dx, dy) } else { (dy, dx) };
     short * (DIAGONAL_STEP - STRAIGHT_STEP) + long * STRAIGHT_STEP
@@ -60,19 +59,16 @@ impl Direction {
         [Self::E, Self::NE, Self::N, Self::NW, Self::W, Self::SW, Self::S, Self::SE];
 
     /// The direction of a code; only the lowest three bits count.
-    #[inline]
     pub const fn from_code(code: u8) -> Self {
         Self::ALL[(code & 7) as usize]
     }
 
     /// 0 to 7.
-    #[inline]
     pub const fn code(self) -> u8 {
         self as u8
     }
 
     /// Columns and rows of one step.
-    #[inline]
     pub const fn step(self) -> (i32, i32) {
         match self {
             Self::E => (1, 0),
@@ -110,13 +106,11 @@ impl Direction {
     }
 
     /// Whether a step changes both column and row.
-    #[inline]
     pub const fn is_diagonal(self) -> bool {
         self as u8 & 1 == 1
     }
 
     /// Cost of one step.
-    #[inline]
     pub const fn step_cost(self) -> u32 {
         if self.is_diagonal() { DIAGONAL_STEP } else { STRAIGHT_STEP }
     }
@@ -167,7 +161,6 @@ pub struct Cell {
 
 impl Cell {
     /// A cell by column and row.
-    #[inline]
     pub const fn new(column: u32, row: u32) -> Self {
         Self { column, row }
     }

@@ -6,15 +6,17 @@
 //! it would be without obstacles. So `cost = cost(root) + octile(cell, root)`, exactly, and the
 //! direction is towards the root. Where roots do not pay, a block holds its costs itself.
 
-use crate::bytes::Words;
-use crate::directory::{Counts, LayerRecord, NameAt};
+use crate::directory::{Counts, LayerRecord};
 use crate::error::BlobError;
 use crate::grid::{Cell, Direction};
 use crate::layout::{
     NO_ROUTE_ENTRY, OWN_GOAL, ROOT_WORDS, ROUTE_BITS, Root, TERRAIN_BITS, Terrain, WORD_BYTES,
     first_step, superblocks,
 };
+use crate::names::Name;
 use crate::plane::{BlockAddress, Own, Plane, Stored};
+use crate::record::Table;
+use crate::words::Words;
 use crate::work::Work;
 
 /// What a layer says about a cell.
@@ -73,7 +75,7 @@ pub struct Layer<'a> {
     pub(crate) bytes: u32,
     pub(crate) counts: Counts,
     pub(crate) names: &'a [u8],
-    pub(crate) name: NameAt,
+    pub(crate) name: Name,
 }
 
 /// The parts of a layer that no earlier layer shares and proved.
@@ -89,13 +91,11 @@ pub(crate) struct Unproved {
 
 impl Unproved {
     /// What remains to be proved for one layer, from its number and all layer records of the blob.
-    pub(crate) fn of(number: usize, record: &LayerRecord, layers: &[u8]) -> Self {
+    pub(crate) fn of(number: usize, record: &LayerRecord, layers: Table<'_, LayerRecord>) -> Self {
         let (mut terrain, mut roots, mut routes) = (true, true, true);
         let mut fewest = record.root_count;
-        let records = (0..layers.len() / LayerRecord::BYTES).map_while(|index| {
-            LayerRecord::get(layers, index).map(|record| (index < number, record))
-        });
-        for (is_earlier, other) in records {
+        for (index, other) in layers.iter().enumerate() {
+            let is_earlier = index < number;
             if other.routes == record.routes {
                 fewest = fewest.min(other.root_count);
                 routes &= !is_earlier;
@@ -122,7 +122,7 @@ impl<'a> Layer<'a> {
     /// Its name, unique within its plan.
     pub fn name(&self) -> &'a str {
         // Names were validated.
-        self.name.get(self.names).unwrap_or_default()
+        self.name.text(self.names).unwrap_or_default()
     }
 
     /// Bytes that the layer added to the blob; what it shares with layers before it counts there.

@@ -10,31 +10,33 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 
 mod blob;
-mod bytes;
 mod directory;
 mod error;
 pub mod grid;
-mod header;
 mod layer;
 pub mod layout;
 pub mod limits;
 pub mod mission;
+mod names;
 #[cfg(feature = "std")]
 mod packed;
 pub mod parameters;
 mod plane;
 pub mod record;
+mod seal;
+mod words;
 mod work;
 #[cfg(feature = "std")]
 mod write;
 
 pub use blob::{Blob, ParallelPlan};
-pub use directory::{Counts, Origin, is_name};
+pub use directory::{Counts, Origin};
 pub use error::BlobError;
 pub use grid::{Cell, Direction, Grid};
-pub use header::{FORMAT_VERSION, MAGIC};
 pub use layer::{Answer, Layer, Step};
+pub use names::is_name;
 pub use parameters::Parameters;
+pub use seal::{FORMAT_VERSION, MAGIC};
 
 #[cfg(feature = "std")]
 pub use packed::{PackedLayer, PackedPlane, Superblock};

@@ -27,7 +27,7 @@ pub const RESOLUTION_RANGE_M: (f64, f64) = (0.001, 1_000.0);
 /// positions keep a step of 8 mm there.
 pub const MAX_COORDINATE_M: f64 = 100_000.0;
 /// Farthest map coordinate of the geodetic reference, metres. Fixes are refused 20 km from the
-/// reference, so one that is farther from the grid than this serves nobody.
+/// reference, so one that is farther from the grid than this is useless.
 pub const MAX_ORIGIN_M: f64 = 2.0 * MAX_COORDINATE_M;
 
 /// Behaviours of a mission.

@@ -11,7 +11,6 @@
 //! Invariant: after [`Plane::validate`] every look-up in a palette finds an entry that was checked,
 //! because every window that a descriptor names was. Nothing has to be proved cell by cell.
 
-use crate::bytes::Words;
 use crate::error::BlobError;
 use crate::grid::{Cell, DIAGONAL_STEP, STRAIGHT_STEP};
 use crate::layout::{
@@ -20,6 +19,7 @@ use crate::layout::{
     group_words, index_bits, own_words,
 };
 use crate::limits;
+use crate::words::Words;
 use crate::work::Work;
 
 /// What a plane says of a cell.
@@ -168,7 +168,7 @@ impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
         Some(first + u32::from(is_behind(self.section.get(data + 1)?)))
     }
 
-    /// A cell's index of so many bits. Three bits stand as two and then one, so that none straddles
+    /// A cell's index of `bits` bits. Three bits stand as two and then one, so that none straddles
     /// two words.
     #[inline(always)]
     fn index(&self, data: u32, bits: u32, cell: u32) -> Option<u32> {
@@ -186,8 +186,8 @@ impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
         Some(word.rotate_right(bit) & ((1 << bits) - 1))
     }
 
-    /// Proves once that every cell of so many superblocks has an entry that `is_entry` accepts or,
-    /// where `own_allowed`, its own code and cost.
+    /// Proves once that every cell of `superblocks` superblocks has an entry that `is_entry`
+    /// accepts or, where `own_allowed`, its own code and cost.
     pub(crate) fn validate(
         &self,
         superblocks: u32,

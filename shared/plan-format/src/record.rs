@@ -237,7 +237,11 @@ impl<'a, T: Record> Table<'a, T> {
     /// Whether the bytes are whole records and each of them is as it would be written.
     pub(crate) fn is_sound(&self) -> bool {
         let mut records = self.bytes.chunks_exact(T::SIZE);
-        records.all(|bytes| T::decode::<true>(&mut Reader(bytes)).is_some())
-            && self.bytes.len().is_multiple_of(T::SIZE)
+        records.all(|bytes| T::decode::<true>(&mut Reader(bytes)).is_some()) && self.is_whole()
+    }
+
+    /// Whether no part of a record follows the last.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.bytes.len().is_multiple_of(T::SIZE)
     }
 }

@@ -7,7 +7,7 @@
 use crate::error::BlobError;
 use crate::limits;
 
-/// The checks that are left, and whom to tell that work goes on.
+/// The checks that are left, and a beat to call while work goes on.
 pub(crate) struct Work<F> {
     left: u32,
     until_beat: u32,
@@ -20,12 +20,12 @@ impl<F: FnMut()> Work<F> {
         Self { left: 0, until_beat: limits::CHECKS_PER_BEAT, beat }
     }
 
-    /// Allows what a section of cells of so many words may take.
+    /// Allows what a section of cells may take, from its number of words.
     pub(crate) fn allow(&mut self, words: usize) {
         self.left = (words as u32).saturating_mul(limits::MAX_CHECKS_PER_WORD);
     }
 
-    /// Takes so many checks from what is left.
+    /// Takes `checks` from what is left.
     #[inline(always)]
     pub(crate) fn spend(&mut self, checks: u32) -> Result<(), BlobError> {
         self.left = self.left.checked_sub(checks).ok_or(BlobError::Work)?;
@@ -36,7 +36,7 @@ impl<F: FnMut()> Work<F> {
         Ok(())
     }
 
-    /// Says that work goes on.
+    /// Calls the beat: work goes on.
     #[inline(never)]
     pub(crate) fn beat(&mut self) {
         self.until_beat = limits::CHECKS_PER_BEAT;

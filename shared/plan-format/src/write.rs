@@ -1,14 +1,16 @@
 //! The writer: a draft in, bytes out. The same draft gives the same bytes.
 
 use crate::blob::Blob;
-use crate::directory::{Directory, LayerRecord, NameAt, Origin, PlanRecord, is_name};
+use crate::directory::{Directory, LayerRecord, Origin, PlanRecord, SCHEMA_HASH};
 use crate::error::BlobError;
 use crate::grid::Grid;
 use crate::layout::{ROOT_WORDS, UNIFORM, WORD_BYTES};
 use crate::mission::MissionDraft;
+use crate::names::{Name, is_name};
 use crate::packed::{PackedLayer, PackedPlane, Superblock};
 use crate::parameters::Parameters;
-use crate::{header, limits};
+use crate::record::Record;
+use crate::{limits, seal};
 use std::collections::HashMap;
 
 /// Everything a blob says.
@@ -81,6 +83,13 @@ pub enum WriteError {
         /// Bytes of the whole blob.
         bytes: usize,
     },
+    /// A number does not fit the bytes that the format has for it.
+    Number {
+        /// The field of the format.
+        field: &'static str,
+        /// The number.
+        number: usize,
+    },
     /// The reader refuses the result: a number or a field of the draft is not sound.
     Refused(BlobError),
 }
@@ -108,6 +117,9 @@ impl std::fmt::Display for WriteError {
             Self::TooLarge { bytes } => {
                 write!(f, "{bytes} bytes, but the format holds {}", limits::MAX_BLOB_BYTES)
             }
+            Self::Number { field, number } => {
+                write!(f, "{field} is {number}, which the format has no room for")
+            }
             Self::Refused(error) => write!(f, "the reader refuses the result: {error}"),
         }
     }
@@ -126,7 +138,7 @@ pub fn write_with_recipe(draft: &Draft, recipe: &str) -> Result<Vec<u8>, WriteEr
     check(draft)?;
     let mut sections = Sections::default();
     for plan in &draft.plans {
-        sections.put(plan);
+        sections.put(plan)?;
     }
     let mission =
         draft.mission.write().map_err(|error| WriteError::Refused(BlobError::Mission { error }))?;
@@ -144,7 +156,8 @@ pub fn write_with_recipe(draft: &Draft, recipe: &str) -> Result<Vec<u8>, WriteEr
     // Serialising plain data into a growing vector does not fail.
     let payload =
         postcard::to_stdvec(&directory).map_err(|_| WriteError::Refused(BlobError::Directory))?;
-    let blob = header::seal(&payload).ok_or(WriteError::TooLarge { bytes: payload.len() })?;
+    let blob =
+        seal::seal(SCHEMA_HASH, &payload).ok_or(WriteError::TooLarge { bytes: payload.len() })?;
     Blob::parse_exact(&blob).map_err(WriteError::Refused)?;
     Ok(blob)
 }
@@ -152,12 +165,12 @@ pub fn write_with_recipe(draft: &Draft, recipe: &str) -> Result<Vec<u8>, WriteEr
 /// How a blob's map was made into cells, as [`write_with_recipe`] was given it; empty where
 /// nothing was recorded, `None` where the bytes are no blob or the text is not UTF-8.
 pub fn recipe(blob: &[u8]) -> Option<&str> {
-    let sealed = header::open(blob, || ()).ok()?;
+    let sealed = seal::open(blob, SCHEMA_HASH, || ()).ok()?;
     let (directory, _) = postcard::take_from_bytes::<Directory<'_>>(sealed.payload).ok()?;
     std::str::from_utf8(directory.recipe).ok()
 }
 
-/// What can be said better from the draft than from the bytes.
+/// Checks what the draft explains better than its bytes.
 fn check(draft: &Draft) -> Result<(), WriteError> {
     if let Some((name, low, high)) = draft.parameters.check() {
         return Err(WriteError::Parameter { name, low, high });
@@ -193,34 +206,42 @@ struct Sections {
     cells: Pool,
 }
 
+/// A number in the type that the format has for it.
+fn number<T: TryFrom<usize>>(field: &'static str, number: usize) -> Result<T, WriteError> {
+    T::try_from(number).map_err(|_| WriteError::Number { field, number })
+}
+
 impl Sections {
-    fn put(&mut self, plan: &PlanDraft) {
-        let first_layer = (self.layers.len() / LayerRecord::BYTES) as u16;
+    fn put(&mut self, plan: &PlanDraft) -> Result<(), WriteError> {
         let record = PlanRecord {
-            name: self.name(&plan.name),
-            layer_count: plan.layers.len() as u8,
-            first_layer,
+            name: self.name(&plan.name)?,
+            layer_count: number("number of layers", plan.layers.len())?,
+            first_layer: number("first layer", self.layers.len() / LayerRecord::SIZE)?,
             goal_m: plan.goal_m,
         };
-        record.put(&mut self.plans);
+        record.encode(&mut self.plans);
         for layer in &plan.layers {
             let before = self.cells.bytes.len();
             let packed = &layer.packed;
             let record = LayerRecord {
-                name: self.name(&layer.name),
-                terrain: self.cells.put_plane(&packed.terrain),
-                routes: self.cells.put_plane(&packed.routes),
-                roots: self.cells.put_words(&packed.roots),
-                root_count: (packed.roots.len() / ROOT_WORDS as usize) as u16,
-                bytes: (self.cells.bytes.len() - before) as u32,
+                name: self.name(&layer.name)?,
+                terrain: self.cells.put_plane(&packed.terrain)?,
+                routes: self.cells.put_plane(&packed.routes)?,
+                roots: self.cells.put_words(&packed.roots)?,
+                root_count: number("number of roots", packed.roots.len() / ROOT_WORDS as usize)?,
+                bytes: number("bytes of a layer", self.cells.bytes.len() - before)?,
                 counts: packed.counts,
             };
-            record.put(&mut self.layers);
+            record.encode(&mut self.layers);
         }
+        Ok(())
     }
 
-    fn name(&mut self, name: &str) -> NameAt {
-        NameAt { offset: self.names.put(name.as_bytes()) as u16, length: name.len() as u8 }
+    fn name(&mut self, name: &str) -> Result<Name, WriteError> {
+        Ok(Name {
+            offset: number("offset of a name", self.names.put(name.as_bytes()))?,
+            length: number("length of a name", name.len())?,
+        })
     }
 }
 
@@ -228,34 +249,39 @@ impl Sections {
 #[derive(Default)]
 struct Pool {
     bytes: Vec<u8>,
-    known: HashMap<Vec<u8>, u32>,
+    known: HashMap<Vec<u8>, usize>,
 }
 
 impl Pool {
-    /// Where an item stands. Beyond 4 GiB the number wraps, and the blob is refused for its size.
-    fn put(&mut self, item: &[u8]) -> u32 {
+    /// Where an item stands.
+    fn put(&mut self, item: &[u8]) -> usize {
         if let Some(&offset) = self.known.get(item) {
             return offset;
         }
-        let offset = self.bytes.len() as u32;
+        let offset = self.bytes.len();
         self.bytes.extend_from_slice(item);
         self.known.insert(item.to_vec(), offset);
         offset
     }
 
     /// At which word some words stand.
-    fn put_words(&mut self, words: &[u32]) -> u32 {
+    fn put_words(&mut self, words: &[u32]) -> Result<u32, WriteError> {
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-        self.put(&bytes) / WORD_BYTES as u32
+        number("offset of words", self.put(&bytes) / WORD_BYTES)
     }
 
     /// At which word the table of a plane stands, its superblocks before it.
-    fn put_plane(&mut self, plane: &PackedPlane) -> u32 {
-        let pointer = |superblock: &Superblock| match superblock {
-            Superblock::Uniform(entry) => UNIFORM | entry,
-            Superblock::Words { first, words } => self.put_words(words) + *first as u32,
-        };
-        let table: Vec<u32> = plane.superblocks.iter().map(pointer).collect();
+    fn put_plane(&mut self, plane: &PackedPlane) -> Result<u32, WriteError> {
+        let mut table = Vec::with_capacity(plane.superblocks.len());
+        for superblock in &plane.superblocks {
+            table.push(match superblock {
+                Superblock::Uniform(entry) => UNIFORM | entry,
+                Superblock::Words { first, words } => {
+                    let start = self.put_words(words)? as usize;
+                    number("offset of a superblock", start.saturating_add(*first))?
+                }
+            });
+        }
         self.put_words(&table)
     }
 }
@@ -344,5 +370,9 @@ mod tests {
         let mut small = draft();
         small.grid.rows = 2;
         assert!(matches!(write(&small), Err(WriteError::LayerSize { .. })));
+        let mut rooted = draft();
+        rooted.plans[0].layers[0].packed.roots = vec![0; 2 << 16];
+        let (field, number) = ("number of roots", 1 << 16);
+        assert_eq!(write(&rooted), Err(WriteError::Number { field, number }));
     }
 }

@@ -75,11 +75,9 @@ fn crc32<'b>(bytes: impl Iterator<Item = &'b u8>) -> u32 {
 
 /// Everything that a plan can be asked for.
 fn ask(blob: &Blob<'_>) {
-    let plans = || (0..blob.plan_count()).filter_map(|index| blob.parallel_plan(index));
-    let layers: Vec<Layer<'_>> = plans()
-        .flat_map(|parallel| (0..parallel.layer_count()).filter_map(move |i| parallel.layer(i)))
-        .collect();
-    for parallel in plans() {
+    let layers: Vec<Layer<'_>> =
+        blob.parallel_plans().flat_map(|parallel| parallel.layers()).collect();
+    for parallel in blob.parallel_plans() {
         assert_eq!(blob.find(parallel.name()).map(|found| found.goal_m()), Some(parallel.goal_m()));
     }
     let (columns, rows) = (u64::from(blob.grid().columns), u64::from(blob.grid().rows));

@@ -357,6 +357,8 @@ fn the_limits_hold_on_both_sides() {
     assert_eq!(last.layer_count(), limits::MAX_LAYERS);
     assert_eq!(last.layer(limits::MAX_LAYERS - 1).unwrap().look_up(Cell::new(0, 0)), Answer::Goal);
     assert!(last.layer(limits::MAX_LAYERS).is_none());
+    assert_eq!(last.layers().count(), limits::MAX_LAYERS);
+    assert_eq!(plan.parallel_plans().count(), limits::MAX_PLANS);
     assert!(plan.parallel_plan(limits::MAX_PLANS).is_none());
 
     let refusal = |change: &dyn Fn(&mut Draft)| {
@@ -546,7 +548,7 @@ proptest! {
         blob[at..end].copy_from_slice(&bytes[..end - at]);
         if let Ok(blob) = Blob::parse(&resealed(blob)) {
             let cells = (0..5).flat_map(|row| (0..5).map(move |column| Cell::new(column, row)));
-            let layers = (0..blob.plan_count()).filter_map(|index| blob.parallel_plan(index)?.layer(0));
+            let layers = blob.parallel_plans().filter_map(|parallel| parallel.layer(0));
             for (layer, cell) in layers.flat_map(|layer| cells.clone().map(move |cell| (layer, cell))) {
                 let _ = layer.look_up(cell);
             }

@@ -15,10 +15,10 @@ mod components;
 #[cfg(feature = "std")]
 mod draft;
 mod facts;
-mod names;
 mod productions;
 mod rules;
 
+pub use crate::names::Name;
 pub use crate::record::Table;
 pub use behaviours::{Behaviour, SwitchPoint};
 pub use check::MissionError;
@@ -26,7 +26,6 @@ pub use components::{Action, ActionKind, Description, PlanFrame};
 #[cfg(feature = "std")]
 pub use draft::MissionDraft;
 pub use facts::{Condition, Fact, FactKind, Facts};
-pub use names::Name;
 pub use productions::{Edge, Interval, Production, Symbol};
 pub use rules::{Inference, Input, Label, Row, Rule, RuleBase, Source};
 
@@ -151,9 +150,7 @@ impl<'a> Mission<'a> {
 
     /// The text of a name; empty where there is none.
     pub fn name(&self, name: Name) -> &'a str {
-        let from = usize::from(name.offset);
-        let bytes = self.0.names.get(from..).and_then(|rest| rest.get(..usize::from(name.length)));
-        bytes.and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or("")
+        name.text(self.0.names).unwrap_or("")
     }
 
     /// The description of a frame or an action.
@@ -309,7 +306,7 @@ mod tests {
             ActionKind::SetOutput { output: 13, is_on: true },
         ];
         draft.actions.extend(actions.map(|kind| Action { kind, ..action }));
-        assert_eq!(crate::header::crc32(&[&draft.write().unwrap()], || ()), 1_455_390_616);
+        assert_eq!(crate::seal::crc32(&[&draft.write().unwrap()], || ()), 1_455_390_616);
     }
 
     #[test]

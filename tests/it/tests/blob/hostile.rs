@@ -117,9 +117,9 @@ fn ask(blob: &Blob<'_>) -> usize {
     const MAX_CELLS: u32 = 64;
     let (columns, rows) = (blob.grid().columns, blob.grid().rows);
     let mut asked = 0;
-    for parallel in (0..blob.plan_count()).filter_map(|index| blob.parallel_plan(index)) {
+    for parallel in blob.parallel_plans() {
         assert!(blob.find(parallel.name()).is_some());
-        for layer in (0..parallel.layer_count()).filter_map(|index| parallel.layer(index)) {
+        for layer in parallel.layers() {
             assert!(!layer.name().is_empty());
             for (row, column) in (0..=rows.min(MAX_CELLS))
                 .flat_map(|row| (0..=columns.min(MAX_CELLS)).map(move |column| (row, column)))

@@ -1,8 +1,9 @@
-//! The fixed header: read before anything else, so that a blob of another version is
-//! refused for that reason and not as rubbish.
+//! The seal around a payload: magic, version, length, kind of payload, checksum.
+//!
+//! It is read before anything else, so that a blob of another version is refused for that reason
+//! and not as rubbish. What the payload says is not its business: it gets bytes and opens to the
+//! same bytes. `FORMAT.md` says where a rollback number and a signature will go.
 
-use crate::bytes::{array_at, u16_at, u32_at};
-use crate::directory::SCHEMA_HASH;
 use crate::error::BlobError;
 use crate::limits;
 
@@ -16,6 +17,10 @@ pub(crate) const HEADER_BYTES: usize = 28;
 const LENGTH_AT: usize = 12;
 const CHECKSUM_AT: usize = 24;
 
+/// A number that changes with the shape of the payload, so that a reader refuses what it would
+/// misread.
+pub(crate) type Schema = [u8; 8];
+
 /// The part of a region that is the blob, checksum verified, and its payload after the header.
 pub(crate) struct Sealed<'a> {
     /// Header and payload.
@@ -26,7 +31,11 @@ pub(crate) struct Sealed<'a> {
 
 /// Checks the header and the checksum of the blob at the start of a region, with a beat now and
 /// then while it takes time.
-pub(crate) fn open(region: &[u8], beat: impl FnMut()) -> Result<Sealed<'_>, BlobError> {
+pub(crate) fn open(
+    region: &[u8],
+    expected: Schema,
+    beat: impl FnMut(),
+) -> Result<Sealed<'_>, BlobError> {
     let magic: [u8; 8] = match array_at(region, 0) {
         Some(magic) => magic,
         None if region.is_empty() => return Err(BlobError::Absent),
@@ -44,7 +53,7 @@ pub(crate) fn open(region: &[u8], beat: impl FnMut()) -> Result<Sealed<'_>, Blob
     }
     let header_length = u16_at(region, 10).ok_or(BlobError::Truncated)?;
     let length = u32_at(region, LENGTH_AT).ok_or(BlobError::Truncated)? as usize;
-    let schema: [u8; 8] = array_at(region, 16).ok_or(BlobError::Truncated)?;
+    let schema: Schema = array_at(region, 16).ok_or(BlobError::Truncated)?;
     let checksum = u32_at(region, CHECKSUM_AT).ok_or(BlobError::Truncated)?;
     if usize::from(header_length) != HEADER_BYTES || length < HEADER_BYTES {
         return Err(BlobError::Header);
@@ -54,12 +63,12 @@ pub(crate) fn open(region: &[u8], beat: impl FnMut()) -> Result<Sealed<'_>, Blob
     }
     let blob = region.get(..length).ok_or(BlobError::Truncated)?;
     let payload = blob.get(HEADER_BYTES..).ok_or(BlobError::Truncated)?;
-    let sealed = blob.get(..CHECKSUM_AT).ok_or(BlobError::Truncated)?;
-    if crc32(&[sealed, payload], beat) != checksum {
+    let before = blob.get(..CHECKSUM_AT).ok_or(BlobError::Truncated)?;
+    if crc32(&[before, payload], beat) != checksum {
         return Err(BlobError::Checksum);
     }
     // After the checksum, so that a damaged hash reads as damage.
-    if schema != SCHEMA_HASH {
+    if schema != expected {
         return Err(BlobError::Schema);
     }
     Ok(Sealed { blob, payload })
@@ -67,7 +76,7 @@ pub(crate) fn open(region: &[u8], beat: impl FnMut()) -> Result<Sealed<'_>, Blob
 
 /// Puts a header before a payload; `None` where the length does not fit.
 #[cfg(feature = "std")]
-pub(crate) fn seal(payload: &[u8]) -> Option<Vec<u8>> {
+pub(crate) fn seal(schema: Schema, payload: &[u8]) -> Option<Vec<u8>> {
     let length = HEADER_BYTES + payload.len();
     if length > limits::MAX_BLOB_BYTES {
         return None;
@@ -77,11 +86,26 @@ pub(crate) fn seal(payload: &[u8]) -> Option<Vec<u8>> {
     blob.extend_from_slice(&FORMAT_VERSION.to_le_bytes());
     blob.extend_from_slice(&(HEADER_BYTES as u16).to_le_bytes());
     blob.extend_from_slice(&(length as u32).to_le_bytes());
-    blob.extend_from_slice(&SCHEMA_HASH);
+    blob.extend_from_slice(&schema);
     let checksum = crc32(&[&blob, payload], || ());
     blob.extend_from_slice(&checksum.to_le_bytes());
     blob.extend_from_slice(payload);
     Some(blob)
+}
+
+/// `N` bytes at an offset; `None` past the end.
+fn array_at<const N: usize>(bytes: &[u8], offset: usize) -> Option<[u8; N]> {
+    bytes.get(offset..)?.first_chunk::<N>().copied()
+}
+
+/// A `u16` at an offset.
+fn u16_at(bytes: &[u8], offset: usize) -> Option<u16> {
+    array_at(bytes, offset).map(u16::from_le_bytes)
+}
+
+/// A `u32` at an offset.
+fn u32_at(bytes: &[u8], offset: usize) -> Option<u32> {
+    array_at(bytes, offset).map(u32::from_le_bytes)
 }
 
 /// CRC-32/ISO-HDLC (the one of Ethernet and zip) of the parts one after the other.
@@ -121,6 +145,19 @@ const CRC_TABLE: [u32; 256] = {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn any_payload_comes_back_from_its_seal() {
+        let schema = *b"anything";
+        let sealed = seal(schema, b"payload").unwrap();
+        assert_eq!(sealed.len(), HEADER_BYTES + 7);
+        assert_eq!(open(&sealed, schema, || ()).unwrap().payload, b"payload");
+        let other = open(&sealed, *b"anyother", || ()).err();
+        assert_eq!(other, Some(BlobError::Schema));
+        // What follows in the region is neither read nor part of the blob.
+        let region = [&sealed[..], b"trailer"].concat();
+        assert_eq!(open(&region, schema, || ()).unwrap().blob, sealed);
+    }
 
     #[test]
     fn checksum_is_the_catalogued_one() {
