@@ -31,11 +31,6 @@ pub(crate) static OPERATOR: OperatorSlot<Shared> = OperatorSlot::new(ON_SILENCE)
 /// The latest tick: from the control task to the telemetry task.
 pub(crate) static TELEMETRY: Telemetry<Shared> = Telemetry::new();
 
-/// Tells probe-rs which chip the program is for.
-#[used]
-#[unsafe(link_section = ".probe-rs.chip")]
-static CHIP: [u8; 13] = *b"nRF52840_xxAA";
-
 bind_interrupts!(struct Interrupts {
     UARTE0 => buffered_uarte::InterruptHandler<peripherals::UARTE0>;
     UARTE1 => buffered_uarte::InterruptHandler<peripherals::UARTE1>;

@@ -3,6 +3,7 @@
 use super::build::{build, compile};
 use super::{Failure, check_output, open, read_blob, tell};
 use crate::cli::{Compiling, Convert};
+use plan_compiler::boards;
 use plan_compiler::compile::has_errors;
 use plan_compiler::formats::{ReadOptions, iplan};
 use plan_compiler::image::{self, Image};
@@ -44,7 +45,7 @@ pub(super) fn run(args: &Convert, quiet: bool) -> Result<(), Failure> {
     let Some(blob) = blob.filter(|_| !has_errors(&problems)) else {
         return Err(Failure::Wrong(problems));
     };
-    problems.extend(args.compiling.board.and_then(|board| board.check(blob.len())));
+    problems.extend(args.compiling.board.and_then(|board| boards::check(board, blob.len())));
     if to_iplan {
         write_iplan(args, &blob, &mut problems)?;
     } else if !has_errors(&problems) {
