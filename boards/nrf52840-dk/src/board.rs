@@ -8,10 +8,10 @@ use embassy_nrf::{bind_interrupts, peripherals};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use panic_probe as _;
 use plan_format::Blob;
-use runtime::{Fallback, FixSlot, OperatorSlot, Robot, Silence, Telemetry, time};
+use runtime::{Fallback, Robot, Slots, time};
 use static_cell::ConstStaticCell;
 
-use crate::robot::Rover;
+use crate::robot::{Light, Rover};
 
 /// What the receiver sends at: u-blox from the factory, series 9 and 10 (8 and older: 9600).
 const GPS_BAUD: Baudrate = Baudrate::Baud38400;
@@ -19,17 +19,9 @@ const GPS_BAUD: Baudrate = Baudrate::Baud38400;
 const LINK_BAUD: Baudrate = Baudrate::Baud115200;
 /// Bytes that a UART takes in while the processor is elsewhere: 20 ms at 115,200 baud.
 const UART_BYTES: usize = 256;
-/// Plans of this rover may lead out of the radio's range.
-const ON_SILENCE: Silence = Silence::Allows;
 
-type Shared = CriticalSectionRawMutex;
-
-/// The latest fix: from the GPS task to the control task.
-static FIXES: FixSlot<Shared> = FixSlot::new();
-/// What the human in charge said last: from the operator task to the control task.
-pub(crate) static OPERATOR: OperatorSlot<Shared> = OperatorSlot::new(ON_SILENCE);
-/// The latest tick: from the control task to the telemetry task.
-pub(crate) static TELEMETRY: Telemetry<Shared> = Telemetry::new();
+/// What the tasks share.
+static SLOTS: Slots<CriticalSectionRawMutex> = Slots::new();
 
 bind_interrupts!(struct Interrupts {
     UARTE0 => buffered_uarte::InterruptHandler<peripherals::UARTE0>;
@@ -75,9 +67,11 @@ async fn main(spawner: Spawner) {
     // The motors stand still and the watchdog is awake before anything is looked at that came from
     // outside. Looking through a blob takes up to seconds and feeds it on the way; where that hangs,
     // the watchdog resets the rover, which then begins anew, at a stand.
-    let mut rover = Rover::new(p.PWM0, motors, p.P0_11.into(), p.P0_13.into(), p.WDT);
+    let mut rover = Rover::new(p.PWM0, motors, p.P0_11.into(), p.WDT);
+    let light = Light::new(p.P0_13.into());
     // Without a sound blob this rover stands still and takes manual commands only.
-    let loaded = runtime::load_paced(plan_region(), &Fallback::default(), || rover.feed_watchdog());
+    let region = runtime::plan_region();
+    let loaded = runtime::load_paced(region, &Fallback::default(), || rover.feed_watchdog());
 
     // The receiver is not configured, so nothing is sent to it.
     let (gps, _) = gps.split();
@@ -86,38 +80,27 @@ async fn main(spawner: Spawner) {
     spawner.spawn(gps_task(gps).unwrap());
     spawner.spawn(operator_task(operator).unwrap());
     spawner.spawn(telemetry_task(telemetry).unwrap());
-    spawner.spawn(control_task(loaded.blob, rover).unwrap());
+    spawner.spawn(control_task(loaded.blob, rover, light).unwrap());
 }
 
 #[embassy_executor::task]
 async fn gps_task(reader: BufferedUarteRx<'static>) {
-    runtime::gps_task(reader, &FIXES, time::now_us).await;
+    runtime::gps_task(reader, &SLOTS.fixes, time::now_us).await;
 }
 
 #[embassy_executor::task]
 async fn operator_task(reader: BufferedUarteRx<'static>) {
-    runtime::operator_task(reader, &OPERATOR, time::now_us).await;
+    runtime::operator_task(reader, &SLOTS.operator, time::now_us).await;
 }
 
 #[embassy_executor::task]
 async fn telemetry_task(writer: BufferedUarteTx<'static>) {
-    runtime::telemetry_task(writer, &TELEMETRY).await;
+    runtime::telemetry_task(writer, &SLOTS.telemetry).await;
 }
 
 #[embassy_executor::task]
-async fn control_task(blob: Blob<'static>, mut rover: Rover) {
-    runtime::control_task(blob, &mut rover, &FIXES).await;
-}
-
-/// The flash that `memory.x` keeps for the plans.
-fn plan_region() -> &'static [u8] {
-    unsafe extern "C" {
-        static _plan_start: u8;
-        static _plan_end: u8;
-    }
-    // SAFETY: the linker script lays both symbols around a region of flash that belongs to
-    // no section of the program, and the program writes no flash.
-    unsafe { runtime::blob::region(&raw const _plan_start, &raw const _plan_end) }
+async fn control_task(blob: Blob<'static>, mut rover: Rover, light: Light) {
+    runtime::control_task(blob, &mut rover, &SLOTS, light).await;
 }
 
 fn at(baudrate: Baudrate) -> uarte::Config {

@@ -5,9 +5,9 @@
 //! button. To make another board, copy the folder (see `boards/README.md`).
 //!
 //! ```text
-//! GPS -- UARTE1 --> gps ------------ FIXES ------+
-//! radio - UARTE0 -> operator ------- OPERATOR ---+--> control --> PWM0 --> motors
-//! radio <- UARTE0 - telemetry <----- TELEMETRY --+
+//! GPS -- UARTE1 --> gps -------- SLOTS.fixes -----+
+//! radio - UARTE0 -> operator --- SLOTS.operator --+--> control --> PWM0 --> motors
+//! radio <- UARTE0 - telemetry <- SLOTS.telemetry -+
 //! ```
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![cfg_attr(target_os = "none", allow(unsafe_code))]

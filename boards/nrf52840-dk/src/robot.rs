@@ -1,15 +1,13 @@
-//! What this board does to motors, button, light and watchdog.
+//! This board's motors, button, light and watchdog.
 
 use embassy_nrf::Peri;
 use embassy_nrf::gpio::{AnyPin, Input, Level, Output, OutputDrive, Pull};
 use embassy_nrf::peripherals::{PWM0, WDT};
 use embassy_nrf::pwm::{DutyCycle, Prescaler, SimpleConfig, SimplePwm};
 use embassy_nrf::wdt::{self, HaltConfig, Watchdog, WatchdogHandle};
-use robot_io::{CommandRecord, Operator, Percepts};
+use robot_io::{CommandRecord, Commands, Operator, Percepts};
 use runtime::drive::Differential;
-use runtime::{Robot, time};
-
-use crate::board::{OPERATOR, TELEMETRY};
+use runtime::{Observer, Robot, time};
 
 /// Measure these on the rover; the plan's parameters hold its limits.
 const BODY: Differential = Differential { track_m: 0.4, full_speed_mps: 2.0 };
@@ -27,7 +25,6 @@ pub(crate) struct Rover {
     button: Input<'static>,
     was_pressed: bool,
     is_armed: bool,
-    light: Output<'static>,
     watchdog: Option<WatchdogHandle>,
     pace: time::Pace,
 }
@@ -38,7 +35,6 @@ impl Rover {
         pwm: Peri<'static, PWM0>,
         motor_pins: [Peri<'static, AnyPin>; 4],
         button: Peri<'static, AnyPin>,
-        light: Peri<'static, AnyPin>,
         watchdog: Peri<'static, WDT>,
     ) -> Self {
         let mut pwm_config = SimpleConfig::default();
@@ -62,14 +58,13 @@ impl Rover {
             button: Input::new(button, Pull::Up),
             was_pressed: false,
             is_armed: false,
-            light: Output::new(light, Level::High, OutputDrive::Standard),
             watchdog,
             pace: time::Pace::default(),
         }
     }
 
-    /// What the button says: each press arms or disarms. Looked at once a tick, which is
-    /// slower than contacts bounce.
+    /// Each press of the button arms or disarms. Read once a tick, which is slower than contacts
+    /// bounce.
     fn by_button(&mut self) -> Operator {
         let is_pressed = self.button.is_low();
         self.is_armed ^= is_pressed && !self.was_pressed;
@@ -86,21 +81,35 @@ impl Robot for Rover {
     /// The kit alone has no compass, odometry or range sensors: the heading is the course of
     /// the fixes, and nothing but the plan keeps the rover off obstacles. Add yours here.
     async fn sense(&mut self, percepts: &mut Percepts) {
-        let by_button = self.by_button();
-        percepts.operator = OPERATOR.at(percepts.time_us).unwrap_or(by_button);
-        self.light.set_level(if percepts.operator.is_armed { Level::Low } else { Level::High });
+        percepts.operator = self.by_button();
     }
 
     async fn act(&mut self, record: &CommandRecord) {
         let [left, right] = BODY.mix(&record.commands).map(duties);
         self.motors.set_all_duties([left[0], left[1], right[0], right[1]]);
-        TELEMETRY.signal(*record);
     }
 
     fn feed_watchdog(&mut self) {
         if let Some(watchdog) = &mut self.watchdog {
             watchdog.pet();
         }
+    }
+}
+
+/// The light, lit while the robot is armed.
+pub(crate) struct Light(Output<'static>);
+
+impl Light {
+    /// Dark.
+    pub(crate) fn new(pin: Peri<'static, AnyPin>) -> Self {
+        Self(Output::new(pin, Level::High, OutputDrive::Standard))
+    }
+}
+
+impl Observer for Light {
+    fn after(&mut self, percepts: &Percepts, _commands: &Commands) -> u32 {
+        self.0.set_level(if percepts.operator.is_armed { Level::Low } else { Level::High });
+        0
     }
 }
 

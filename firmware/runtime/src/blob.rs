@@ -1,5 +1,4 @@
 //! Finding the plan: the blob in its region of flash, or what the build falls back on.
-#![allow(unsafe_code)]
 
 use math::Vec2;
 use plan_format::{Blob, BlobError, Origin, Parameters};
@@ -49,14 +48,19 @@ pub fn load_paced<'a>(region: &'a [u8], fallback: &Fallback, beat: impl FnMut())
     }
 }
 
-/// The bytes between two symbols of the linker script; empty if `end` is not after `start`.
-///
-/// # Safety
-/// Everything from `start` up to `end` must be memory that can be read and that nobody
-/// writes while the program runs.
-pub unsafe fn region(start: *const u8, end: *const u8) -> &'static [u8] {
+/// The flash that the linker script keeps for the plans, from `_plan_start` to `_plan_end`. The
+/// blob's header says how much of it counts. Empty if the symbols are in the wrong order.
+#[cfg(target_os = "none")]
+#[expect(unsafe_code, reason = "the linker knows where the region lies, the compiler does not")]
+pub fn plan_region() -> &'static [u8] {
+    unsafe extern "C" {
+        static _plan_start: u8;
+        static _plan_end: u8;
+    }
+    let (start, end) = (&raw const _plan_start, &raw const _plan_end);
     let length = end.addr().saturating_sub(start.addr());
-    // SAFETY: the caller vouches for the memory, for as long as the program runs; bytes need
-    // no alignment.
+    // SAFETY: every linker script lays both symbols around memory that the chip has, that
+    // belongs to no section of the program and that the program does not write. Bytes need no
+    // alignment.
     unsafe { core::slice::from_raw_parts(start, length) }
 }

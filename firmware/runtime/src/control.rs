@@ -3,9 +3,11 @@
 use controller::State;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use plan_format::Blob;
-use robot_io::{CommandRecord, Percepts, TraceHash};
+use robot_io::{CommandRecord, Commands, Percepts, TraceHash};
 
 use crate::gps::FixSlot;
+use crate::link::Telemetry;
+use crate::operator::OperatorSlot;
 
 /// Time from tick to tick, microseconds: 20 Hz.
 pub const TICK_PERIOD_US: u64 = 50_000;
@@ -17,51 +19,144 @@ pub trait Robot {
     /// decreases; `None` ends the control task, which a real robot never does.
     async fn wait(&mut self) -> Option<u64>;
 
-    /// Fills in heading, odometry, ranges and operator. Time, fix and what is known of the
-    /// receiver are there already.
+    /// Fills in heading, odometry, ranges, inputs and, where the robot has buttons, the
+    /// operator, whom the link outranks as soon as it has spoken once. Time, fix and what is
+    /// known of the receiver are there already.
     async fn sense(&mut self, percepts: &mut Percepts);
-
-    /// Called right before the tick, to start counting instructions where that can be done.
-    fn start_count(&mut self) {}
-
-    /// Instructions since [`Robot::start_count`]; 0 where they cannot be counted.
-    fn stop_count(&mut self) -> u32 {
-        0
-    }
-
-    /// Called after the tick with all that it saw, for whoever keeps a trace to replay.
-    fn keep(&mut self, _percepts: &Percepts) {}
 
     /// Carries out the commands of one tick. The record around them is the tick's telemetry.
     async fn act(&mut self, record: &CommandRecord);
 
     /// Called when a tick is complete, and before the first tick only while the blob is checked
     /// ([`crate::load_paced`]): a watchdog that is fed here bites when any part of either hangs.
-    fn feed_watchdog(&mut self) {}
+    /// A robot that has no watchdog does nothing here, and says why.
+    fn feed_watchdog(&mut self);
 }
 
-/// Drives `robot` by `plan` until [`Robot::wait`] says that there is nothing more to do.
+/// Watches the ticks from outside: counts their instructions, keeps a trace, lights a lamp. It
+/// cannot change what the robot does. `()` watches nothing.
+pub trait Observer {
+    /// Called right before the tick.
+    fn before(&mut self) {}
+
+    /// Called right after the tick, with all that it saw and what it decided. Returns the
+    /// instructions since [`Observer::before`]; 0 where they are not counted.
+    fn after(&mut self, _percepts: &Percepts, _commands: &Commands) -> u32 {
+        0
+    }
+}
+
+impl Observer for () {}
+
+/// What the tasks of one robot share. In each slot the newest value replaces the one before.
+pub struct Slots<M: RawMutex> {
+    /// From the GPS task to the control task.
+    pub fixes: FixSlot<M>,
+    /// From the operator task to the control task.
+    pub operator: OperatorSlot<M>,
+    /// From the control task to the telemetry task.
+    pub telemetry: Telemetry<M>,
+}
+
+impl<M: RawMutex> Default for Slots<M> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<M: RawMutex> Slots<M> {
+    /// Empty slots.
+    pub const fn new() -> Self {
+        Self { fixes: FixSlot::new(), operator: OperatorSlot::new(), telemetry: Telemetry::new() }
+    }
+}
+
+/// Drives `robot` by `blob` until [`Robot::wait`] ends it, and lets `observer` watch each tick.
 ///
 /// A tick takes the newest fix there is; it never waits for one.
-pub async fn control_task<M: RawMutex>(blob: Blob<'_>, robot: &mut impl Robot, fixes: &FixSlot<M>) {
+pub async fn control_task<M: RawMutex>(
+    blob: Blob<'_>,
+    robot: &mut impl Robot,
+    slots: &Slots<M>,
+    mut observer: impl Observer,
+) {
     let mut state = State::new(&blob);
     let mut trace = TraceHash::default();
     while let Some(time_us) = robot.wait().await {
-        let receiver = fixes.receiver(time_us);
-        let mut percepts =
-            Percepts { time_us, fix: fixes.latest(), receiver, ..Percepts::default() };
+        let receiver = slots.fixes.receiver(time_us);
+        let fix = slots.fixes.latest();
+        let mut percepts = Percepts { time_us, fix, receiver, ..Percepts::default() };
         robot.sense(&mut percepts).await;
+        if let Some(operator) = slots.operator.at(time_us, &blob.parameters().link) {
+            percepts.operator = operator;
+        }
         let percepts = percepts.sanitised();
 
-        robot.start_count();
+        observer.before();
         let commands = controller::tick(&blob, &mut state, &percepts);
-        let instructions = robot.stop_count();
+        let instructions = observer.after(&percepts, &commands);
 
-        robot.keep(&percepts);
         trace.record(&percepts, &commands);
         let trace_hash = trace.get();
         let record = CommandRecord { time_us, commands, trace_hash, instructions, receiver };
         robot.act(&record).await;
+        slots.telemetry.signal(record);
         robot.feed_watchdog();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use embassy_futures::block_on;
+    use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+    use plan_format::Parameters;
+    use robot_io::{Operator, Reason};
+
+    const ARMED: Operator = Operator { is_armed: true, is_emergency_stop: false, manual: None };
+
+    /// A robot without receiver whose button arms it at once.
+    struct Armed<'s> {
+        slots: &'s Slots<NoopRawMutex>,
+        ticks: u64,
+        reasons: [Option<Reason>; 4],
+        meals: usize,
+    }
+
+    impl Robot for Armed<'_> {
+        async fn wait(&mut self) -> Option<u64> {
+            self.ticks += 1;
+            // After the second tick the operator speaks over the link, once, then stays silent.
+            if self.ticks == 3 {
+                self.slots.operator.hear(0, Operator::default());
+            }
+            (self.ticks <= 4).then_some(self.ticks * 10_000_000)
+        }
+
+        async fn sense(&mut self, percepts: &mut Percepts) {
+            percepts.operator = ARMED;
+        }
+
+        async fn act(&mut self, record: &CommandRecord) {
+            self.reasons[self.ticks as usize - 1] = Some(record.commands.reason);
+        }
+
+        fn feed_watchdog(&mut self) {
+            self.meals += 1;
+        }
+    }
+
+    #[test]
+    fn the_link_outranks_the_button_from_its_first_word_on() {
+        let slots = Slots::new();
+        let mut robot = Armed { slots: &slots, ticks: 0, reasons: [None; 4], meals: 0 };
+        let blob = Blob::without_map(Parameters::default(), None, None);
+        block_on(control_task(blob, &mut robot, &slots, ()));
+        let [by_button, again, by_link, silent] = robot.reasons;
+        assert_eq!(by_button, again);
+        assert_ne!(by_button, Some(Reason::Disarmed));
+        assert_eq!([by_link, silent], [Some(Reason::Disarmed); 2]);
+        assert_eq!(robot.meals, 4, "the watchdog is fed once a tick");
+        assert_eq!(slots.telemetry.try_take().map(|record| record.time_us), Some(40_000_000));
     }
 }

@@ -1,11 +1,10 @@
-//! A robot that lives on records: the world says what it senses, the robot answers what it
-//! does, tick by tick. It runs the same [`gps_task`] and [`control_task`] as a board.
+//! A robot that lives on records: at each tick the world sends what it senses and the robot
+//! answers with its commands. It runs the same [`gps_task`] and [`control_task`] as a board.
 //!
 //! Three ways to use it, from simple to flexible:
-//! - [`run`] blocks until the [`Link`] ends: for a simulated world that is itself the link,
-//!   and for the QEMU guest, whose link are two pipes.
-//! - [`drive`] is the same as a future, for an executor.
-//! - a [`Mailbox`] is a link that is fed from outside, one [`Mailbox::step`] a tick, for a
+//! - [`run_blocking`] returns when the [`Transport`] ends: for a world in the same thread.
+//! - [`run`] is the same as a future, for an executor; the QEMU guest runs it over two pipes.
+//! - a [`Mailbox`] is a transport that is fed from outside, one [`Mailbox::step`] a tick, for a
 //!   simulator that wants to ask and be answered.
 //!
 //! Invariants: the clock is the tick number times the period; all GPS bytes of a record are
@@ -22,14 +21,14 @@ use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_sync::pipe::Pipe;
 use plan_format::Blob;
 use robot_io::limits::MAX_GPS_BYTES;
-use robot_io::{CommandRecord, Percepts, SensorRecord};
+use robot_io::{CommandRecord, Commands, Percepts, SensorRecord};
 
-use crate::control::{Robot, TICK_PERIOD_US, control_task};
-use crate::gps::{FixSlot, gps_task};
+use crate::control::{Observer, Robot, Slots, TICK_PERIOD_US, control_task};
+use crate::gps::gps_task;
 
-/// The other end: a world, simulated, recorded or at the end of a pipe.
-pub trait Link {
-    /// Whether [`Link::receive`] can answer at once. While it cannot, other tasks run.
+/// Carries records to and from a world: simulated, recorded or at the end of a pipe.
+pub trait Transport {
+    /// Whether [`Transport::receive`] can answer at once. While it cannot, other tasks run.
     fn is_ready(&self) -> bool {
         true
     }
@@ -39,47 +38,40 @@ pub trait Link {
 
     /// What the robot answers.
     fn send(&mut self, record: &CommandRecord);
-
-    /// Called after the tick with all that it saw, for whoever keeps a trace to replay.
-    fn keep(&mut self, _percepts: &Percepts) {}
-
-    /// Called right before the tick, to start counting instructions where that can be done.
-    fn start_count(&mut self) {}
-
-    /// Instructions since [`Link::start_count`]; 0 where they cannot be counted.
-    fn stop_count(&mut self) -> u32 {
-        0
-    }
 }
 
-/// Drives by `plan` until the link ends.
-pub fn run(blob: Blob<'_>, link: impl Link) {
-    block_on(drive(blob, link));
+/// Runs the robot of `blob` until the transport ends.
+pub fn run_blocking(blob: Blob<'_>, transport: impl Transport, observer: impl Observer) {
+    block_on(run(blob, transport, observer));
 }
 
-/// Drives by `plan` until the link ends, as a future.
-pub async fn drive(blob: Blob<'_>, link: impl Link) {
+/// Runs the robot of `blob` until the transport ends, as a future.
+pub async fn run(blob: Blob<'_>, transport: impl Transport, observer: impl Observer) {
     let gps = Pipe::<NoopRawMutex, MAX_GPS_BYTES>::new();
     let now_us = Cell::new(0);
-    let fixes = FixSlot::<NoopRawMutex>::new();
-    let mut robot =
-        LockstepRobot { link, gps: &gps, now_us: &now_us, record: SensorRecord::default() };
-    select(gps_task(&gps, &fixes, || now_us.get()), control_task(blob, &mut robot, &fixes)).await;
+    let slots = Slots::<NoopRawMutex>::new();
+    let record = SensorRecord::default();
+    let mut robot = LockstepRobot { transport, gps: &gps, now_us: &now_us, record };
+    select(
+        gps_task(&gps, &slots.fixes, || now_us.get()),
+        control_task(blob, &mut robot, &slots, observer),
+    )
+    .await;
 }
 
-struct LockstepRobot<'a, L> {
-    link: L,
+struct LockstepRobot<'a, T> {
+    transport: T,
     gps: &'a Pipe<NoopRawMutex, MAX_GPS_BYTES>,
     now_us: &'a Cell<u64>,
     record: SensorRecord,
 }
 
-impl<L: Link> Robot for LockstepRobot<'_, L> {
+impl<T: Transport> Robot for LockstepRobot<'_, T> {
     async fn wait(&mut self) -> Option<u64> {
-        while !self.link.is_ready() {
+        while !self.transport.is_ready() {
             yield_now().await;
         }
-        self.record = self.link.receive()?;
+        self.record = self.transport.receive()?;
         let now_us = self.now_us.get().saturating_add(TICK_PERIOD_US);
         self.now_us.set(now_us);
         // The pipe holds a whole record and is empty here, so this never waits.
@@ -101,32 +93,24 @@ impl<L: Link> Robot for LockstepRobot<'_, L> {
         percepts.operator = self.record.operator;
     }
 
-    fn start_count(&mut self) {
-        self.link.start_count();
-    }
-
-    fn keep(&mut self, percepts: &Percepts) {
-        self.link.keep(percepts);
-    }
-
-    fn stop_count(&mut self) -> u32 {
-        self.link.stop_count()
-    }
-
     async fn act(&mut self, record: &CommandRecord) {
-        self.link.send(record);
+        self.transport.send(record);
     }
+
+    /// Whoever runs the world sees that a robot hangs, so there is no watchdog.
+    fn feed_watchdog(&mut self) {}
 }
 
-/// A link that is fed by hand. The robot's future waits in [`Link::receive`] between steps.
+/// A transport that is fed by hand, and an observer that keeps the last tick's percepts. The
+/// robot's future waits in [`Transport::is_ready`] between steps.
 ///
 /// ```
 /// # use plan_format::{Parameters, Blob};
 /// # use robot_io::SensorRecord;
-/// use runtime::lockstep::{Mailbox, drive};
-/// # let plan = Blob::without_map(Parameters::default(), None, None);
+/// use runtime::lockstep::{Mailbox, run};
+/// # let blob = Blob::without_map(Parameters::default(), None, None);
 /// let mailbox = Mailbox::default();
-/// let mut robot = core::pin::pin!(drive(plan, &mailbox));
+/// let mut robot = core::pin::pin!(run(blob, &mailbox, &mailbox));
 /// let first = mailbox.step(robot.as_mut(), SensorRecord::default()).unwrap();
 /// let second = mailbox.step(robot.as_mut(), SensorRecord::default()).unwrap();
 /// assert_eq!(first.commands.speed_mps, 0.0, "it is not armed");
@@ -141,7 +125,7 @@ pub struct Mailbox {
 }
 
 impl Mailbox {
-    /// Hands `record` to `robot`, a [`drive`] over this mailbox, and polls it until it has
+    /// Hands `record` to `robot`, a [`run`] over this mailbox, and polls it until it has
     /// answered. `None` if the future is not over this mailbox.
     pub fn step<F: Future<Output = ()> + ?Sized>(
         &self,
@@ -164,20 +148,21 @@ impl Mailbox {
         }
         None
     }
-}
 
-impl Mailbox {
     /// What the last step's tick saw, once: the percepts of a trace.
     pub fn take_percepts(&self) -> Option<Percepts> {
         self.seen.take()
     }
 }
 
-impl Link for &Mailbox {
-    fn keep(&mut self, percepts: &Percepts) {
+impl Observer for &Mailbox {
+    fn after(&mut self, percepts: &Percepts, _commands: &Commands) -> u32 {
         self.seen.set(Some(percepts.clone()));
+        0
     }
+}
 
+impl Transport for &Mailbox {
     fn is_ready(&self) -> bool {
         self.is_full.get()
     }

@@ -8,7 +8,7 @@ use plan_format::parameters::Gains;
 use plan_format::{Blob, Origin, Parameters};
 use robot_io::frame::{self, Downlink};
 use robot_io::{Operator, Reason, Receiver, SensorRecord};
-use runtime::lockstep::{Link, run};
+use runtime::lockstep::{Transport, run_blocking};
 
 const HOME: GeoPoint = GeoPoint { lat_e7: 337_756_180, lon_e7: -843_963_300 };
 const TICKS_A_SECOND: usize = 20;
@@ -30,7 +30,7 @@ struct Wire<'a> {
     said: &'a RefCell<Vec<(Receiver, Reason)>>,
 }
 
-impl Link for Wire<'_> {
+impl Transport for Wire<'_> {
     fn receive(&mut self) -> Option<SensorRecord> {
         let piece = match self.pieces.next() {
             Some(piece) => piece,
@@ -60,7 +60,7 @@ impl Link for Wire<'_> {
 fn listen(seconds: Vec<Vec<u8>>) -> Vec<(Receiver, Reason)> {
     let said = RefCell::new(Vec::new());
     let pieces = Vec::new().into_iter();
-    run(eastward(), Wire { seconds: seconds.into_iter(), pieces, said: &said });
+    run_blocking(eastward(), Wire { seconds: seconds.into_iter(), pieces, said: &said }, ());
     said.into_inner().into_iter().skip(TICKS_A_SECOND - 1).step_by(TICKS_A_SECOND).collect()
 }
 

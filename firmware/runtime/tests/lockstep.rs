@@ -6,9 +6,9 @@ use std::pin::pin;
 use math::{GeoPoint, Vec2};
 use plan_format::parameters::Gains;
 use plan_format::{Blob, Origin, Parameters};
-use robot_io::{CommandRecord, Operator, RangeReading, Reason, SensorRecord};
-use runtime::lockstep::{Link, Mailbox, drive, run};
-use runtime::{Fallback, TICK_PERIOD_US, load};
+use robot_io::{CommandRecord, Commands, Operator, Percepts, RangeReading, Reason, SensorRecord};
+use runtime::lockstep::{Mailbox, Transport, run, run_blocking};
+use runtime::{Fallback, Observer, TICK_PERIOD_US, load};
 
 const HOME: GeoPoint = GeoPoint { lat_e7: 337_756_180, lon_e7: -843_963_300 };
 const ARMED: Operator = Operator { is_armed: true, is_emergency_stop: false, manual: None };
@@ -51,7 +51,7 @@ struct Tape<'a> {
     answers: &'a RefCell<Vec<CommandRecord>>,
 }
 
-impl Link for Tape<'_> {
+impl Transport for Tape<'_> {
     fn receive(&mut self) -> Option<SensorRecord> {
         self.records.next().cloned()
     }
@@ -59,15 +59,31 @@ impl Link for Tape<'_> {
     fn send(&mut self, record: &CommandRecord) {
         self.answers.borrow_mut().push(*record);
     }
+}
 
-    fn stop_count(&mut self) -> u32 {
+/// Counts 77 instructions a tick, and holds that each tick is seen once before and once after.
+#[derive(Default)]
+struct Count {
+    is_ticking: bool,
+}
+
+impl Observer for Count {
+    fn before(&mut self) {
+        assert!(!self.is_ticking);
+        self.is_ticking = true;
+    }
+
+    fn after(&mut self, percepts: &Percepts, commands: &Commands) -> u32 {
+        assert!(self.is_ticking && percepts.time_us > 0);
+        assert!(percepts.operator.is_armed || commands.speed_mps == 0.0);
+        self.is_ticking = false;
         77
     }
 }
 
 fn play(blob: Blob<'_>, records: &[SensorRecord]) -> Vec<CommandRecord> {
     let answers = RefCell::new(Vec::new());
-    run(blob, Tape { records: records.iter(), answers: &answers });
+    run_blocking(blob, Tape { records: records.iter(), answers: &answers }, Count::default());
     answers.into_inner()
 }
 
@@ -110,7 +126,7 @@ fn several_fixes_in_one_record_are_all_read() {
 }
 
 #[test]
-fn time_counts_ticks_and_instructions_are_the_links() {
+fn time_counts_ticks_and_instructions_are_the_observers() {
     let answers = play(eastward(), &mission());
     assert_eq!(answers.len(), 200);
     for (tick, answer) in (1..).zip(&answers) {
@@ -126,10 +142,10 @@ fn the_same_records_give_the_same_answers_in_every_way_of_running() {
     assert_eq!(play(eastward(), &records), answers);
 
     let mailbox = Mailbox::default();
-    let mut robot = pin!(drive(eastward(), &mailbox));
+    let mut robot = pin!(run(eastward(), &mailbox, &mailbox));
     for (record, expected) in records.into_iter().zip(answers) {
         let answer = mailbox.step(robot.as_mut(), record).expect("an answer");
-        // This link counts no instructions.
+        // This observer counts no instructions.
         assert_eq!(CommandRecord { instructions: 77, ..answer }, expected);
     }
 }
@@ -188,6 +204,6 @@ fn a_refused_blob_stands_still_or_drives_reactively_as_the_build_says() {
 fn a_mailbox_that_nobody_reads_says_so() {
     let mailbox = Mailbox::default();
     let elsewhere = Mailbox::default();
-    let mut robot = pin!(drive(eastward(), &elsewhere));
+    let mut robot = pin!(run(eastward(), &elsewhere, ()));
     assert_eq!(mailbox.step(robot.as_mut(), SensorRecord::default()), None);
 }

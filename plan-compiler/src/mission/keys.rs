@@ -5,11 +5,11 @@ use crate::formats::TagRule;
 use crate::search::Corners;
 use math::GeoPoint;
 use plan_format::limits;
-use plan_format::parameters::{Gains, OnTrouble, Selection, Steering};
+use plan_format::parameters::{Gains, OnLinkLoss, OnTrouble, Selection, Steering};
 
 /// The tables of a mission file.
-pub const SECTIONS: [&str; 8] =
-    ["goals", "layers", "masks", "gains", "vehicle", "schemas", "fixes", "trouble"];
+pub const SECTIONS: [&str; 9] =
+    ["goals", "layers", "masks", "gains", "vehicle", "schemas", "fixes", "trouble", "link"];
 
 /// A key with one value. `[goals]`, `[layers]` and `[masks]` have names of the user's instead.
 #[derive(Debug)]
@@ -509,6 +509,24 @@ pub const KEYS: &[Key] = &[
         &[
             ("stop", |m| m.parameters.trouble.no_route = OnTrouble::Stop),
             ("reactive", |m| m.parameters.trouble.no_route = OnTrouble::Reactive),
+        ],
+    ),
+    number(
+        "link",
+        "timeout",
+        "s",
+        "1.0",
+        "The operator's link counts as lost when nothing was heard for longer than this.",
+        |m, v| m.parameters.link.timeout_us = (v * 1e6).round() as u32,
+    ),
+    word(
+        "link",
+        "on_loss",
+        "\"continue\"",
+        "When the link is lost while armed: go on with the mission, or stand still, disarmed. Driving by hand always ends.",
+        &[
+            ("continue", |m| m.parameters.link.on_loss = OnLinkLoss::Continue),
+            ("disarm", |m| m.parameters.link.on_loss = OnLinkLoss::Disarm),
         ],
     ),
 ];

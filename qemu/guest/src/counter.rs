@@ -1,5 +1,8 @@
 //! Counts instructions, exactly, where QEMU makes time a function of them.
 
+use robot_io::{Commands, Percepts};
+use runtime::Observer;
+
 /// Reads the counter. The harness runs the machine with `-icount shift=7`: an instruction
 /// takes 128 ns, so that CMSDK TIMER0 at 25 MHz gives 3.2 counts for each.
 #[derive(Clone, Copy)]
@@ -54,5 +57,29 @@ impl Counter {
         let counts = u64::from(mark.wrapping_sub(self.down_counts()));
         // 3.2 counts an instruction, rounded to the nearest; 32 bits hold the result.
         ((counts * 10 + 16) / 32) as u32
+    }
+}
+
+/// Counts the instructions of each tick.
+pub struct Tally {
+    counter: Counter,
+    mark: u32,
+}
+
+impl Tally {
+    /// Starts the counter.
+    pub fn start() -> Self {
+        let counter = Counter::start();
+        Self { counter, mark: counter.mark() }
+    }
+}
+
+impl Observer for Tally {
+    fn before(&mut self) {
+        self.mark = self.counter.mark();
+    }
+
+    fn after(&mut self, _percepts: &Percepts, _commands: &Commands) -> u32 {
+        self.counter.since(self.mark)
     }
 }

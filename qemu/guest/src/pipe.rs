@@ -6,12 +6,10 @@
 use core::ffi::CStr;
 use robot_io::limits::SENSOR_RECORD_BYTES;
 use robot_io::{CommandRecord, SensorRecord};
-use runtime::lockstep::Link;
+use runtime::lockstep::Transport;
 use semihosting::fs::File;
 use semihosting::io::{Read, Write};
 use static_cell::StaticCell;
-
-use crate::counter::Counter;
 
 /// QEMU's own standard input and output, which the harness holds the other ends of.
 const INPUT: &CStr = c"/dev/fd/0";
@@ -23,8 +21,6 @@ pub struct Pipe {
     output: File,
     /// The record that is arriving; in static memory, to keep the stack small.
     arriving: &'static mut [u8; SENSOR_RECORD_BYTES],
-    counter: Counter,
-    mark: u32,
 }
 
 impl Pipe {
@@ -32,16 +28,16 @@ impl Pipe {
     ///
     /// # Panics
     /// Where QEMU was started without such pipes: there is nothing to drive then.
-    pub fn open(counter: Counter) -> Self {
+    pub fn open() -> Self {
         static ARRIVING: StaticCell<[u8; SENSOR_RECORD_BYTES]> = StaticCell::new();
         let arriving = ARRIVING.init_with(|| [0; SENSOR_RECORD_BYTES]);
         let input = File::open(INPUT).expect("standard input is a pipe");
         let output = File::create(OUTPUT).expect("standard output is a pipe");
-        Self { input, output, arriving, counter, mark: counter.mark() }
+        Self { input, output, arriving }
     }
 }
 
-impl Link for Pipe {
+impl Transport for Pipe {
     #[inline(never)]
     fn receive(&mut self) -> Option<SensorRecord> {
         self.input.read_exact(self.arriving).ok()?;
@@ -54,13 +50,5 @@ impl Link for Pipe {
         if let Some(bytes) = record.to_bytes() {
             let _ = self.output.write_all(&bytes);
         }
-    }
-
-    fn start_count(&mut self) {
-        self.mark = self.counter.mark();
-    }
-
-    fn stop_count(&mut self) -> u32 {
-        self.counter.since(self.mark)
     }
 }

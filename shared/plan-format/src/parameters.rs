@@ -21,6 +21,8 @@ pub struct Parameters {
     pub fixes: FixPolicy,
     /// What to do in trouble.
     pub trouble: TroublePolicy,
+    /// What the loss of the operator's link does.
+    pub link: LinkPolicy,
     /// Seed of the noise schema.
     pub seed: u32,
 }
@@ -139,6 +141,25 @@ pub struct TroublePolicy {
     pub no_route: OnTrouble,
 }
 
+/// What an armed robot does when the operator falls silent. A robot that was driven by hand
+/// stands still and is no longer armed, whatever is set here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum OnLinkLoss {
+    /// Go on with the mission: for plans that lead out of the radio's range.
+    Continue,
+    /// Stand still, no longer armed.
+    Disarm,
+}
+
+/// When the operator's link counts as lost, and what that does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct LinkPolicy {
+    /// The link is lost when nothing was heard for longer than this, microseconds.
+    pub timeout_us: u32,
+    /// What the loss does.
+    pub on_loss: OnLinkLoss,
+}
+
 impl Default for Parameters {
     fn default() -> Self {
         Self {
@@ -170,6 +191,7 @@ impl Default for Parameters {
                 max_jump_mps: 15.0,
             },
             trouble: TroublePolicy { off_map: OnTrouble::Stop, no_route: OnTrouble::Stop },
+            link: LinkPolicy { timeout_us: 1_000_000, on_loss: OnLinkLoss::Continue },
             seed: 1,
         }
     }
@@ -196,6 +218,7 @@ impl Parameters {
             ("schemas.avoid_margin", self.schemas.avoid_margin_m, 0.0, 1_000.0),
             ("schemas.goal_tolerance", self.schemas.goal_tolerance_m, 0.01, 1_000.0),
             ("fixes.max_jump", self.fixes.max_jump_mps, 0.1, 1_000.0),
+            ("link.timeout", self.link.timeout_us as f32 / 1e6, 0.1, 3_600.0),
         ];
         table
             .into_iter()
@@ -214,5 +237,16 @@ mod tests {
         let mut parameters = Parameters::default();
         parameters.vehicle.max_speed_mps = f32::NAN;
         assert_eq!(parameters.check(), Some(("vehicle.max_speed", 0.0, 50.0)));
+    }
+
+    #[test]
+    fn the_links_timeout_has_a_lowest_and_a_highest_value() {
+        for (timeout_us, is_fine) in
+            [(99_999, false), (100_000, true), (3_600_000_000, true), (u32::MAX, false)]
+        {
+            let mut parameters = Parameters::default();
+            parameters.link.timeout_us = timeout_us;
+            assert_eq!(parameters.check().is_none(), is_fine, "{timeout_us}");
+        }
     }
 }

@@ -6,13 +6,13 @@ use embassy_futures::block_on;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use math::Vec2;
 use plan_compiler::trace::{Trace, story};
-use plan_format::{Blob, Cell, Layer, limits};
+use plan_format::{Blob, Cell, Layer, Parameters, limits};
 use robot_io::frame::{self, Downlink, Uplink};
 use robot_io::limits::{COMMAND_RECORD_BYTES, SENSOR_RECORD_BYTES};
 use robot_io::{
     CommandRecord, Commands, Fix, Manual, Operator, Percepts, RangeReading, Receiver, SensorRecord,
 };
-use runtime::{OperatorSlot, Silence};
+use runtime::OperatorSlot;
 use std::sync::OnceLock;
 
 /// Bytes of a blob's header.
@@ -178,15 +178,15 @@ pub(crate) fn link(bytes: &[u8]) {
             assert!(frame::encode(&told).is_some(), "what was told can be told again");
         }
     }
-    let slot = OperatorSlot::<NoopRawMutex>::new(Silence::Allows);
+    let slot = OperatorSlot::<NoopRawMutex>::new();
     block_on(runtime::operator_task(bytes, &slot, || 7));
-    let _ = slot.at(u64::MAX);
+    let _ = slot.at(u64::MAX, &Parameters::default().link);
 }
 
 /// A world that says what records say.
 struct Records<'b>(std::slice::Chunks<'b, u8>);
 
-impl runtime::lockstep::Link for Records<'_> {
+impl runtime::lockstep::Transport for Records<'_> {
     fn receive(&mut self) -> Option<SensorRecord> {
         self.0.by_ref().find_map(SensorRecord::from_bytes)
     }
@@ -207,7 +207,8 @@ pub(crate) fn lockstep(bytes: &[u8]) {
     let blob =
         BLOB.get_or_init(|| soak::fixtures::blob(soak::fixtures::sixteen()).expect("a sound blob"));
     let blob = Blob::parse(blob).expect("a sound blob");
-    runtime::lockstep::run(blob, Records(bytes.chunks(SENSOR_RECORD_BYTES)));
+    let records = Records(bytes.chunks(SENSOR_RECORD_BYTES));
+    runtime::lockstep::run_blocking(blob, records, ());
 }
 
 /// A recorded mission: its plans, its ticks again, and its story.

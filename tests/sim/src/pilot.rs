@@ -1,8 +1,9 @@
 //! Who drives: whatever answers a record of sensors with a record of commands.
 
 use plan_format::Blob;
-use robot_io::{CommandRecord, Percepts, SensorRecord};
-use runtime::lockstep::{Link, Mailbox, drive};
+use robot_io::{CommandRecord, Commands, Percepts, SensorRecord};
+use runtime::Observer;
+use runtime::lockstep::{Mailbox, Transport, run};
 use std::fmt;
 use std::pin::Pin;
 use std::rc::Rc;
@@ -49,7 +50,8 @@ impl<'p> HostPilot<'p> {
     /// A robot before its first tick.
     pub fn new(blob: Blob<'p>) -> Self {
         let mailbox = Rc::new(Mailbox::default());
-        let robot = Box::pin(drive(blob, Shared(Rc::clone(&mailbox))));
+        let shared = || Shared(Rc::clone(&mailbox));
+        let robot = Box::pin(run(blob, shared(), shared()));
         Self { mailbox, robot }
     }
 
@@ -75,11 +77,13 @@ impl fmt::Debug for HostPilot<'_> {
 /// A mailbox that the robot and its owner both hold.
 struct Shared(Rc<Mailbox>);
 
-impl Link for Shared {
-    fn keep(&mut self, percepts: &Percepts) {
-        (&*self.0).keep(percepts);
+impl Observer for Shared {
+    fn after(&mut self, percepts: &Percepts, commands: &Commands) -> u32 {
+        (&*self.0).after(percepts, commands)
     }
+}
 
+impl Transport for Shared {
     fn is_ready(&self) -> bool {
         (&*self.0).is_ready()
     }

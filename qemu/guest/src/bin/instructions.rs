@@ -42,7 +42,7 @@ mod counts {
         let count = |mark| counter.since(mark) - overhead;
 
         let mark = counter.mark();
-        let parsed = Blob::parse(black_box(guest::blob::region()));
+        let parsed = Blob::parse(black_box(runtime::plan_region()));
         let validation = count(mark);
         let blob = parsed.expect("the harness loads a sound blob");
         let parallel = chosen(&blob);

@@ -7,8 +7,9 @@
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let blob = guest::blob::load();
-    let pipe = guest::pipe::Pipe::open(guest::counter::Counter::start());
-    guest::executor::run(|spawner| spawner.spawn(robot(blob, pipe).unwrap()), finish)
+    let pipe = guest::pipe::Pipe::open();
+    let tally = guest::counter::Tally::start();
+    guest::executor::run(|spawner| spawner.spawn(robot(blob, pipe, tally).unwrap()), finish)
 }
 
 /// The runtime's tasks, joined into one future that lies in static memory as on any board.
@@ -17,13 +18,14 @@ fn main() -> ! {
 fn robot(
     blob: &'static plan_format::Blob<'static>,
     pipe: guest::pipe::Pipe,
+    tally: guest::counter::Tally,
 ) -> impl Future<Output = ()> + 'static {
-    runtime::lockstep::drive(*blob, pipe)
+    runtime::lockstep::run(*blob, pipe, tally)
 }
 
 /// Bytes of what a function returns.
 #[cfg(target_os = "none")]
-const fn output_bytes<A, B, R>(_: &impl Fn(A, B) -> R) -> usize {
+const fn output_bytes<A, B, C, R>(_: &impl Fn(A, B, C) -> R) -> usize {
     size_of::<R>()
 }
 
@@ -32,8 +34,10 @@ const fn output_bytes<A, B, R>(_: &impl Fn(A, B) -> R) -> usize {
 fn finish() {
     semihosting::eprintln!("control-state-bytes {}", size_of::<controller::State>());
     semihosting::eprintln!("plan-view-bytes {}", size_of::<plan_format::Blob<'_>>());
-    let drive = |blob, pipe: guest::pipe::Pipe| runtime::lockstep::drive(blob, pipe);
-    semihosting::eprintln!("tasks-bytes {}", output_bytes(&drive));
+    let run = |blob, pipe: guest::pipe::Pipe, tally: guest::counter::Tally| {
+        runtime::lockstep::run(blob, pipe, tally)
+    };
+    semihosting::eprintln!("tasks-bytes {}", output_bytes(&run));
     semihosting::eprintln!("static-bytes {}", guest::memory::static_bytes());
     semihosting::eprintln!("stack-bytes {}", guest::memory::stack_bytes());
     semihosting::process::exit(0)

@@ -15,12 +15,11 @@ mod robot {
     use plan_format::Blob;
     use robot_io::{CommandRecord, Operator, Percepts};
     use runtime::time::{Pace, now_us};
-    use runtime::{FixSlot, Robot, Telemetry, control_task, gps_task, telemetry_task};
+    use runtime::{Robot, Slots, control_task, gps_task, telemetry_task};
     use static_cell::StaticCell;
 
     struct UartRobot {
         pace: Pace,
-        telemetry: &'static Telemetry<NoopRawMutex>,
     }
 
     impl Robot for UartRobot {
@@ -32,45 +31,41 @@ mod robot {
             percepts.operator = Operator { is_armed: true, ..Operator::default() };
         }
 
-        async fn act(&mut self, record: &CommandRecord) {
-            self.telemetry.signal(*record);
-        }
+        /// There are no motors.
+        async fn act(&mut self, _record: &CommandRecord) {}
+
+        /// The machine has no watchdog; the harness sees that a robot hangs.
+        fn feed_watchdog(&mut self) {}
     }
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
-        static FIXES: StaticCell<FixSlot<NoopRawMutex>> = StaticCell::new();
-        static TELEMETRY: StaticCell<Telemetry<NoopRawMutex>> = StaticCell::new();
+        static SLOTS: StaticCell<Slots<NoopRawMutex>> = StaticCell::new();
         let blob = guest::blob::load();
         let uart = Uart::start();
-        let fixes = &*FIXES.init(FixSlot::new());
-        let telemetry = &*TELEMETRY.init(Telemetry::new());
+        let slots = &*SLOTS.init(Slots::new());
         let init = |spawner: Spawner| {
-            spawner.spawn(gps(uart.reader(), fixes).unwrap());
-            spawner.spawn(control(blob, telemetry, fixes).unwrap());
-            spawner.spawn(link(uart, telemetry).unwrap());
+            spawner.spawn(gps(uart.reader(), slots).unwrap());
+            spawner.spawn(control(blob, slots).unwrap());
+            spawner.spawn(telemetry(uart, slots).unwrap());
         };
         guest::executor::run(init, cortex_m::asm::wfi)
     }
 
     #[embassy_executor::task]
-    async fn gps(reader: &'static super::uart::Received, fixes: &'static FixSlot<NoopRawMutex>) {
-        gps_task(reader, fixes, now_us).await;
+    async fn gps(reader: &'static super::uart::Received, slots: &'static Slots<NoopRawMutex>) {
+        gps_task(reader, &slots.fixes, now_us).await;
     }
 
     #[embassy_executor::task]
-    async fn control(
-        blob: &'static Blob<'static>,
-        telemetry: &'static Telemetry<NoopRawMutex>,
-        fixes: &'static FixSlot<NoopRawMutex>,
-    ) {
-        let mut robot = UartRobot { pace: Pace::default(), telemetry };
-        control_task(*blob, &mut robot, fixes).await;
+    async fn control(blob: &'static Blob<'static>, slots: &'static Slots<NoopRawMutex>) {
+        let mut robot = UartRobot { pace: Pace::default() };
+        control_task(*blob, &mut robot, slots, ()).await;
     }
 
     #[embassy_executor::task]
-    async fn link(uart: Uart, telemetry: &'static Telemetry<NoopRawMutex>) {
-        telemetry_task(uart, telemetry).await;
+    async fn telemetry(uart: Uart, slots: &'static Slots<NoopRawMutex>) {
+        telemetry_task(uart, &slots.telemetry).await;
     }
 }
 

@@ -1,0 +1,60 @@
+//! What the operator last asked for, and when that was heard.
+
+use core::cell::Cell;
+
+use embassy_sync::blocking_mutex::Mutex;
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use plan_format::parameters::LinkPolicy;
+use robot_io::Operator;
+
+use crate::silence;
+
+/// The operator as last heard over the link, shared between tasks.
+pub struct OperatorSlot<M: RawMutex> {
+    heard: Mutex<M, Cell<Option<(u64, Operator)>>>,
+}
+
+impl<M: RawMutex> Default for OperatorSlot<M> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<M: RawMutex> OperatorSlot<M> {
+    /// Nothing heard yet.
+    pub const fn new() -> Self {
+        Self { heard: Mutex::new(Cell::new(None)) }
+    }
+
+    /// Notes what was heard at `time_us`.
+    pub fn hear(&self, time_us: u64, operator: Operator) {
+        self.heard.lock(|cell| cell.set(Some((time_us, operator))));
+    }
+
+    /// What counts as the operator's wish at `now_us`, silence taken into account; `None` if
+    /// the link never spoke, so that a robot without a radio obeys its own buttons.
+    pub fn at(&self, now_us: u64, policy: &LinkPolicy) -> Option<Operator> {
+        let (time_us, heard) = self.heard.lock(Cell::get)?;
+        Some(silence::after(heard, now_us.saturating_sub(time_us), policy))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+    use plan_format::Parameters;
+
+    #[test]
+    fn the_newest_word_counts_and_ages_from_when_it_was_heard() {
+        let policy = Parameters::default().link;
+        let slot = OperatorSlot::<NoopRawMutex>::new();
+        assert_eq!(slot.at(0, &policy), None);
+        let stop = Operator { is_emergency_stop: true, ..Operator::default() };
+        let armed = Operator { is_armed: true, ..Operator::default() };
+        slot.hear(5, stop);
+        slot.hear(6, armed);
+        assert_eq!(slot.at(7, &policy), Some(armed));
+        assert_eq!(slot.at(5, &policy), Some(armed), "a clock that lags is not an old word");
+    }
+}
