@@ -34,9 +34,9 @@ fn mend(blob_bytes: usize) -> String {
     let larger: Vec<String> =
         larger.map(|board| format!("{} ({})", board.name, board.memory.plans.bytes)).collect();
     if larger.is_empty() {
-        format!("{shrink}; no board that is known has room for them")
+        format!("{shrink}; they fit on no known board")
     } else {
-        format!("{shrink}; room for them as they are has {}", larger.join(", "))
+        format!("{shrink}; they fit unchanged on: {}", larger.join(", "))
     }
 }
 
@@ -55,6 +55,6 @@ mod tests {
         assert_eq!(severity(196_609), Some(Severity::Error));
         let mend = |bytes| check(board, bytes).unwrap().mend.unwrap();
         assert!(mend(196_609).contains("stm32f405 (262144), pico2"), "{}", mend(196_609));
-        assert!(mend(2 << 20).contains("no board that is known"), "{}", mend(2 << 20));
+        assert!(mend(2 << 20).contains("on no known board"), "{}", mend(2 << 20));
     }
 }

@@ -2,6 +2,7 @@
 
 mod behaviours;
 mod blob;
+mod boards;
 mod cli;
 mod convert;
 mod fields;
