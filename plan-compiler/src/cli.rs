@@ -515,9 +515,11 @@ impl std::str::FromStr for LayerName {
 
 fn board() -> impl TypedValueParser<Value = &'static Board> {
     let names = BOARDS.iter().map(|board| {
-        let (size, address) = (board.plan_bytes >> 10, board.plan_address);
-        let firmware = if board.has_firmware { "" } else { "; plans only, no firmware yet" };
-        PossibleValue::new(board.name).help(format!("{size} KiB at {address:#010x}{firmware}"))
+        let (size, address) = (board.memory.plans.bytes >> 10, board.memory.plans.address);
+        let firmware =
+            if board.state.has_firmware() { "" } else { "; plans only, no firmware yet" };
+        PossibleValue::new(board.name.as_str())
+            .help(format!("{size} KiB at {address:#010x}{firmware}"))
     });
     PossibleValuesParser::new(names)
         .try_map(|name| Board::find(&name).ok_or("there is no such board"))

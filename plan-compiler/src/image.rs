@@ -40,7 +40,7 @@ impl Image {
         let board = match (extension.as_str(), board) {
             ("hex" | "uf2", Some(board)) => board,
             ("hex" | "uf2", None) => {
-                let names: Vec<&str> = BOARDS.iter().map(|board| board.name).collect();
+                let names: Vec<&str> = BOARDS.iter().map(|board| board.name.as_str()).collect();
                 let names = names.join(", ");
                 return Err(format!(
                     "a .{extension} holds the address of the plans in flash, so the board must be \
@@ -49,7 +49,7 @@ impl Image {
             }
             _ => return Ok(Self::Raw),
         };
-        let address = board.plan_address;
+        let address = board.memory.plans.address;
         match (extension.as_str(), board.uf2_family) {
             ("hex", _) => Ok(Self::Hex { address }),
             (_, Some(family)) => Ok(Self::Uf2 { address, family }),

@@ -23,11 +23,6 @@ const UART_BYTES: usize = 256;
 /// What the tasks share.
 static SLOTS: Slots<CriticalSectionRawMutex> = Slots::new();
 
-/// Tells probe-rs which chip the program is for.
-#[used]
-#[unsafe(link_section = ".probe-rs.chip")]
-static CHIP: [u8; 13] = *b"nRF52840_xxAA";
-
 bind_interrupts!(struct Interrupts {
     UARTE0 => buffered_uarte::InterruptHandler<peripherals::UARTE0>;
     UARTE1 => buffered_uarte::InterruptHandler<peripherals::UARTE1>;

@@ -10,7 +10,6 @@
 //! radio <- UARTE0 - telemetry <- SLOTS.telemetry -+
 //! ```
 #![cfg_attr(target_os = "none", no_std, no_main)]
-#![cfg_attr(target_os = "none", allow(unsafe_code))]
 
 #[cfg(target_os = "none")]
 mod board;

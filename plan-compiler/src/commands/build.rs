@@ -7,7 +7,7 @@ use crate::cli::{Build, Compiling};
 use maps::numbers::pair;
 use maps::problem::Problem;
 use maps::problem::has_errors;
-use plan_compiler::boards::Board;
+use plan_compiler::boards::{self, Board};
 use plan_compiler::compile::{Need, STEPS_A_LAYER, gib, prepare};
 use plan_compiler::image::Image;
 use plan_compiler::output;
@@ -38,7 +38,7 @@ pub(super) fn build(
     let Some(blob) = compile(input, bytes, output, args, quiet, &mut problems)? else {
         return Err(Failure::Wrong(problems));
     };
-    problems.extend(args.board.and_then(|board| board.check(blob.len())));
+    problems.extend(args.board.and_then(|board| boards::check(board, blob.len())));
     if !has_errors(&problems) {
         let file = image.encode(&blob);
         problems.extend(output::write_file(output, |out| out.write_all(&file)).err());
@@ -94,7 +94,7 @@ fn announce(need: Need, quiet: bool) {
 struct Built<'b> {
     /// Names need not be text; JSON must be.
     output: Cow<'b, str>,
-    board: Option<&'static str>,
+    board: Option<&'b str>,
     time_ms: f64,
     #[serde(flatten)]
     blob: description::Description<'b>,
@@ -110,7 +110,7 @@ fn print_json(
     let blob = Blob::parse_exact(bytes).map_err(io::Error::other)?;
     let built = Built {
         output: output.to_string_lossy(),
-        board: board.map(|board| board.name),
+        board: board.map(|board| board.name.as_str()),
         time_ms: took.as_secs_f64() * 1e3,
         blob: describe(&blob, bytes.len()),
     };
@@ -157,7 +157,8 @@ fn summary(
         }
     }
     if let Some(board) = board {
-        let (part, whole) = (bytes.len() as f64 / board.plan_bytes as f64, board.plan_bytes);
+        let whole = board.memory.plans.bytes;
+        let part = bytes.len() as f64 / whole as f64;
         let _ = writeln!(
             text,
             "  {}: {:.1} % of its blob region of {whole} bytes; {}",
@@ -171,11 +172,11 @@ fn summary(
 
 /// How the file gets onto the board.
 fn flashing(path: &Path, image: Image, board: &Board) -> String {
-    let (chip, path) = (board.chip, path.display());
+    let (chip, path) = (&board.chip, path.display());
     let download = format!("flash it with probe-rs download --chip {chip} --verify");
     match image {
         Image::Raw => {
-            let address = board.plan_address;
+            let address = board.memory.plans.address;
             format!("{download} --binary-format bin --base-address {address:#010x} {path}")
         }
         Image::Hex { .. } => format!("{download} --binary-format hex {path}"),

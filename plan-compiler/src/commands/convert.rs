@@ -6,6 +6,7 @@ use crate::cli::{Compiling, Convert};
 use maps::formats::{ReadOptions, foreign};
 use maps::problem::Problem;
 use maps::problem::has_errors;
+use plan_compiler::boards;
 use plan_compiler::image::Image;
 use plan_compiler::{iplan, output};
 use plan_format::MAGIC;
@@ -44,7 +45,7 @@ pub(super) fn run(args: &Convert, quiet: bool) -> Result<(), Failure> {
     let Some(blob) = blob.filter(|_| !has_errors(&problems)) else {
         return Err(Failure::Wrong(problems));
     };
-    problems.extend(args.compiling.board.and_then(|board| board.check(blob.len())));
+    problems.extend(args.compiling.board.and_then(|board| boards::check(board, blob.len())));
     if to_iplan {
         write_iplan(args, &blob, &mut problems)?;
     } else if !has_errors(&problems) {

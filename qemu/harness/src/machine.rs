@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use board_table::Region;
 use tempfile::NamedTempFile;
 
 use crate::setup::{self, SetupError};
@@ -60,19 +61,17 @@ impl Machine {
     }
 
     /// The triple that its images are built for.
-    pub const fn target(self) -> &'static str {
-        match self {
-            Self::CortexM4F => "thumbv7em-none-eabihf",
-            Self::CortexM3 => "thumbv7m-none-eabi",
-        }
+    pub fn target(self) -> &'static str {
+        &self.row().target
     }
 
-    /// Address and bytes of the plan region, as in the guest's memory map.
-    pub const fn plan_region(self) -> (u64, usize) {
-        match self {
-            Self::CortexM4F => (0x2100_0000, 16 << 20),
-            Self::CortexM3 => (0x0003_4000, 48 << 10),
-        }
+    /// Where the plans lie.
+    pub fn plan_region(self) -> Region {
+        self.row().memory.plans
+    }
+
+    fn row(self) -> &'static board_table::Machine {
+        board_table::Machine::find(self.name()).expect("a test finds every machine in boards.toml")
     }
 
     /// QEMU with an image of the guest and the plans in their region, not started yet. All
@@ -83,7 +82,7 @@ impl Machine {
         build: Build,
         plans: &[u8],
     ) -> Result<(Command, NamedTempFile), StartError> {
-        let (address, capacity) = self.plan_region();
+        let Region { address, bytes: capacity } = self.plan_region();
         if plans.len() > capacity {
             let (bytes, machine) = (plans.len(), self.name());
             return Err(StartError::TooLarge { bytes, capacity, machine });
@@ -119,5 +118,17 @@ impl Machine {
         let (mut command, file) = self.command(bin, build, plans)?;
         command.args(["-icount", "shift=7", "-serial", "none"]);
         Ok((command, file))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Machine;
+
+    #[test]
+    fn every_machine_has_a_row_with_a_target_of_its_own() {
+        let targets = [Machine::CortexM4F, Machine::CortexM3].map(Machine::target);
+        assert_ne!(targets[0], targets[1]);
+        assert_eq!(board_table::MACHINES.len(), targets.len());
     }
 }

@@ -213,7 +213,7 @@ fn a_board_is_added_by_the_steps_of_its_readme() {
     let copied = Tree { folder, steps: steps.to_owned() };
     copy(&copied.path("boards/nrf52840-dk"), &copied.path("boards/my-rover"));
     copied.step("nrf52840-dk");
-    for file in ["Cargo.toml", ".cargo/config.toml", "memory.x", "board.rs", "robot.rs"] {
+    for file in ["Cargo.toml", ".cargo/config.toml", "board.rs", "robot.rs"] {
         copied.step(file);
         let inside = if file.ends_with(".rs") { format!("src/{file}") } else { file.to_owned() };
         assert!(copied.path("boards/my-rover").join(inside).is_file(), "{file} is copied");
@@ -221,6 +221,12 @@ fn a_board_is_added_by_the_steps_of_its_readme() {
     let manifest = copied.path("boards/my-rover/Cargo.toml");
     let text = fs::read_to_string(&manifest).expect("the manifest is copied");
     fs::write(&manifest, text.replace("nrf52840-dk", "my-rover")).expect("it is written");
+    copied.step("boards.toml");
+    let table = copied.path("boards/boards.toml");
+    let text = fs::read_to_string(&table).expect("the table is copied");
+    let row = text.split("\n\n").find(|row| row.starts_with("[board.nrf52840-dk]"));
+    let row = row.expect("the board has a row").replace("nrf52840-dk", "my-rover");
+    fs::write(&table, format!("{text}\n{row}\n")).expect("it is written");
     let config = fs::read_to_string(copied.path("boards/my-rover/.cargo/config.toml"));
     let config = config.expect("the folder's own target is copied");
     let target = config.split('"').nth(1).expect("it names a target").to_owned();

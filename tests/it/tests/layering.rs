@@ -11,6 +11,7 @@ use it::root;
 const MAY_USE: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("plan-format", &["math"]),
+    ("board-table", &[]),
     ("robot-io", &["math"]),
     ("advice", &["math", "plan-format"]),
     ("schemas", &["math", "plan-format", "robot-io"]),
@@ -26,6 +27,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "plan-compiler",
         &[
             "behaviour",
+            "board-table",
             "controller",
             "fuzzy",
             "grammar",
@@ -36,8 +38,11 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "robot-io",
         ],
     ),
-    ("nrf52840-dk", &["math", "plan-format", "robot-io", "runtime"]),
-    ("guest", &["controller", "math", "plan-format", "robot-io", "runtime"]),
+    ("nrf52840-dk", &["board-table", "math", "plan-format", "robot-io", "runtime"]),
+    ("stm32f405", &["board-table", "math", "plan-format", "robot-io", "runtime"]),
+    ("stm32h743", &["board-table", "math", "plan-format", "robot-io", "runtime"]),
+    ("pico2", &["board-table", "math", "plan-format", "robot-io", "runtime"]),
+    ("guest", &["board-table", "controller", "math", "plan-format", "robot-io", "runtime"]),
     ("sim", &["math", "plan-compiler", "plan-format", "robot-io", "runtime"]),
     (
         "soak",
@@ -57,11 +62,24 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "soak",
         ],
     ),
-    ("harness", &["math", "plan-compiler", "plan-format", "robot-io", "runtime", "sim", "soak"]),
+    (
+        "harness",
+        &[
+            "board-table",
+            "math",
+            "plan-compiler",
+            "plan-format",
+            "robot-io",
+            "runtime",
+            "sim",
+            "soak",
+        ],
+    ),
     (
         "it",
         &[
             "behaviour",
+            "board-table",
             "controller",
             "harness",
             "math",

@@ -2,6 +2,7 @@
 
 mod behaviours;
 mod blob;
+mod boards;
 mod circles;
 mod cli;
 mod convert;

@@ -3,7 +3,6 @@
 
 use super::Run;
 use std::fs;
-use std::path::Path;
 
 /// An empty folder with the maps that ship where the commands look for them.
 fn clone() -> Run {
@@ -52,17 +51,5 @@ fn help_shows_commands_that_work() {
     assert!(run_all(&run, &help, "  ") >= 3, "{help}");
     for name in ["plans.bin", "plans.hex", "cost.npy", "field.png", "ways.png", "Iplan.dat"] {
         assert!(run.path(name).exists(), "{name}");
-    }
-}
-
-#[test]
-fn only_boards_with_a_folder_have_firmware() {
-    let help = Run::new(&[]).done("build --help");
-    for board in plan_compiler::boards::BOARDS {
-        let folder = it::root().join("boards").join(board.name);
-        assert_eq!(Path::new(&folder).is_dir(), board.has_firmware, "{}", board.name);
-        let line = help.lines().find(|line| line.contains(&format!("- {}:", board.name)));
-        let is_marked = line.is_some_and(|line| line.contains("no firmware yet"));
-        assert_eq!(is_marked, !board.has_firmware, "{line:?}");
     }
 }

@@ -1,0 +1,109 @@
+//! Pins, clocks and tasks.
+
+use defmt_rtt as _;
+use embassy_executor::Spawner;
+use embassy_rp::gpio::{Input, Level, Output, Pull};
+use embassy_rp::pwm::Pwm;
+use embassy_rp::uart::{
+    self, BufferedInterruptHandler, BufferedUart, BufferedUartRx, BufferedUartTx,
+};
+use embassy_rp::watchdog::Watchdog;
+use embassy_rp::{bind_interrupts, peripherals};
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use panic_probe as _;
+use plan_format::Blob;
+use runtime::{Fallback, Robot, Slots, time};
+use static_cell::ConstStaticCell;
+
+use crate::robot::{self, Light, Rover};
+
+/// What the receiver sends at: u-blox from the factory, series 9 and 10 (8 and older: 9600).
+const GPS_BAUD: u32 = 38_400;
+/// What the radio's modem sends at.
+const LINK_BAUD: u32 = 115_200;
+/// Bytes that a UART takes in while the processor is elsewhere: 20 ms at 115,200 baud.
+const UART_BYTES: usize = 256;
+
+/// What the tasks share.
+static SLOTS: Slots<CriticalSectionRawMutex> = Slots::new();
+
+bind_interrupts!(struct Interrupts {
+    UART0_IRQ => BufferedInterruptHandler<peripherals::UART0>;
+    UART1_IRQ => BufferedInterruptHandler<peripherals::UART1>;
+});
+
+#[embassy_executor::main]
+async fn main(spawner: Spawner) {
+    let p = embassy_rp::init(embassy_rp::config::Config::default());
+    // The drivers use these buffers for as long as the program runs.
+    static GPS_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
+    static GPS_TX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
+    static LINK_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
+    static LINK_TX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
+
+    let gps = BufferedUart::new(
+        p.UART1,
+        p.PIN_4,
+        p.PIN_5,
+        Interrupts,
+        GPS_TX.take(),
+        GPS_RX.take(),
+        at(GPS_BAUD),
+    );
+    let link = BufferedUart::new(
+        p.UART0,
+        p.PIN_0,
+        p.PIN_1,
+        Interrupts,
+        LINK_TX.take(),
+        LINK_RX.take(),
+        at(LINK_BAUD),
+    );
+    // The motors stand still and the watchdog is awake before anything is looked at that came from
+    // outside. Looking through a blob takes up to seconds and feeds it on the way; where that hangs,
+    // the watchdog resets the rover, which then begins anew, at a stand.
+    let left = Pwm::new_output_ab(p.PWM_SLICE0, p.PIN_16, p.PIN_17, robot::stopped());
+    let right = Pwm::new_output_ab(p.PWM_SLICE1, p.PIN_18, p.PIN_19, robot::stopped());
+    let button = Input::new(p.PIN_15, Pull::Up);
+    let watchdog = Watchdog::new(p.WATCHDOG);
+    let mut rover = Rover::new(left, right, button, watchdog);
+    let light = Light(Output::new(p.PIN_25, Level::Low));
+    // Without a sound blob this rover stands still and takes manual commands only.
+    let region = runtime::plan_region();
+    let loaded = runtime::load_paced(region, &Fallback::default(), || rover.feed_watchdog());
+
+    // The receiver is not configured, so nothing is sent to it.
+    let (_, gps) = gps.split();
+    let (telemetry, operator) = link.split();
+    // A task can be spawned once, and each is.
+    spawner.spawn(gps_task(gps).unwrap());
+    spawner.spawn(operator_task(operator).unwrap());
+    spawner.spawn(telemetry_task(telemetry).unwrap());
+    spawner.spawn(control_task(loaded.blob, rover, light).unwrap());
+}
+
+#[embassy_executor::task]
+async fn gps_task(reader: BufferedUartRx) {
+    runtime::gps_task(reader, &SLOTS.fixes, time::now_us).await;
+}
+
+#[embassy_executor::task]
+async fn operator_task(reader: BufferedUartRx) {
+    runtime::operator_task(reader, &SLOTS.operator, time::now_us).await;
+}
+
+#[embassy_executor::task]
+async fn telemetry_task(writer: BufferedUartTx) {
+    runtime::telemetry_task(writer, &SLOTS.telemetry).await;
+}
+
+#[embassy_executor::task]
+async fn control_task(blob: Blob<'static>, mut rover: Rover, light: Light) {
+    runtime::control_task(blob, &mut rover, &SLOTS, light).await;
+}
+
+fn at(baudrate: u32) -> uart::Config {
+    let mut config = uart::Config::default();
+    config.baudrate = baudrate;
+    config
+}

@@ -1,0 +1,107 @@
+//! This board's motors, button, light and watchdog.
+
+use embassy_rp::gpio::{Input, Level, Output};
+use embassy_rp::pwm::{self, Pwm};
+use embassy_rp::watchdog::Watchdog;
+use embassy_time::Duration;
+use robot_io::{CommandRecord, Commands, Operator, Percepts};
+use runtime::drive::Differential;
+use runtime::{Observer, Robot, time};
+
+/// Measure these on the rover; the plan's parameters hold its limits.
+const BODY: Differential = Differential { track_m: 0.4, full_speed_mps: 2.0 };
+/// PWM steps: the 150 MHz clock divided by them gives 20 kHz, which nobody hears.
+const FULL_DUTY: u16 = 7_500;
+/// The watchdog bites when five ticks are missed, or when the check of the blob has not gone on for
+/// as long.
+const WATCHDOG: Duration = Duration::from_millis(250);
+
+/// Two motors behind an H bridge with two inputs each, such as a DRV8833.
+pub(crate) struct Rover {
+    left: Pwm<'static>,
+    right: Pwm<'static>,
+    button: Input<'static>,
+    was_pressed: bool,
+    is_armed: bool,
+    watchdog: Watchdog,
+    pace: time::Pace,
+}
+
+impl Rover {
+    /// Motors stand still, as [`stopped`] has them, and the watchdog runs.
+    pub(crate) fn new(
+        left: Pwm<'static>,
+        right: Pwm<'static>,
+        button: Input<'static>,
+        mut watchdog: Watchdog,
+    ) -> Self {
+        watchdog.pause_on_debug(true);
+        watchdog.start(WATCHDOG);
+        Self {
+            left,
+            right,
+            button,
+            was_pressed: false,
+            is_armed: false,
+            watchdog,
+            pace: time::Pace::default(),
+        }
+    }
+
+    /// Each press of the button arms or disarms. Read once a tick, which is slower than contacts
+    /// bounce.
+    fn by_button(&mut self) -> Operator {
+        let is_pressed = self.button.is_low();
+        self.is_armed ^= is_pressed && !self.was_pressed;
+        self.was_pressed = is_pressed;
+        Operator { is_armed: self.is_armed, ..Operator::default() }
+    }
+}
+
+impl Robot for Rover {
+    async fn wait(&mut self) -> Option<u64> {
+        Some(self.pace.next().await)
+    }
+
+    /// The kit alone has no compass, odometry or range sensors: the heading is the course of
+    /// the fixes, and nothing but the plan keeps the rover off obstacles. Add yours here.
+    async fn sense(&mut self, percepts: &mut Percepts) {
+        percepts.operator = self.by_button();
+    }
+
+    async fn act(&mut self, record: &CommandRecord) {
+        let [left, right] = BODY.mix(&record.commands);
+        self.left.set_config(&turning(left));
+        self.right.set_config(&turning(right));
+    }
+
+    fn feed_watchdog(&mut self) {
+        self.watchdog.feed(WATCHDOG);
+    }
+}
+
+/// The light, lit while the robot is armed.
+pub(crate) struct Light(pub(crate) Output<'static>);
+
+impl Observer for Light {
+    fn after(&mut self, percepts: &Percepts, _commands: &Commands) -> u32 {
+        self.0.set_level(if percepts.operator.is_armed { Level::High } else { Level::Low });
+        0
+    }
+}
+
+/// A motor that stands still.
+pub(crate) fn stopped() -> pwm::Config {
+    turning(0.0)
+}
+
+/// The two inputs of one motor, A ahead and B astern, for a drive of -1 ..= 1.
+fn turning(drive: f32) -> pwm::Config {
+    let duty = |drive: f32| (drive.clamp(0.0, 1.0) * f32::from(FULL_DUTY)) as u16;
+    let mut config = pwm::Config::default();
+    // The counter takes FULL_DUTY values, from 0.
+    config.top = FULL_DUTY - 1;
+    config.compare_a = duty(drive);
+    config.compare_b = duty(-drive);
+    config
+}

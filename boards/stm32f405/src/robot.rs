@@ -1,0 +1,110 @@
+//! This board's motors, button, light and watchdog.
+
+use embassy_stm32::gpio::{Input, Level, Output};
+use embassy_stm32::peripherals::{IWDG, TIM3, TIM4};
+use embassy_stm32::timer::simple_pwm::SimplePwm;
+use embassy_stm32::timer::{Channel, GeneralInstance4Channel};
+use embassy_stm32::wdg::IndependentWatchdog;
+use robot_io::{CommandRecord, Commands, Operator, Percepts};
+use runtime::drive::Differential;
+use runtime::{Observer, Robot, time};
+
+/// Measure these on the rover; the plan's parameters hold its limits.
+const BODY: Differential = Differential { track_m: 0.4, full_speed_mps: 2.0 };
+/// Channels of the left motor's timer: ahead, astern.
+const LEFT: [Channel; 2] = [Channel::Ch1, Channel::Ch2];
+/// Channels of the right motor's timer: ahead, astern.
+const RIGHT: [Channel; 2] = [Channel::Ch3, Channel::Ch4];
+
+/// Two motors behind an H bridge with two inputs each, such as a DRV8833.
+pub(crate) struct Rover {
+    left: SimplePwm<'static, TIM3>,
+    right: SimplePwm<'static, TIM4>,
+    button: Input<'static>,
+    was_pressed: bool,
+    is_armed: bool,
+    watchdog: IndependentWatchdog<'static, IWDG>,
+    pace: time::Pace,
+}
+
+impl Rover {
+    /// Motors stand still and the watchdog runs.
+    pub(crate) fn new(
+        mut left: SimplePwm<'static, TIM3>,
+        mut right: SimplePwm<'static, TIM4>,
+        button: Input<'static>,
+        mut watchdog: IndependentWatchdog<'static, IWDG>,
+    ) -> Self {
+        // The timers start with duties of 0.
+        for channel in LEFT {
+            left.channel(channel).enable();
+        }
+        for channel in RIGHT {
+            right.channel(channel).enable();
+        }
+        watchdog.unleash();
+        Self {
+            left,
+            right,
+            button,
+            was_pressed: false,
+            is_armed: false,
+            watchdog,
+            pace: time::Pace::default(),
+        }
+    }
+
+    /// Each press of the button arms or disarms. Read once a tick, which is slower than contacts
+    /// bounce.
+    fn by_button(&mut self) -> Operator {
+        let is_pressed = self.button.is_low();
+        self.is_armed ^= is_pressed && !self.was_pressed;
+        self.was_pressed = is_pressed;
+        Operator { is_armed: self.is_armed, ..Operator::default() }
+    }
+}
+
+impl Robot for Rover {
+    async fn wait(&mut self) -> Option<u64> {
+        Some(self.pace.next().await)
+    }
+
+    /// The kit alone has no compass, odometry or range sensors: the heading is the course of
+    /// the fixes, and nothing but the plan keeps the rover off obstacles. Add yours here.
+    async fn sense(&mut self, percepts: &mut Percepts) {
+        percepts.operator = self.by_button();
+    }
+
+    async fn act(&mut self, record: &CommandRecord) {
+        let [left, right] = BODY.mix(&record.commands);
+        turn(&mut self.left, LEFT, left);
+        turn(&mut self.right, RIGHT, right);
+    }
+
+    fn feed_watchdog(&mut self) {
+        self.watchdog.pet();
+    }
+}
+
+/// The light, lit while the robot is armed.
+pub(crate) struct Light(pub(crate) Output<'static>);
+
+impl Observer for Light {
+    fn after(&mut self, percepts: &Percepts, _commands: &Commands) -> u32 {
+        self.0.set_level(if percepts.operator.is_armed { Level::High } else { Level::Low });
+        0
+    }
+}
+
+/// Drives the two inputs of one motor, ahead and astern, by -1 ..= 1.
+fn turn<T: GeneralInstance4Channel>(
+    motor: &mut SimplePwm<'static, T>,
+    [ahead, astern]: [Channel; 2],
+    drive: f32,
+) {
+    for (channel, drive) in [(ahead, drive), (astern, -drive)] {
+        let mut channel = motor.channel(channel);
+        let full = channel.max_duty_cycle();
+        channel.set_duty_cycle((drive.clamp(0.0, 1.0) * full as f32) as u32);
+    }
+}

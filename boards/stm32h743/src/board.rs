@@ -1,0 +1,150 @@
+//! Pins, clocks and tasks.
+
+use defmt_rtt as _;
+use embassy_executor::Spawner;
+use embassy_stm32::gpio::{Input, Level, Output, OutputType, Pull, Speed};
+use embassy_stm32::time::{Hertz, khz, mhz};
+use embassy_stm32::timer::low_level::CountingMode;
+use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
+use embassy_stm32::usart::{self, BufferedUart, BufferedUartRx, BufferedUartTx};
+use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_stm32::{Config, bind_interrupts, peripherals, rcc};
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use panic_probe as _;
+use plan_format::Blob;
+use runtime::{Fallback, Robot, Slots, time};
+use static_cell::ConstStaticCell;
+
+use crate::robot::{Light, Rover};
+
+/// What the receiver sends at: u-blox from the factory, series 9 and 10 (8 and older: 9600).
+const GPS_BAUD: u32 = 38_400;
+/// What the radio's modem sends at.
+const LINK_BAUD: u32 = 115_200;
+/// Bytes that a UART takes in while the processor is elsewhere: 20 ms at 115,200 baud.
+const UART_BYTES: usize = 256;
+/// PWM that nobody hears.
+const PWM: Hertz = khz(20);
+/// The crystal of the kit. Where another is fitted, this and the divider in [`clocks`] change.
+const CRYSTAL: Hertz = mhz(25);
+/// The watchdog bites when five ticks are missed, or when the check of the blob has not gone on for
+/// as long.
+const WATCHDOG_US: u32 = 250_000;
+
+/// What the tasks share.
+static SLOTS: Slots<CriticalSectionRawMutex> = Slots::new();
+
+bind_interrupts!(struct Interrupts {
+    USART3 => usart::BufferedInterruptHandler<peripherals::USART3>;
+    UART7 => usart::BufferedInterruptHandler<peripherals::UART7>;
+});
+
+#[embassy_executor::main]
+async fn main(spawner: Spawner) {
+    let p = embassy_stm32::init(clocks());
+    // The drivers use these buffers for as long as the program runs.
+    static GPS_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
+    static GPS_TX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
+    static LINK_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
+    static LINK_TX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
+
+    let gps = BufferedUart::new(
+        p.USART3,
+        p.PD9,
+        p.PD8,
+        GPS_TX.take(),
+        GPS_RX.take(),
+        Interrupts,
+        at(GPS_BAUD),
+    )
+    .unwrap();
+    let link = BufferedUart::new(
+        p.UART7,
+        p.PE7,
+        p.PE8,
+        LINK_TX.take(),
+        LINK_RX.take(),
+        Interrupts,
+        at(LINK_BAUD),
+    )
+    .unwrap();
+    // The motors stand still and the watchdog is awake before anything is looked at that came from
+    // outside. Looking through a blob takes up to seconds and feeds it on the way; where that hangs,
+    // the watchdog resets the rover, which then begins anew, at a stand.
+    let motors = SimplePwm::new(
+        p.TIM3,
+        Some(PwmPin::new(p.PA6, OutputType::PushPull)),
+        Some(PwmPin::new(p.PA7, OutputType::PushPull)),
+        Some(PwmPin::new(p.PB0, OutputType::PushPull)),
+        Some(PwmPin::new(p.PB1, OutputType::PushPull)),
+        PWM,
+        CountingMode::EdgeAlignedUp,
+    );
+    let button = Input::new(p.PC13, Pull::Down);
+    let watchdog = IndependentWatchdog::new(p.IWDG1, WATCHDOG_US);
+    let mut rover = Rover::new(motors, button, watchdog);
+    let light = Light(Output::new(p.PE3, Level::Low, Speed::Low));
+    // Without a sound blob this rover stands still and takes manual commands only.
+    let region = runtime::plan_region();
+    let loaded = runtime::load_paced(region, &Fallback::default(), || rover.feed_watchdog());
+
+    // The receiver is not configured, so nothing is sent to it.
+    let (_, gps) = gps.split();
+    let (telemetry, operator) = link.split();
+    // A task can be spawned once, and each is.
+    spawner.spawn(gps_task(gps).unwrap());
+    spawner.spawn(operator_task(operator).unwrap());
+    spawner.spawn(telemetry_task(telemetry).unwrap());
+    spawner.spawn(control_task(loaded.blob, rover, light).unwrap());
+}
+
+#[embassy_executor::task]
+async fn gps_task(reader: BufferedUartRx<'static>) {
+    runtime::gps_task(reader, &SLOTS.fixes, time::now_us).await;
+}
+
+#[embassy_executor::task]
+async fn operator_task(reader: BufferedUartRx<'static>) {
+    runtime::operator_task(reader, &SLOTS.operator, time::now_us).await;
+}
+
+#[embassy_executor::task]
+async fn telemetry_task(writer: BufferedUartTx<'static>) {
+    runtime::telemetry_task(writer, &SLOTS.telemetry).await;
+}
+
+#[embassy_executor::task]
+async fn control_task(blob: Blob<'static>, mut rover: Rover, light: Light) {
+    runtime::control_task(blob, &mut rover, &SLOTS, light).await;
+}
+
+fn at(baudrate: u32) -> usart::Config {
+    let mut config = usart::Config::default();
+    config.baudrate = baudrate;
+    config
+}
+
+/// 400 MHz from the crystal, all timers at 200 MHz.
+fn clocks() -> Config {
+    let mut config = Config::default();
+    let rcc = &mut config.rcc;
+    rcc.hsi = None;
+    rcc.hse = Some(rcc::Hse { freq: CRYSTAL, mode: rcc::HseMode::Oscillator });
+    rcc.pll1 = Some(rcc::Pll {
+        source: rcc::PllSource::HSE,
+        prediv: rcc::PllPreDiv::DIV5,
+        mul: rcc::PllMul::MUL160,
+        fracn: None,
+        divp: Some(rcc::PllDiv::DIV2),
+        divq: None,
+        divr: None,
+    });
+    rcc.sys = rcc::Sysclk::PLL1_P;
+    rcc.ahb_pre = rcc::AHBPrescaler::DIV2;
+    rcc.apb1_pre = rcc::APBPrescaler::DIV2;
+    rcc.apb2_pre = rcc::APBPrescaler::DIV2;
+    rcc.apb3_pre = rcc::APBPrescaler::DIV2;
+    rcc.apb4_pre = rcc::APBPrescaler::DIV2;
+    rcc.voltage_scale = rcc::VoltageScale::Scale1;
+    config
+}

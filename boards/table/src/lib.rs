@@ -1,0 +1,139 @@
+//! The table of boards and emulated machines, `boards/boards.toml`, as values.
+//!
+//! Runs on the host only: in the compiler, in the QEMU harness, in tests, and in the build
+//! scripts of the boards and of the QEMU guest, for which [`link`] writes `memory.x`.
+//!
+//! Invariants: a table with a missing, unknown or ill-typed key is an error, never a default;
+//! the regions of a row neither overlap nor leave the 32-bit address space.
+//!
+//! Deliberately absent: pins and clocks, which are a board's own code.
+
+pub mod elf;
+mod link;
+mod read;
+
+use std::ops::Range;
+use std::sync::LazyLock;
+
+pub use link::{link, link_machine};
+
+/// Every board, in the order of the file.
+pub static BOARDS: LazyLock<Vec<Board>> = LazyLock::new(|| TABLE.boards.clone());
+/// Every emulated machine, in the order of the file.
+pub static MACHINES: LazyLock<Vec<Machine>> = LazyLock::new(|| TABLE.machines.clone());
+
+// The file is compiled in and a test reads it, so this cannot fail outside a build with a
+// broken table.
+static TABLE: LazyLock<Table> = LazyLock::new(|| {
+    read::table(include_str!("../../boards.toml")).unwrap_or_else(|e| panic!("{e}"))
+});
+
+/// What the file holds.
+#[derive(Debug)]
+struct Table {
+    boards: Vec<Board>,
+    machines: Vec<Machine>,
+}
+
+/// A board, built or planned.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Board {
+    /// Its folder in `boards/`, and what `--board` takes.
+    pub name: String,
+    /// The chip, as probe-rs calls it.
+    pub chip: String,
+    /// Rust's name for the processor.
+    pub target: String,
+    /// Where everything lies.
+    pub memory: Memory,
+    /// What the chip erases at once in the plan region, bytes.
+    pub erase_bytes: usize,
+    /// The UF2 family that the chip's boot loader accepts, where it has one.
+    pub uf2_family: Option<u32>,
+    /// What there is of its firmware.
+    pub state: State,
+}
+
+/// A machine that QEMU emulates.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Machine {
+    /// As `qemu-system-arm -machine` takes it.
+    pub name: String,
+    /// Rust's name for the processor.
+    pub target: String,
+    /// Where everything lies.
+    pub memory: Memory,
+}
+
+/// How far a board has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Plans can be compiled for it; it has no firmware.
+    Planned,
+    /// Its firmware is built and linked in CI and was not tried on hardware.
+    Built,
+    /// Its firmware drove a robot.
+    Tried,
+}
+
+impl State {
+    /// Whether `boards/` has its firmware.
+    pub const fn has_firmware(self) -> bool {
+        !matches!(self, Self::Planned)
+    }
+}
+
+/// The memory of a board or machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// Flash for the program.
+    pub program: Region,
+    /// Flash for the plans, which are flashed on their own.
+    pub plans: Region,
+    /// RAM, the stack included.
+    pub ram: Region,
+    /// The lowest part of `ram`.
+    pub stack_bytes: usize,
+}
+
+/// A range of addresses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// Its first byte.
+    pub address: u32,
+    /// Its length.
+    pub bytes: usize,
+}
+
+impl Region {
+    /// Its addresses; the end is one past the last.
+    pub const fn range(&self) -> Range<u64> {
+        self.address as u64..self.address as u64 + self.bytes as u64
+    }
+}
+
+impl Memory {
+    /// Every region.
+    fn regions(&self) -> [(&'static str, Region); 3] {
+        [("program", self.program), ("plans", self.plans), ("ram", self.ram)]
+    }
+}
+
+impl Board {
+    /// The board of a name.
+    pub fn find(name: &str) -> Option<&'static Self> {
+        BOARDS.iter().find(|board| board.name == name)
+    }
+
+    /// Bytes of one of the two slots of the plan region.
+    pub const fn slot_bytes(&self) -> usize {
+        self.memory.plans.bytes / 2
+    }
+}
+
+impl Machine {
+    /// The machine of a name.
+    pub fn find(name: &str) -> Option<&'static Self> {
+        MACHINES.iter().find(|machine| machine.name == name)
+    }
+}
