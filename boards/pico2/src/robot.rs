@@ -5,11 +5,11 @@ use embassy_rp::pwm::{self, Pwm};
 use embassy_rp::watchdog::Watchdog;
 use embassy_time::Duration;
 use robot_io::{CommandRecord, Commands, Operator, Percepts};
-use runtime::drive::Differential;
+use runtime::mixer::Mixer;
 use runtime::{Observer, Robot, time};
 
 /// Measure these on the rover; the plan's parameters hold its limits.
-const BODY: Differential = Differential { track_m: 0.4, full_speed_mps: 2.0 };
+const MIXER: Mixer = Mixer { track_m: 0.4, full_speed_mps: 2.0 };
 /// PWM steps: the 150 MHz clock divided by them gives 20 kHz, which nobody hears.
 const FULL_DUTY: u16 = 7_500;
 /// The watchdog bites when five ticks are missed, or when the check of the blob has not gone on for
@@ -70,7 +70,7 @@ impl Robot for Rover {
     }
 
     async fn act(&mut self, record: &CommandRecord) {
-        let [left, right] = BODY.mix(&record.commands);
+        let [left, right] = MIXER.mix(&record.commands);
         self.left.set_config(&turning(left));
         self.right.set_config(&turning(right));
     }

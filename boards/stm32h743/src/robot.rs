@@ -6,11 +6,11 @@ use embassy_stm32::timer::Channel;
 use embassy_stm32::timer::simple_pwm::SimplePwm;
 use embassy_stm32::wdg::IndependentWatchdog;
 use robot_io::{CommandRecord, Commands, Operator, Percepts};
-use runtime::drive::Differential;
+use runtime::mixer::Mixer;
 use runtime::{Observer, Robot, time};
 
 /// Measure these on the rover; the plan's parameters hold its limits.
-const BODY: Differential = Differential { track_m: 0.4, full_speed_mps: 2.0 };
+const MIXER: Mixer = Mixer { track_m: 0.4, full_speed_mps: 2.0 };
 /// Channels of the left motor: ahead, astern.
 const LEFT: [Channel; 2] = [Channel::Ch1, Channel::Ch2];
 /// Channels of the right motor: ahead, astern.
@@ -70,7 +70,7 @@ impl Robot for Rover {
     }
 
     async fn act(&mut self, record: &CommandRecord) {
-        let [left, right] = BODY.mix(&record.commands);
+        let [left, right] = MIXER.mix(&record.commands);
         turn(&mut self.motors, LEFT, left);
         turn(&mut self.motors, RIGHT, right);
     }

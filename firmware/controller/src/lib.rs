@@ -38,6 +38,7 @@
 //! - **criticality**: how much a behaviour needs the robot now, 0 ..= 1: refuelling 0.8 with the
 //!   tank nearly empty.
 //! - **drive**: to turn a vector into speed and turn rate: 0.5 rad to the left gives 1 rad/s.
+//! - **errand**: what an intent asks of the motors: follow a plan, go to a point, wander, nothing.
 //! - **fix**: one solution of the GPS receiver: 51.4779 N, 0.0015 W, to 1.5 m.
 //! - **gain**: weight of a schema or a group of schemas in the blend: 0.66 for the advice.
 //! - **guidance**: advice, goal and gains for one tick, after arrival and trouble are decided.

@@ -283,7 +283,7 @@ fn h10_failure_falls_back_one_level() {
     assert_eq!(run("A = B z\nB = b|a c / d", "b"), "b! d z done");
 }
 
-/// H07: end recursion runs a million times round in constant memory, and ends when its rule is no
+/// H07: tail recursion runs a million times round in constant memory, and ends when its rule is no
 /// longer applicable.
 #[test]
 fn h07_a_million_rounds_in_constant_memory() {
@@ -349,7 +349,7 @@ fn h10_a_failure_in_a_loop_falls_back_to_the_loop() {
     assert_eq!(log, "s a b a b! c a b");
 }
 
-/// Recursion that is not end recursion is bounded by the depth, and what is too large for the pool
+/// Recursion that is not tail recursion is bounded by the depth, and what is too large for the pool
 /// is refused without harm.
 #[test]
 fn what_exceeds_the_limits_fails_and_leaves_nothing() {

@@ -34,7 +34,7 @@ pub const MAX_ORIGIN_M: f64 = 2.0 * MAX_COORDINATE_M;
 pub const MAX_BEHAVIOURS: usize = 16;
 /// Live components of all behaviours together: the robot's pool.
 pub const MAX_COMPONENTS: usize = 32;
-/// How deep frames may lie in frames at one time; end recursion adds nothing.
+/// How deep frames may lie in frames at one time; tail recursion adds nothing.
 pub const MAX_DEPTH: usize = 8;
 /// Decomposition steps in one tick.
 pub const MAX_STEPS: usize = 8;
