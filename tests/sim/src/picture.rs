@@ -1,4 +1,4 @@
-//! A mission as text, for the message of a test that fails.
+//! A robot's route as text, for the message of a test that fails.
 
 use crate::{Point, World};
 

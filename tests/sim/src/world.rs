@@ -148,6 +148,11 @@ impl World {
     }
 }
 
+/// Distance along a ray to a disc's surface, metres; `None` if the ray misses it. From within: 0.
+pub fn range_of_disc(from: Point, heading_rad: f64, centre: Point, radius: f64) -> Option<f64> {
+    Part::Disc { centre, radius }.hit(from, [wide::cos(heading_rad), wide::sin(heading_rad)])
+}
+
 impl Part {
     /// Distance to this part along a ray of unit length `along`.
     fn hit(&self, from: Point, along: Point) -> Option<f64> {

@@ -16,7 +16,7 @@ use toml_edit::{Document, Item, TableLike, Value};
 
 /// No place of a world lies farther from its origin, metres.
 const FARTHEST_M: f64 = 1e6;
-/// No mission lasts longer, seconds: a week.
+/// No run lasts longer, seconds: a week.
 const LONGEST_S: f64 = 604_800.0;
 const AN_HOUR_S: f64 = 3_600.0;
 
