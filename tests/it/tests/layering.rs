@@ -35,8 +35,9 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ),
     ("nrf52840-dk", &["math", "plan-format", "robot-io", "runtime"]),
     ("guest", &["controller", "math", "plan-format", "robot-io", "runtime"]),
+    ("fixtures", &["plan-format"]),
     ("sim", &["math", "plan-compiler", "plan-format", "robot-io", "runtime"]),
-    ("soak", &["behaviour", "controller", "math", "monitor", "plan-format", "robot-io"]),
+    ("soak", &["behaviour", "controller", "fixtures", "math", "monitor", "plan-format", "robot-io"]),
     (
         "fuzz",
         &[
