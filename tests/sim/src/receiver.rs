@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 
 mod encode;
 
-pub use encode::{Dialect, Mode, Solution};
+pub use encode::{Dialect, Mode, Solution, sentence, ubx};
 
 /// How a receiver works.
 #[derive(Clone, Copy, Debug, PartialEq)]
