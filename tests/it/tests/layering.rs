@@ -37,7 +37,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("guest", &["controller", "math", "plan-format", "robot-io", "runtime"]),
     ("fixtures", &["plan-format"]),
     ("sim", &["math", "plan-compiler", "plan-format", "robot-io", "runtime"]),
-    ("soak", &["behaviour", "controller", "fixtures", "math", "monitor", "plan-format", "robot-io"]),
+    (
+        "soak",
+        &["behaviour", "controller", "fixtures", "math", "monitor", "plan-format", "robot-io"],
+    ),
     (
         "fuzz",
         &[
