@@ -1,8 +1,8 @@
 //! Compiles maps and missions into the blob of internalized plans.
 //!
-//! A map is read into one model ([`map::Map`]), rasterised, searched from every goal under
+//! A map is read into one model ([`maps::Map`]), rasterised, searched from every goal under
 //! every set of constraints, packed and written. Readers never stop at the first mistake:
-//! they return what they understood and every [`problem::Problem`] they found.
+//! they return what they understood and every [`maps::Problem`] they found.
 
 pub mod behaviours;
 pub mod boards;
@@ -21,6 +21,3 @@ pub mod search;
 pub mod toml;
 pub mod trace;
 pub mod verify;
-
-// Until every user names the crate.
-pub use maps::{bitmap, formats, model as map, names, numbers, problem, raster, source, terminal};

@@ -1,13 +1,12 @@
-//! Grammars as text in, the course of the live plan as text out.
+//! Grammars as text in, the course of the live plan as text out. A grammar becomes a mission in the
+//! notation of `fixtures`.
 
 extern crate std;
 
 use super::*;
+use parts::Life;
 use plan_format::limits::MAX_COMPONENTS;
-use plan_format::mission::{
-    Action, ActionKind, Behaviour, Condition, Description, Edge, Inference, Input, Interval, Label,
-    Mission, MissionDraft, PlanFrame, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
-};
+use plan_format::mission::{Condition, Interval, Mission, MissionDraft, Production, Symbol};
 use proptest::prelude::*;
 use std::{collections::BTreeMap, fmt::Write, format, string::String, vec, vec::Vec};
 
@@ -25,106 +24,34 @@ impl Grammar {
     }
 
     fn with(text: &str, change: impl FnOnce(&mut MissionDraft)) -> Self {
-        let mut draft = MissionDraft::default();
-        let mut names = BTreeMap::new();
         let lines: Vec<(&str, &str)> = text
             .lines()
             .filter_map(|line| line.split_once('='))
             .map(|(a, b)| (a.trim(), b.trim()))
             .collect();
-        for (number, (frame, _)) in lines.iter().enumerate() {
-            names.insert(String::from(*frame), Symbol::Frame(number as u16));
-        }
-        draft.descriptions.push(Description {
-            initial: Condition::default(),
-            transient: Condition::default(),
-            goal: Condition::default(),
-            add: 0,
-            delete: 0,
-            max_speed_mps: f32::INFINITY,
-            min_distance_m: 0.0,
-        });
-        for (frame, productions) in &lines {
-            let first = draft.productions.len() as u16;
-            for stages in productions.split('/') {
-                Self::production(&mut draft, &mut names, stages);
-            }
-            let name = draft.name(frame);
-            let count = draft.productions.len() as u8 - first as u8;
-            draft.frames.push(PlanFrame {
-                name,
-                first,
-                count,
-                description: 0,
-                threshold: 0.5,
-                may_add: 0,
-                may_delete: 0,
-                resources: 1,
+        let mut names: BTreeMap<String, Symbol> = (0..)
+            .zip(&lines)
+            .map(|(number, (frame, _))| (String::from(*frame), Symbol::Frame(number)))
+            .collect();
+        let mut actions = (0..).map(Symbol::Action);
+        let mut mission = String::from("input time; of time\n");
+        let symbols = lines.iter().flat_map(|(_, productions)| productions.split([' ', '|', '/']));
+        for name in symbols.filter(|name| !name.is_empty()) {
+            names.entry(name.into()).or_insert_with(|| {
+                mission += &format!("action {name} hold 0\n");
+                actions.next().expect("numbers do not end")
             });
         }
-        Self::behaviour(&mut draft);
+        for (frame, productions) in &lines {
+            mission += &format!("frame {frame}; at-least 0.5\n");
+            for stages in productions.split('/') {
+                mission += &format!("= {stages}\n");
+            }
+        }
+        mission += &format!("behaviour all {}; when always PS", lines[0].0);
+        let mut draft = fixtures::mission(&mission);
         change(&mut draft);
         Self { bytes: draft.write().expect("the grammar is sound"), names }
-    }
-
-    fn production(draft: &mut MissionDraft, names: &mut BTreeMap<String, Symbol>, stages: &str) {
-        let first_edge = draft.edges.len() as u16;
-        let mut vertex = 0;
-        for stage in stages.split_whitespace() {
-            for name in stage.split('|') {
-                let symbol = *names.entry(String::from(name)).or_insert_with(|| {
-                    let text = draft.name(name);
-                    draft.actions.push(Action {
-                        name: text,
-                        kind: ActionKind::Hold { for_ms: 0 },
-                        description: 0,
-                        until: Condition::default(),
-                        timeout_ms: 1,
-                        resources: 1,
-                    });
-                    Symbol::Action(draft.actions.len() as u16 - 1)
-                });
-                draft.edges.push(Edge { from: vertex, to: vertex + 1, symbol, work: 0 });
-            }
-            vertex += 1;
-        }
-        let name = draft.name("");
-        draft.productions.push(Production {
-            name,
-            rules: None,
-            first_edge,
-            edges: (draft.edges.len() - usize::from(first_edge)) as u8,
-            vertices: vertex + 1,
-            first_interval: 0,
-            intervals: 0,
-        });
-    }
-
-    fn behaviour(draft: &mut MissionDraft) {
-        let name = draft.name("all");
-        draft.inputs.push(Input {
-            name,
-            source: Source::Time,
-            low: 0.0,
-            high: 1.0,
-            hold_ms: 0,
-            missing: 0.0,
-        });
-        draft.rules.push(Rule { input: 0, labels: [Label::PS; 7].into() });
-        draft.rule_bases.push(RuleBase { first: 0, count: 1, inference: Inference::Min });
-        draft.behaviours.push(Behaviour {
-            name,
-            root: 0,
-            start_up: None,
-            shut_down: None,
-            rules: 0,
-            dormant: 0.0,
-            unconditional: 1.0,
-            hysteresis: 0.0,
-            dwell_ms: 0,
-            switch_point: SwitchPoint::Earliest,
-            resources: 1,
-        });
     }
 
     fn mission(&self) -> Mission<'_> {

@@ -1,12 +1,8 @@
 extern crate std;
 
 use super::*;
-use parts::Event;
-use plan_format::mission::{
-    Action, ActionKind, Behaviour, Condition, Description, Edge, Facts, Inference, Input, Interval,
-    Label, Mission, MissionDraft, PlanFrame, Production, Rule, RuleBase, Source, SwitchPoint,
-    Symbol,
-};
+use parts::{Event, Life};
+use plan_format::mission::{Condition, Description, Edge, Facts, Mission, Symbol};
 use proptest::prelude::*;
 use std::{format, string::String, vec, vec::Vec};
 
@@ -24,90 +20,32 @@ const fn must(must: Facts) -> Condition {
     Condition { must, must_not: 0 }
 }
 
-/// The edges of each production of a frame: from, to, symbol.
-type Productions<'a> = &'a [&'a [(u8, u8, Symbol)]];
+/// The bytes of a mission in the notation of `fixtures`: its actions and frames, over the facts `f0`
+/// to `f3`, of which `f0` is bit 0. Its root is the frame `R`.
+fn mission(text: &str) -> Vec<u8> {
+    let facts: String = (0..4).map(|bit| format!("fact f{bit} symbol\n")).collect();
+    let text = format!("input time; of time\n{facts}{text}\nbehaviour all R; when always PS");
+    fixtures::mission(&text).write().expect("the mission is sound")
+}
 
-/// A mission of frames, each a list of productions, each a list of edges.
-fn mission(
-    actions: &[Description],
-    frames: &[(Description, Productions<'_>)],
-    intervals: &[Interval],
-) -> Vec<u8> {
-    let mut draft = MissionDraft::default();
-    let name = draft.name("");
-    for (number, description) in actions.iter().enumerate() {
-        draft.descriptions.push(*description);
-        draft.actions.push(Action {
-            name,
-            kind: ActionKind::Hold { for_ms: 0 },
-            description: number as u16,
-            until: Condition::default(),
-            timeout_ms: 1,
-            resources: 1,
-        });
+/// An action that does nothing but what its description says: a line for [`mission`].
+fn described(name: &str, description: &Description) -> String {
+    let names = |facts: Facts| -> String {
+        (0..4).filter(|bit| facts >> bit & 1 == 1).map(|bit| format!(" f{bit}")).collect()
+    };
+    let Description { initial, add, delete, .. } = description;
+    let (needs, adds, deletes) = (names(initial.must), names(*add), names(*delete));
+    format!("action {name} hold 0; needs{needs}; adds{adds}; deletes{deletes}\n")
+}
+
+/// The stages of a production of these edges, sorted by where they begin.
+fn stages(edges: impl Iterator<Item = (u8, u8, String)>) -> String {
+    let mut stages: Vec<Vec<String>> = vec![];
+    for (from, to, name) in edges {
+        stages.resize(stages.len().max(usize::from(from) + 1), vec![]);
+        stages[usize::from(from)].push(format!("{name}@{to}"));
     }
-    let (may_add, may_delete) =
-        actions.iter().fold((0, 0), |(add, delete), d| (add | d.add, delete | d.delete));
-    for (description, productions) in frames {
-        draft.frames.push(PlanFrame {
-            name,
-            first: draft.productions.len() as u16,
-            count: productions.len() as u8,
-            description: draft.descriptions.len() as u16,
-            threshold: 0.0,
-            may_add,
-            may_delete,
-            resources: 1,
-        });
-        draft.descriptions.push(*description);
-        for edges in *productions {
-            let is_first = draft.productions.is_empty();
-            draft.productions.push(Production {
-                name,
-                rules: None,
-                first_edge: draft.edges.len() as u16,
-                edges: edges.len() as u8,
-                vertices: edges.iter().map(|edge| edge.1).max().unwrap_or(0) + 1,
-                first_interval: 0,
-                // The tests' intervals belong to the very first production.
-                intervals: if is_first { intervals.len() as u8 } else { 0 },
-            });
-            for &(from, to, symbol) in *edges {
-                draft.edges.push(Edge { from, to, symbol, work: u16::from(to) * 10 });
-            }
-        }
-    }
-    draft.intervals = intervals.to_vec();
-    draft.facts = (0..4)
-        .map(|_| plan_format::mission::Fact {
-            name,
-            kind: plan_format::mission::FactKind::Symbol { is_set: false },
-        })
-        .collect();
-    draft.inputs.push(Input {
-        name,
-        source: Source::Time,
-        low: 0.0,
-        high: 1.0,
-        hold_ms: 0,
-        missing: 0.0,
-    });
-    draft.rules.push(Rule { input: 0, labels: [Label::PS; 7].into() });
-    draft.rule_bases.push(RuleBase { first: 0, count: 1, inference: Inference::Min });
-    draft.behaviours.push(Behaviour {
-        name,
-        root: 0,
-        start_up: None,
-        shut_down: None,
-        rules: 0,
-        dormant: 0.0,
-        unconditional: 1.0,
-        hysteresis: 0.0,
-        dwell_ms: 0,
-        switch_point: SwitchPoint::Earliest,
-        resources: 1,
-    });
-    draft.write().expect("the mission is sound")
+    stages.iter().map(|parts| parts.join("|")).collect::<Vec<_>>().join(" ")
 }
 
 fn component(
@@ -141,19 +79,17 @@ fn decompose(
     }
 }
 
-const A: Symbol = Symbol::Action(0);
-
 /// H17: the relations of a plan of two levels as a matrix, rows to columns.
 #[test]
 fn h17_the_matrix_of_relations() {
     // R = a (B | c) d, B = x y or z.
     let bytes = mission(
-        &[SILENT],
-        &[
-            (SILENT, &[&[(0, 1, A), (1, 2, Symbol::Frame(1)), (1, 2, A), (2, 3, A)]]),
-            (SILENT, &[&[(0, 1, A), (1, 2, A)], &[(0, 1, A)]]),
-        ],
-        &[],
+        "action a hold 0
+         frame R
+         = a B|a a
+         frame B
+         = a a
+         = a",
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
     let mut grid = SituationGrid::default();
@@ -204,15 +140,11 @@ S  NE NE NE NE NE NE NE NE --
 /// H14, H15: descriptions are checked at their time; constraints are inherited downwards.
 #[test]
 fn h14_initial_transient_goal_and_inherited_constraints() {
-    let action = Description {
-        initial: must(1),
-        transient: Condition { must: 0, must_not: 2 },
-        goal: must(4),
-        max_speed_mps: 1.0,
-        ..SILENT
-    };
-    let frame = Description { max_speed_mps: 0.5, min_distance_m: 2.0, ..SILENT };
-    let bytes = mission(&[action], &[(frame, &[&[(0, 1, A)]])], &[]);
+    let bytes = mission(
+        "action a hold 0; needs f0; keeps !f1; goal f2; speed 1
+         frame R; speed 0.5; distance 2
+         = a",
+    );
     let mission = Mission::parse(&bytes).expect("it is sound");
     let mut grid = SituationGrid::default();
     grid.heed(
@@ -240,11 +172,10 @@ fn h14_initial_transient_goal_and_inherited_constraints() {
 #[test]
 fn h26_intervals_and_the_points_of_figure_4() {
     // forward, back, plough again; "on field" from the entry until back is done.
-    let on_field = Interval { from: 0, to: 2, condition: must(1), is_derived: false };
     let bytes = mission(
-        &[SILENT],
-        &[(SILENT, &[&[(0, 1, A), (1, 2, A), (2, 3, Symbol::Frame(0))]])],
-        &[on_field],
+        "action a hold 0
+         frame R
+         = a:10 a:20 R; protect f0 0 2",
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
     let mut grid = SituationGrid::default();
@@ -280,15 +211,14 @@ fn h26_intervals_and_the_points_of_figure_4() {
 /// H19: a choice that may violate what is protected is named before it is made.
 #[test]
 fn h19_a_doubtful_choice_is_named() {
-    let leaving = Description { delete: 1, ..SILENT };
-    let on_field = Interval { from: 0, to: 2, condition: must(1), is_derived: false };
     let bytes = mission(
-        &[SILENT, leaving],
-        &[
-            (SILENT, &[&[(0, 1, A), (1, 2, Symbol::Frame(1))]]),
-            (SILENT, &[&[(0, 1, A)], &[(0, 1, Symbol::Action(1))]]),
-        ],
-        &[on_field],
+        "action a hold 0
+         action leave hold 0; deletes f0
+         frame R
+         = a B; protect f0 0 2
+         frame B
+         = a
+         = leave",
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
     let mut grid = SituationGrid::default();
@@ -305,12 +235,11 @@ fn h19_a_doubtful_choice_is_named() {
 /// H20, H21: the producer of a later need is deleted, and the need is in doubt before it starts.
 #[test]
 fn h21_a_lost_producer_is_flagged_before_the_consumer_starts() {
-    let producer = Description { add: 1, ..SILENT };
-    let consumer = Description { initial: must(1), ..SILENT };
     let bytes = mission(
-        &[producer, consumer],
-        &[(SILENT, &[&[(0, 1, A), (1, 2, Symbol::Action(1))]])],
-        &[],
+        "action make hold 0; adds f0
+         action use hold 0; needs f0
+         frame R
+         = make use",
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
     let mut grid = SituationGrid::default();
@@ -345,7 +274,11 @@ fn random_plan() -> impl Strategy<Value = (Vec<Description>, Vec<(u8, u8)>)> {
         let chain: Vec<(u8, u8)> = (0..vertices - 1).map(|v| (v, v + 1)).collect();
         let extra = (0..vertices - 1, 1..vertices)
             .prop_map(|(a, b)| if a < b { (a, b) } else { (b - 1, a + 1) });
-        prop::collection::vec(extra, 0..3).prop_map(move |more| [chain.clone(), more].concat())
+        prop::collection::vec(extra, 0..3).prop_map(move |more| {
+            let mut all = [chain.clone(), more].concat();
+            all.sort_unstable();
+            all
+        })
     });
     edges.prop_flat_map(move |edges| {
         (prop::collection::vec(description.clone(), edges.len()), Just(edges))
@@ -387,9 +320,10 @@ proptest! {
     /// H21: the doubts are exactly the needs that fail in some order of what is to come.
     #[test]
     fn h21_doubts_equal_brute_force((descriptions, edges) in random_plan(), facts in 0_u64..8) {
-        let symbols: Vec<(u8, u8, Symbol)> =
-            (0..).zip(&edges).map(|(number, &(from, to))| (from, to, Symbol::Action(number))).collect();
-        let bytes = mission(&descriptions, &[(SILENT, &[&symbols])], &[]);
+        let actions = (0..).zip(&descriptions);
+        let actions: String = actions.map(|(n, d)| described(&format!("a{n}"), d)).collect();
+        let parts = (0..).zip(&edges).map(|(n, &(from, to))| (from, to, format!("a{n}")));
+        let bytes = mission(&format!("{actions}frame R\n= {}", stages(parts)));
         let mission = Mission::parse(&bytes).expect("it is sound");
         let mut grid = SituationGrid::default();
         grid.heed(&mission, &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) });
@@ -412,11 +346,11 @@ proptest! {
     /// frame changes no relation between old components.
     #[test]
     fn h17_properties_of_the_relations((descriptions, edges) in random_plan()) {
-        let mut symbols: Vec<(u8, u8, Symbol)> =
-            edges.iter().map(|&(from, to)| (from, to, Symbol::Action(0))).collect();
-        symbols[0].2 = Symbol::Frame(1);
-        let inner: &[&[(u8, u8, Symbol)]] = &[&[(0, 1, A), (0, 1, A), (1, 2, A)], &[(0, 1, A)]];
-        let bytes = mission(&descriptions, &[(SILENT, &[&symbols]), (SILENT, inner)], &[]);
+        let first = core::iter::once("B").chain(core::iter::repeat("a"));
+        let parts = edges.iter().zip(first).map(|(&(from, to), name)| (from, to, name.into()));
+        let action = described("a", &descriptions[0]);
+        let outer = stages(parts);
+        let bytes = mission(&format!("{action}frame R\n= {outer}\nframe B\n= a|a a\n= a"));
         let mission = Mission::parse(&bytes).expect("it is sound");
         let mut grid = SituationGrid::default();
         grid.heed(&mission, &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) });

@@ -6,6 +6,7 @@
 use math::GeoPoint;
 use proptest::prelude::*;
 use runtime::gps::{Decoder, Solution};
+use sim::receiver::{sentence, ubx};
 
 /// A place in both spellings.
 const PLACE: &str = "3346.53708,N,08423.77980,W";
@@ -18,12 +19,6 @@ const GOOD_GGA: &str = "GNGGA,@,#,1,12,0.9,45.0,M,46.9,M,,";
 const VOID_RMC: &str = "GNRMC,@,V,#,1.944,90.0,010125,,,A";
 const GOOD: &str = "GNRMC,@,A,#,1.944,90.0,010125,,,A GNGGA,@,#,1,12,0.9,45.0,M,46.9,M,,";
 const GOOD_GGA_FIRST: &str = "GNGGA,@,#,1,12,0.9,45.0,M,46.9,M,, GNRMC,@,A,#,1.944,90.0,010125,,,A";
-
-/// A sentence with its `$`, checksum and line end.
-fn sentence(body: &str) -> String {
-    let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-    format!("${body}*{checksum:02X}\r\n")
-}
 
 /// The epochs one after the other, `step_ms` apart, from ten past ten in the morning.
 fn stream<'a>(epochs: impl IntoIterator<Item = &'a str>, step_ms: u32) -> String {
@@ -344,17 +339,12 @@ fn a_sentence_without_a_right_checksum_is_none() {
 
 /// NAV-PVT here and now, good or without a fix.
 fn nav_pvt(is_ok: bool) -> Vec<u8> {
-    let mut body = vec![1, 7, 92, 0];
-    body.resize(4 + 92, 0);
-    body[24..26].copy_from_slice(&[3, u8::from(is_ok)]);
-    body[28..32].copy_from_slice(&AT.lon_e7.to_le_bytes());
-    body[32..36].copy_from_slice(&AT.lat_e7.to_le_bytes());
-    body[44..48].copy_from_slice(&1_000_u32.to_le_bytes());
-    let (a, b) = body.iter().fold((0_u8, 0_u8), |(a, b), &byte| {
-        let a = a.wrapping_add(byte);
-        (a, b.wrapping_add(a))
-    });
-    [&[0xb5, 0x62], &body[..], &[a, b]].concat()
+    let mut payload = [0; 92];
+    payload[20..22].copy_from_slice(&[3, u8::from(is_ok)]);
+    payload[24..28].copy_from_slice(&AT.lon_e7.to_le_bytes());
+    payload[28..32].copy_from_slice(&AT.lat_e7.to_le_bytes());
+    payload[40..44].copy_from_slice(&1_000_u32.to_le_bytes());
+    ubx(1, 7, &payload)
 }
 
 /// A minute of NMEA at ten a second, and a NAV-PVT behind every so many epochs. Which of the

@@ -9,6 +9,7 @@ use plan_format::{Blob, Origin, Parameters};
 use robot_io::packet::{self, Downlink};
 use robot_io::{Operator, Reason, Receiver, SensorRecord};
 use runtime::lockstep::{Transport, run_blocking};
+use sim::receiver::{self, ubx};
 
 const HOME: GeoPoint = GeoPoint { lat_e7: 337_756_180, lon_e7: -843_963_300 };
 const TICKS_A_SECOND: usize = 20;
@@ -77,9 +78,7 @@ fn check(name: &str, second: impl Fn(usize) -> Vec<u8>, receiver: Receiver, reas
 
 /// A sentence with its `$`, checksum and line end; `@` stands for the time.
 fn sentence(body: &str, second: usize) -> String {
-    let body = body.replace('@', &format!("1010{second:02}.00"));
-    let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-    format!("${body}*{checksum:02X}\r\n")
+    receiver::sentence(&body.replace('@', &format!("1010{second:02}.00")))
 }
 
 /// Makes the bytes of a second.
@@ -88,18 +87,6 @@ type Second<'a> = dyn Fn(usize) -> Vec<u8> + 'a;
 /// Sentences once a second.
 fn nmea<'a>(bodies: &'a [&'a str]) -> impl Fn(usize) -> Vec<u8> + Copy + 'a {
     move |second| bodies.iter().map(|body| sentence(body, second)).collect::<String>().into_bytes()
-}
-
-/// A UBX message with its frame and checksum.
-fn ubx(class: u8, id: u8, payload: &[u8]) -> Vec<u8> {
-    let mut body = vec![class, id];
-    body.extend((payload.len() as u16).to_le_bytes());
-    body.extend(payload);
-    let (a, b) = body.iter().fold((0_u8, 0_u8), |(a, b), &byte| {
-        let a = a.wrapping_add(byte);
-        (a, b.wrapping_add(a))
-    });
-    [&[0xb5, 0x62], &body[..], &[a, b]].concat()
 }
 
 const RMC: &str = "GNRMC,@,A,3346.53708,N,08423.77980,W,0.000,,010125,,,A";

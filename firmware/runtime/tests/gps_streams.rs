@@ -8,6 +8,7 @@ use math::GeoPoint;
 use proptest::prelude::*;
 use robot_io::Fix;
 use runtime::gps::{Decoder, FixSlot, Solution, gps_task};
+use sim::receiver::{sentence, ubx};
 
 /// A NAV-PVT message, built from the protocol's description.
 #[derive(Clone, Copy)]
@@ -62,24 +63,6 @@ impl NavPvt {
             velocity_mmps: Some([self.east_mmps, self.north_mmps]),
         }
     }
-}
-
-/// Any UBX message, with its frame and checksum.
-fn ubx(class: u8, id: u8, payload: &[u8]) -> Vec<u8> {
-    let mut body = vec![class, id];
-    body.extend((payload.len() as u16).to_le_bytes());
-    body.extend(payload);
-    let (a, b) = body.iter().fold((0_u8, 0_u8), |(a, b), &byte| {
-        let a = a.wrapping_add(byte);
-        (a, b.wrapping_add(a))
-    });
-    [&[0xb5, 0x62], &body[..], &[a, b]].concat()
-}
-
-/// A sentence with its `$`, checksum and line end.
-fn sentence(body: &str) -> String {
-    let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-    format!("${body}*{checksum:02X}\r\n")
 }
 
 fn gga(time: &str, quality: u8, hdop: &str) -> String {

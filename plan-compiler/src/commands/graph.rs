@@ -4,10 +4,11 @@ use super::{Failure, open, read_blob, refuse_output, tell};
 use crate::cli::Graph;
 use maps::problem::Problem;
 use maps::problem::has_errors;
+use maps::source;
 use plan_compiler::behaviours::draw::{Drawn, dot, picture};
 use plan_compiler::behaviours::{self, Plans};
 use plan_compiler::render::png;
-use plan_compiler::{mission, output, source};
+use plan_compiler::{mission, output};
 use plan_format::mission::Mission;
 use std::path::Path;
 

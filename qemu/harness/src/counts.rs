@@ -2,18 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::mission::{Changes, Scenario, Start};
+use crate::mission::{self, Changes};
 use crate::setup::root;
 use crate::{Build, Machine, QemuPilot};
+use maps::Bitmap;
 use math::GeoPoint;
-use plan_compiler::bitmap::Bitmap;
 use plan_compiler::pack::pack;
 use plan_compiler::search::{Corners, solve};
 use plan_format::mission::MissionDraft;
 use plan_format::{
     Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, write,
 };
-use sim::{Dialect, ReceiverSettings, SensorSettings};
+use sim::{Dialect, ReceiverSettings, Scenario, SensorSettings, Simulation, Start};
 
 /// A name and what may be counted for it at most.
 ///
@@ -43,7 +43,7 @@ pub fn golden() -> PathBuf {
 /// included, is that of a mission on the campus.
 pub fn measure() -> Result<String, String> {
     let map: &Path = &root().join("tests/maps/campus.opar");
-    let campus = Scenario::compile(map, &Changes::default())?;
+    let campus = mission::scenario(map, &Changes::default())?;
     let plans = count(&campus.blob)?;
     let blob = soak::fixtures::blob(soak::fixtures::budget()).map_err(|error| error.to_string())?;
     let all = count(&blob)?;
@@ -61,21 +61,21 @@ pub fn measure() -> Result<String, String> {
 /// Bytes of stack that the guest uses at most in a minute of a mission, from reset on.
 fn guest_stack(scenario: &Scenario) -> Result<u64, String> {
     const TICKS: usize = 1_200;
-    let world = scenario.world();
-    let position = scenario.draw_start(&world, 1).ok_or("the campus has no free place")?;
+    let position = scenario.draw_start(1).ok_or("the campus has no free place")?;
     // Sentences take the longer way through the receiver's drivers.
     let gps = ReceiverSettings { dialect: Dialect::Nmea, ..ReceiverSettings::ONE_METRE };
     let sensors = SensorSettings { gps: Some(gps), ..SensorSettings::USUAL };
     let start = Start { position, heading_rad: 0.5, seed: 1, sensors };
-    let said = |error: &dyn std::fmt::Display| error.to_string();
+    let text = |error: &dyn std::fmt::Display| error.to_string();
     let mut pilot = QemuPilot::boot(Machine::CortexM4F, Build::Release, &scenario.blob)
-        .map_err(|error| said(&error))?;
-    let mut run = scenario.run(&world, &start, &mut pilot)?;
+        .map_err(|error| text(&error))?;
+    let robot = scenario.robot(&start, &mut pilot)?;
+    let mut simulation = Simulation::new(&scenario.truth, [robot]);
     for _ in 0..TICKS {
-        run.step().map_err(|error| said(&error))?;
+        simulation.step().map_err(|error| text(&error))?;
     }
-    drop(run);
-    let report = pilot.finish().map_err(|error| said(&error))?;
+    drop(simulation);
+    let report = pilot.finish().map_err(|error| text(&error))?;
     report.get("stack-bytes").ok_or_else(|| format!("no stack in {}", report.console))
 }
 

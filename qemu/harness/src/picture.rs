@@ -6,9 +6,7 @@ use plan_compiler::output;
 use plan_compiler::render::{self, Mark, NO_BEHAVIOUR, Overlay, Piece, Style};
 use plan_compiler::trace::story::Story;
 use plan_format::Blob;
-use sim::{Outcome, Point};
-
-use crate::mission::{Scenario, Start};
+use sim::{Outcome, Point, Scenario, Start};
 
 /// What was driven by one behaviour without a break.
 struct Stretch {

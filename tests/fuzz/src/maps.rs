@@ -1,14 +1,15 @@
 //! Maps: read, compiled on a bounded grid, and every cell proved.
 
+use ::maps::Map;
+use ::maps::formats::{self, Format, ReadOptions};
+use ::maps::problem::has_errors;
+use ::maps::problem::{Problem, Source, draw};
+use ::maps::source;
 use plan_compiler::compile::{blocked, compile, grid};
-use plan_compiler::formats::{self, Format, ReadOptions};
 use plan_compiler::input::{Input, Options};
-use plan_compiler::map::Map;
 use plan_compiler::mission::{Goal, GoalAt, Mission};
-use plan_compiler::problem::has_errors;
-use plan_compiler::problem::{Problem, Source, draw};
+use plan_compiler::verify;
 use plan_compiler::verify::{compare, verify};
-use plan_compiler::{source, verify};
 use plan_format::Blob;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -9,9 +9,9 @@ mod plough;
 mod rounds;
 mod waits;
 
+use maps::problem::{Problem, Source, draw};
 use plan_compiler::behaviours::{PlanNames, Plans, compile};
 use plan_compiler::mission::parse;
-use plan_compiler::problem::{Problem, Source, draw};
 use plan_format::mission::MissionDraft;
 use proptest::prelude::*;
 use std::sync::Arc;

@@ -3,12 +3,12 @@
 //!
 //! What it says of mistakes is in `tests/golden/errors`, beside that of the other commands.
 
+use maps::Map;
+use maps::formats::iplan;
+use maps::problem::Source;
 use plan_compiler::compile::compile;
-use plan_compiler::formats::iplan;
 use plan_compiler::input::{Input, Options};
-use plan_compiler::map::Map;
 use plan_compiler::mission::Mission;
-use plan_compiler::problem::Source;
 use plan_format::Blob;
 use proptest::bool::weighted;
 use proptest::collection::vec;

@@ -1,10 +1,10 @@
 //! Fields against slow references, pictures, and results that others published.
 
 use it::real_data;
-use plan_compiler::bitmap::Bitmap;
+use maps::Bitmap;
+use maps::formats::{ReadOptions, read};
+use maps::problem::draw;
 use plan_compiler::field::{self, Field};
-use plan_compiler::formats::{ReadOptions, read};
-use plan_compiler::problem::draw;
 use plan_compiler::search::{
     Corners, MAX_COST, Method, Solver, Vectors, is_cut_short, solve, step,
 };

@@ -43,10 +43,20 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("stm32h743", &["board-table", "math", "plan-format", "robot-io", "runtime"]),
     ("pico2", &["board-table", "math", "plan-format", "robot-io", "runtime"]),
     ("guest", &["board-table", "controller", "math", "plan-format", "robot-io", "runtime"]),
-    ("sim", &["math", "plan-compiler", "plan-format", "robot-io", "runtime"]),
+    ("fixtures", &["plan-format"]),
+    ("sim", &["maps", "math", "plan-format", "robot-io", "runtime"]),
     (
         "soak",
-        &["behaviour", "controller", "math", "monitor", "plan-compiler", "plan-format", "robot-io"],
+        &[
+            "behaviour",
+            "controller",
+            "fixtures",
+            "math",
+            "monitor",
+            "plan-compiler",
+            "plan-format",
+            "robot-io",
+        ],
     ),
     (
         "fuzz",
@@ -66,6 +76,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "harness",
         &[
             "board-table",
+            "maps",
             "math",
             "plan-compiler",
             "plan-format",
@@ -82,6 +93,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "board-table",
             "controller",
             "harness",
+            "maps",
             "math",
             "plan-compiler",
             "plan-format",

@@ -3,20 +3,21 @@
 //! The runs use everything but a board: the map as a user reads it, the blob as the compiler
 //! writes it, the receiver's bytes, the runtime's tasks and the controller.
 
+use maps::problem::Source;
+use maps::{Map, Reference};
+use maps::{formats, source};
 use math::Vec2;
 use plan_compiler::compile::compile;
 use plan_compiler::input::{Input, Options};
-use plan_compiler::map::{Map, Reference};
 use plan_compiler::mission::parse;
-use plan_compiler::problem::Source;
-use plan_compiler::{formats, source};
 use plan_format::{Answer, Blob, Cell};
 use sim::{
-    Body, Chassis, HostPilot, Limits, Outcome, Point, Random, ReceiverSettings, Run,
+    Body, Chassis, HostPilot, Limits, Outcome, Point, Random, ReceiverSettings, Robot,
     SensorSettings, SensorSuite, Stream, World,
 };
 use std::sync::{Arc, OnceLock};
 
+mod company;
 mod faults;
 mod receivers;
 mod starts;
@@ -69,19 +70,18 @@ fn chassis(blob: &Blob<'_>) -> Chassis {
     Chassis { radius_m: f64::from(blob.parameters().vehicle.radius_m), ..Chassis::default() }
 }
 
-/// A robot of the shipped mission, about to start.
-fn mission<'p>(
+/// A robot of the shipped mission, before its first tick.
+fn robot<'p>(
     blob: Blob<'p>,
     start: Point,
     heading_rad: f64,
     sensors: SensorSettings,
     seed: u64,
-) -> Run<'static, SensorSuite, HostPilot<'p>> {
-    let Campus { world, reference, .. } = campus();
+) -> Robot<SensorSuite, HostPilot<'p>> {
     let sigma_m = sensors.gps.map_or(0.0, |gps| gps.sigma_m);
     let body = Body::new(chassis(&blob), start, heading_rad);
-    let sensors = SensorSuite::new(sensors, reference, seed);
-    Run::new(world, body, sensors, HostPilot::new(blob), limits(&blob, sigma_m))
+    let sensors = SensorSuite::new(sensors, &campus().reference, seed);
+    Robot::new(body, sensors, HostPilot::new(blob), limits(&blob, sigma_m))
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! OPAR scenarios in the layouts that the original reader accepts.
 
-use plan_compiler::formats::{ReadOptions, read};
-use plan_compiler::map::{Map, Role, Shape};
-use plan_compiler::problem::draw;
+use maps::formats::{ReadOptions, read};
+use maps::problem::draw;
+use maps::{Map, Role, Shape};
 
 fn understood(name: &str) -> Option<Map> {
     let path = it::real_data("opar")?.join(name);

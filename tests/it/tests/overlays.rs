@@ -1,8 +1,8 @@
 //! MissionLab overlays as their authors wrote them, and the campus of our own.
 
-use plan_compiler::formats::{ReadOptions, read};
-use plan_compiler::map::{Map, Role, Shape};
-use plan_compiler::problem::{Problem, Severity, draw};
+use maps::formats::{ReadOptions, read};
+use maps::problem::{Problem, Severity, draw};
+use maps::{Map, Role, Shape};
 use std::path::Path;
 
 /// What the maps hold, counted by hand with `grep` in the files outside comments:
@@ -62,7 +62,7 @@ fn a_radius_is_a_radius_and_a_diameter_is_not() {
     let Some(folder) = it::real_data("missionlab") else { return };
     let (map, _) = understood(&folder.join("recon.ovl"));
     // OBSTACLE 35 45 2, then OBJECT 35 45 2 Fixed.
-    let at = |feature: &&plan_compiler::map::Feature| match feature.shape {
+    let at = |feature: &&maps::Feature| match feature.shape {
         Shape::Circle { centre: [35.0, 45.0], radius } => Some(radius),
         _ => None,
     };

@@ -7,7 +7,7 @@ use std::sync::mpsc::channel;
 use std::thread;
 use std::time::Duration;
 
-use harness::mission::{Changes, Scenario, Start};
+use harness::mission::{self, Changes};
 use harness::{Build, Machine, QemuPilot, counts, setup};
 use it::own_map;
 use math::{GeoPoint, Vec2};
@@ -15,19 +15,18 @@ use plan_format::parameters::Gains;
 use robot_io::packet::{Decoder, Downlink};
 use robot_io::{CommandRecord, Reason, SensorRecord};
 use sim::receiver::{Dialect, Mode, Solution};
-use sim::{HostPilot, Outcome, Pilot, SensorSettings};
+use sim::{HostPilot, Outcome, Pilot, Scenario, SensorSettings, Start};
 
 fn campus(gains: Gains) -> Scenario {
     let changes = Changes { gains: Some(gains), ..Changes::default() };
-    Scenario::compile(&own_map("campus.opar"), &changes).expect("the campus compiles")
+    mission::scenario(&own_map("campus.opar"), &changes).expect("the campus compiles")
 }
 
-fn drive(scenario: &Scenario, seed: u64, pilot: impl Pilot) -> Outcome {
-    let world = scenario.world();
-    let position = scenario.draw_start(&world, seed).expect("the campus has free places");
+fn run(scenario: &Scenario, seed: u64, pilot: impl Pilot) -> Outcome {
+    let position = scenario.draw_start(seed).expect("the campus has free places");
     let start = Start { position, heading_rad: 0.5, seed, sensors: SensorSettings::USUAL };
-    let run = scenario.run(&world, &start, pilot).expect("the body is clear of obstacles");
-    run.finish().expect("the robot answers")
+    let robot = scenario.robot(&start, pilot).expect("the body is clear of obstacles");
+    robot.run(&scenario.truth).expect("the robot answers")
 }
 
 fn boot(machine: Machine, build: Build, blob: &[u8]) -> QemuPilot {
@@ -44,10 +43,10 @@ fn n07_a_mission_has_the_same_trace_everywhere() {
     ];
     for (seed, gains) in [(1, Gains::MOSTLY_PLAN), (2, Gains::MOSTLY_REACTIVE)] {
         let scenario = campus(gains);
-        let on_host = drive(&scenario, seed, HostPilot::new(scenario.plan()));
+        let on_host = run(&scenario, seed, HostPilot::new(scenario.plan()));
         assert!(on_host.ticks > 500, "a mission, not a moment: {on_host:?}");
         for (machine, build) in machines {
-            let in_qemu = drive(&scenario, seed, boot(machine, build, &scenario.blob));
+            let in_qemu = run(&scenario, seed, boot(machine, build, &scenario.blob));
             let name = machine.name();
             assert_eq!(in_qemu.trace_hash, on_host.trace_hash, "{name}, {build:?}, seed {seed}");
             assert_eq!(in_qemu.route, on_host.route);
@@ -60,9 +59,9 @@ fn n07_a_mission_has_the_same_trace_everywhere() {
 fn twenty_missions_in_qemu_end_as_on_the_host() {
     let scenario = campus(Gains::MOSTLY_PLAN);
     for seed in 100..120 {
-        let on_host = drive(&scenario, seed, HostPilot::new(scenario.plan()));
+        let on_host = run(&scenario, seed, HostPilot::new(scenario.plan()));
         let pilot = boot(Machine::CortexM4F, Build::Release, &scenario.blob);
-        let in_qemu = drive(&scenario, seed, pilot);
+        let in_qemu = run(&scenario, seed, pilot);
         assert_eq!(in_qemu.trace_hash, on_host.trace_hash, "seed {seed}");
         assert!(in_qemu.reached() && in_qemu.touches == 0, "seed {seed}: {in_qemu:?}");
     }

@@ -7,13 +7,13 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use harness::mission::{Changes, Scenario, Start};
+use harness::mission::{self, Changes};
 use harness::{Build, Machine, QemuPilot, setup};
 use it::own_map;
 use plan_compiler::trace::Trace;
 use plan_compiler::trace::story::{self, Story, Turn};
 use robot_io::{CommandRecord, Percepts, SensorRecord};
-use sim::{Ending, HostPilot, Outcome, Pilot, PilotError};
+use sim::{Ending, HostPilot, Outcome, Pilot, PilotError, Scenario, Start};
 
 /// The shipped mission, with some of its world's text replaced.
 fn plough(replacements: &[(&str, &str)]) -> Scenario {
@@ -23,7 +23,7 @@ fn plough(replacements: &[(&str, &str)]) -> Scenario {
         assert!(text.contains(from), "the shipped world has no `{from}`");
         text = text.replace(from, to);
     }
-    let scenario = Scenario::compile(&own_map("plough.ovl"), &Changes::default());
+    let scenario = mission::scenario(&own_map("plough.ovl"), &Changes::default());
     let scenario = scenario.unwrap_or_else(|problems| panic!("{problems}"));
     Scenario { surroundings: Some(text.parse().expect("the world is sound")), ..scenario }
 }
@@ -34,8 +34,7 @@ fn leaking(after_m: u32, to: f64) -> Scenario {
     plough(&[("output = 1 ", &leak), ("# its tap", "\n# its tap")])
 }
 
-fn drive(scenario: &Scenario, pilot: impl Pilot) -> Outcome {
-    let world = scenario.world();
+fn run(scenario: &Scenario, pilot: impl Pilot) -> Outcome {
     let surroundings = scenario.surroundings.as_ref().expect("there is a field");
     let start = Start {
         position: surroundings.start,
@@ -43,8 +42,8 @@ fn drive(scenario: &Scenario, pilot: impl Pilot) -> Outcome {
         seed: 1,
         sensors: scenario.sensors(),
     };
-    let run = scenario.run(&world, &start, pilot).expect("the body is clear of obstacles");
-    run.finish().expect("the robot answers")
+    let robot = scenario.robot(&start, pilot).expect("the body is clear of obstacles");
+    robot.run(&scenario.truth).expect("the robot answers")
 }
 
 /// A robot in this process that keeps what it saw.
@@ -61,7 +60,7 @@ impl Pilot for Recorder<'_> {
 /// Drives on the host, to the end.
 fn record(scenario: &Scenario) -> (Outcome, Story, Trace) {
     let mut recorder = Recorder(HostPilot::new(scenario.plan()), Vec::new());
-    let outcome = drive(scenario, &mut recorder);
+    let outcome = run(scenario, &mut recorder);
     let story = story::of(&scenario.plan(), &recorder.1);
     let trace =
         Trace { blob: scenario.blob.clone(), percepts: recorder.1, hash: outcome.trace_hash };
@@ -131,10 +130,10 @@ fn h28_at_nm_or_nb_the_strip_is_ploughed_again() {
 #[test]
 fn n07_ploughing_has_the_same_trace_everywhere() {
     for scenario in [plough(&[]), leaking(145, 0.1)] {
-        let on_host = drive(&scenario, HostPilot::new(scenario.plan()));
+        let on_host = run(&scenario, HostPilot::new(scenario.plan()));
         for machine in [Machine::CortexM4F, Machine::CortexM3] {
             let pilot = QemuPilot::boot(machine, Build::Release, &scenario.blob);
-            let in_qemu = drive(&scenario, pilot.unwrap_or_else(|error| panic!("{error}")));
+            let in_qemu = run(&scenario, pilot.unwrap_or_else(|error| panic!("{error}")));
             assert_eq!(in_qemu.trace_hash, on_host.trace_hash, "{}", machine.name());
             assert_eq!(in_qemu.surroundings, on_host.surroundings);
         }
@@ -146,7 +145,7 @@ fn n07_ploughing_has_the_same_trace_everywhere() {
 fn h45_the_examples_come_to_their_ends() {
     let folder = tempfile::tempdir().expect("there is room");
     for (name, interruptions) in [("assembly", 0), ("planet", 1), ("shop", 0)] {
-        let scenario = Scenario::compile(&own_map(&format!("{name}.ovl")), &Changes::default());
+        let scenario = mission::scenario(&own_map(&format!("{name}.ovl")), &Changes::default());
         let scenario = scenario.unwrap_or_else(|problems| panic!("{problems}"));
         let (outcome, story, _) = record(&scenario);
         assert_eq!((outcome.ending, outcome.touches), (Some(Ending::Done), 0), "{name}");

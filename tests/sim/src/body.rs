@@ -148,7 +148,7 @@ fn approach(from: f64, to: f64, most: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plan_compiler::map::Shape;
+    use maps::Shape;
     use robot_io::Reason;
 
     fn ahead(speed_mps: f32, turn_rate_radps: f32) -> Commands {

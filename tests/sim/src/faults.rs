@@ -243,8 +243,15 @@ mod tests {
                 let (time_us, tick_us) = (i * 1_000_000, 1_000_000);
                 let antenna = body.position;
                 let mode = Mode::Autonomous;
-                let record =
-                    sensors.sense(&Scene { world: &world, body, antenna, mode, time_us, tick_us });
+                let record = sensors.sense(&Scene {
+                    world: &world,
+                    others: &[],
+                    body,
+                    antenna,
+                    mode,
+                    time_us,
+                    tick_us,
+                });
                 let numbers: Vec<String> = match channel {
                     Channel::Gps => record.gps.iter().map(u8::to_string).collect(),
                     _ => record.heading_rad.iter().map(f32::to_string).collect(),
@@ -274,7 +281,8 @@ mod tests {
         let world = World::new([]);
         let body = Body::new(Chassis::default(), [1.0, 0.0], 0.0);
         let (antenna, mode) = (body.position, Mode::Autonomous);
-        let scene = Scene { world: &world, body, antenna, mode, time_us: 0, tick_us: 50_000 };
+        let scene =
+            Scene { world: &world, others: &[], body, antenna, mode, time_us: 0, tick_us: 50_000 };
         let jump = Fault::Jump { offset: [50.0, 0.0] };
         let mut sensors = Faulty::new(Counter(0), jump, Channel::Gps, 0.0..1.0, 1);
         assert_eq!(sensors.sense(&scene).speed_mps, Some(51.0));

@@ -1,39 +1,52 @@
-//! A simulated world: what a robot drives through, with and in, when there is no robot.
+//! Simulated robots in a simulated world.
 //!
-//! It decides what is true: where the obstacles are ([`World`]), how the body moves and what
-//! it touches ([`Body`]), what its work changes ([`Surroundings`]), what the sensors report of
-//! that ([`Sensors`]) and what goes wrong on the way ([`Faulty`]). It never decides what the robot does: that is asked of a
-//! [`Pilot`], one record of sensor bytes against one record of commands, so that the robot
-//! in this process and the robot in QEMU are driven by the same code.
+//! It decides what is true: where the obstacles are ([`World`]), how a body moves and what it
+//! touches ([`Body`]), what its work changes ([`Surroundings`]), what the sensors report of that
+//! ([`Sensors`]) and what goes wrong on the way ([`Faulty`]). It never decides what a robot does:
+//! that is up to its [`Pilot`], which gets one record of sensor bytes and answers with one record
+//! of commands, so that a robot in this process and a robot in QEMU are simulated by the same code.
 //!
-//! Invariants: everything is drawn from one seed, and the same seed gives the same bytes on
-//! every machine (all functions come from `math`, all chances from ChaCha8); time is counted
-//! in whole ticks and never read from a clock; a body that is clear of obstacles never ends a
-//! step inside one.
+//! A [`Scenario`] is what a robot knows (map and plans) and what is there (the true world). A
+//! [`Simulation`] runs [`Robot`]s in a true world, and an [`Outcome`] is what came of one robot's
+//! run. A mission is a file, or what it makes a robot do.
 //!
-//! Deliberately absent: clocks, threads, drawing (but for one small text picture), dynamics
-//! of wheels and slopes, moving obstacles.
+//! Invariants: everything is drawn from one seed, and the same seed gives the same bytes on every
+//! machine (all functions come from `math`, all random numbers from ChaCha8); time is counted in
+//! whole ticks and never read from a clock; the order of the robots does not matter; a body that is
+//! clear of obstacles and other bodies never ends a step inside one.
+//!
+//! Deliberately absent: clocks, threads, drawing (but for one small text picture), dynamics of
+//! wheels and slopes, moving obstacles that are not robots, radio.
 
 pub mod body;
 pub mod faults;
-pub mod mission;
+pub mod outcome;
 pub mod picture;
 pub mod pilot;
 pub mod random;
 pub mod receiver;
+pub mod robot;
+pub mod scenario;
 pub mod sensors;
+pub mod simulation;
 pub mod surroundings;
 pub mod world;
 
 pub use body::{Body, Chassis, Motion};
 pub use faults::{Channel, Fault, Faulty};
-pub use mission::{Ending, Limits, Outcome, Run};
+pub use outcome::{Ending, Limits, Outcome};
 pub use pilot::{HostPilot, Pilot, PilotError};
 pub use random::{Random, Stream};
 pub use receiver::{Dialect, Mode, Receiver, ReceiverSettings};
+pub use robot::Robot;
+pub use scenario::{Scenario, Start};
 pub use sensors::{RingSettings, Scene, SensorSettings, SensorSuite, Sensors};
+pub use simulation::Simulation;
 pub use surroundings::Surroundings;
 pub use world::{Nearest, World};
+
+/// Length of a tick, microseconds.
+pub const TICK_US: u64 = 50_000;
 
 /// A point or displacement of the map, metres, x east, y north.
 pub type Point = [f64; 2];

@@ -1,4 +1,4 @@
-//! A mission as text, for the message of a test that fails.
+//! A robot's route as text, for the message of a test that fails.
 
 use crate::{Point, World};
 
@@ -36,7 +36,7 @@ pub fn text(world: &World, route: &[Point], goal: Point, metres: f64) -> String 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plan_compiler::map::Shape;
+    use maps::Shape;
 
     #[test]
     fn north_is_up() {

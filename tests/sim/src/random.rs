@@ -9,7 +9,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Stream {
-    /// Where missions start.
+    /// Where robots start.
     Start,
     /// Noise of the position.
     Gps,

@@ -4,14 +4,14 @@
 //! frames or NMEA 0183 sentences, so that the robot's own drivers are under test.
 
 use crate::{Point, Random, Stream};
+use maps::Reference;
 use math::scalar::wide;
 use math::{GeoPoint, MapFrame, Vec2};
-use plan_compiler::map::Reference;
 use std::collections::VecDeque;
 
 mod encode;
 
-pub use encode::{Dialect, Mode, Solution};
+pub use encode::{Dialect, Mode, Solution, sentence, ubx};
 
 /// How a receiver works.
 #[derive(Clone, Copy, Debug, PartialEq)]

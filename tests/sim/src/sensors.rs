@@ -1,7 +1,7 @@
 //! The robot's sensors: what they report of the true state of things.
 
-use crate::{Body, Mode, Point, Random, Receiver, ReceiverSettings, Stream, World};
-use plan_compiler::map::Reference;
+use crate::{Body, Mode, Point, Random, Receiver, ReceiverSettings, Stream, World, world};
+use maps::Reference;
 use robot_io::limits::{MAX_GPS_BYTES, MAX_RANGES};
 use robot_io::{Operator, RangeReading, SensorRecord};
 use std::f64::consts::TAU;
@@ -14,6 +14,8 @@ type Ranges = heapless::Vec<RangeReading, MAX_RANGES>;
 pub struct Scene<'w> {
     /// What stands around.
     pub world: &'w World,
+    /// The bodies of the other robots.
+    pub others: &'w [Body],
     /// The robot's body.
     pub body: Body,
     /// Where the satellites' signals put the antenna: at the body's centre, unless a fault
@@ -21,13 +23,26 @@ pub struct Scene<'w> {
     pub antenna: Point,
     /// How the GPS receiver works: as it should, unless a fault changes that.
     pub mode: Mode,
-    /// Since the start of the mission.
+    /// Since the start of the simulation.
     pub time_us: u64,
     /// Since the last look.
     pub tick_us: u64,
 }
 
-/// Whatever turns the truth into what the robot is told.
+impl Scene<'_> {
+    /// Distance from the body's centre to the first surface in a direction, another robot's or
+    /// an obstacle's, metres; `None` if none is nearer than `most_m`.
+    fn range(&self, heading_rad: f64, most_m: f64) -> Option<f64> {
+        let from = self.body.position;
+        let others = self.others.iter().filter_map(|other| {
+            world::range_of_disc(from, heading_rad, other.position, other.chassis.radius_m)
+        });
+        let obstacle = self.world.range(from, heading_rad, most_m);
+        others.filter(|&range| range < most_m).chain(obstacle).reduce(f64::min)
+    }
+}
+
+/// Turns the truth into what the robot perceives.
 pub trait Sensors {
     /// What arrives in the tick that ends at the scene's time. Called once a tick.
     fn sense(&mut self, scene: &Scene<'_>) -> SensorRecord;
@@ -129,8 +144,7 @@ impl SensorSuite {
                 let offset = beam as f64 - (beams - 1) as f64 / 2.0;
                 let bearing_rad = ((sector * beams) as f64 + offset) * step_rad;
                 let heading_rad = scene.body.heading_rad + bearing_rad;
-                let range = scene.world.range(scene.body.position, heading_rad, ring.range_m);
-                (bearing_rad, range)
+                (bearing_rad, scene.range(heading_rad, ring.range_m))
             });
             let seen = beams.filter_map(|(bearing, range)| Some((bearing, range?)));
             if let Some((bearing_rad, range)) = seen.reduce(|a, b| if b.1 < a.1 { b } else { a }) {

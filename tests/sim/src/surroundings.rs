@@ -5,14 +5,14 @@
 //! `yard.ovl` and `yard.mission.toml`; `plan-compiler/WORLD.md` is about it, [`read`] reads it.
 //!
 //! A strip is done when the robot has followed it from its start to its end without leaving it. A
-//! mission with work ends when all strips are done and the robot has given the signal, or where none
+//! run with work ends when all strips are done and the robot has given the signal, or where none
 //! is asked for has nothing left to do.
 
 mod read;
 
 use crate::Point;
 use crate::body::distance;
-use plan_compiler::problem::{self, Problem, Source};
+use maps::problem::{self, Problem, Source};
 use robot_io::limits::MAX_CHANNELS;
 use robot_io::{Commands, Reason};
 use std::collections::BTreeMap;
@@ -21,11 +21,11 @@ use std::path::Path;
 /// What a file beside the map says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surroundings {
-    /// Where a mission begins, metres.
+    /// Where the robot starts, metres.
     pub start: Point,
     /// Radians counter-clockwise from east.
     pub heading: f64,
-    /// Longer missions are given up, seconds.
+    /// Longer runs are given up, seconds.
     pub time_limit: f64,
     /// Standard deviation of a fix east and north, metres; `None` for the usual one.
     pub gps_sigma: Option<f64>,
@@ -129,7 +129,7 @@ impl Surroundings {
         }
     }
 
-    /// Whether there is work to be done, whose end is the mission's.
+    /// Whether there is work to be done, whose end is the run's.
     pub fn has_work(&self) -> bool {
         self.signal.is_some() || !self.fields.is_empty()
     }

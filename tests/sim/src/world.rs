@@ -2,8 +2,8 @@
 
 use crate::Point;
 use crate::body::distance;
+use maps::{Map, Role, Shape};
 use math::scalar::wide;
-use plan_compiler::map::{Map, Role, Shape};
 
 /// Side of an index cell, metres: a few cells within the reach of a range sensor.
 const CELL_M: f64 = 4.0;
@@ -146,6 +146,11 @@ impl World {
         }
         Some(None)
     }
+}
+
+/// Distance along a ray to a disc's surface, metres; `None` if the ray misses it. From within: 0.
+pub fn range_of_disc(from: Point, heading_rad: f64, centre: Point, radius: f64) -> Option<f64> {
+    Part::Disc { centre, radius }.hit(from, [wide::cos(heading_rad), wide::sin(heading_rad)])
 }
 
 impl Part {

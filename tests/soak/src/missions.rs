@@ -18,7 +18,7 @@ pub fn draw(random: &mut Random) -> MissionDraft {
     artist.actions();
     artist.frames();
     artist.behaviours();
-    close_effects(&mut artist.draft);
+    ::fixtures::close_effects(&mut artist.draft);
     artist.draft
 }
 
@@ -81,39 +81,6 @@ fn copied(mission: &Mission<'_>) -> MissionDraft {
     draft.behaviours =
         mission.behaviours().iter().map(|behaviour| Behaviour { name, ..behaviour }).collect();
     draft
-}
-
-/// What frames may do is what anything below them may do.
-pub fn close_effects(draft: &mut MissionDraft) {
-    for _ in 0..draft.frames.len() {
-        for index in 0..draft.frames.len() {
-            let frame = draft.frames[index];
-            let own = effects(draft, frame.description);
-            let first = usize::from(frame.first);
-            let (add, delete) = draft.productions[first..first + usize::from(frame.count)]
-                .iter()
-                .flat_map(|production| {
-                    let first = usize::from(production.first_edge);
-                    &draft.edges[first..first + usize::from(production.edges)]
-                })
-                .map(|edge| match edge.symbol {
-                    Symbol::Frame(below) => {
-                        let below = &draft.frames[usize::from(below)];
-                        (below.may_add, below.may_delete)
-                    }
-                    Symbol::Action(action) => {
-                        effects(draft, draft.actions[usize::from(action)].description)
-                    }
-                })
-                .fold(own, |(add, delete), (more, less)| (add | more, delete | less));
-            (draft.frames[index].may_add, draft.frames[index].may_delete) = (add, delete);
-        }
-    }
-}
-
-fn effects(draft: &MissionDraft, description: u16) -> (Facts, Facts) {
-    let d = &draft.descriptions[usize::from(description)];
-    (d.add | d.goal.must, d.delete | d.goal.must_not)
 }
 
 struct Artist<'r> {

@@ -1,13 +1,12 @@
 //! What running actions make the robot do.
 
 use plan_format::Blob;
-use plan_format::mission::{ActionKind, Label};
 use robot_io::{Commands, Reason};
 
 use crate::bench::{Robot, behaving_blob, open_field};
 
-fn ticks(actions: &[ActionKind], count: usize) -> Vec<Commands> {
-    let blob = behaving_blob(&open_field(30, 30, (25, 15)), Label::PS, actions);
+fn ticks(actions: &str, count: usize) -> Vec<Commands> {
+    let blob = behaving_blob(&open_field(30, 30, (25, 15)), "PS", actions);
     let mut robot = Robot::new(Blob::parse(&blob).expect("the blob is sound"), 5.5, 15.5);
     (0..count).map(|_| robot.tick_with(|_| {})).collect()
 }
@@ -15,9 +14,8 @@ fn ticks(actions: &[ActionKind], count: usize) -> Vec<Commands> {
 /// H15: the inherited maximum speed of the frame and the action, 0.5 m/s, holds on the way.
 #[test]
 fn follow_and_go_to_drive_within_the_inherited_speed() {
-    let follow = ActionKind::Follow { plan: 0, reactive: 0.0, advice: 1.0, noise: 0.0 };
-    for way in [follow, ActionKind::GoTo { x_m: 25.5, y_m: 15.5 }] {
-        let commands = ticks(&[way], 1)[0];
+    for way in ["follow", "goto 25.5 15.5"] {
+        let commands = ticks(way, 1)[0];
         assert_eq!(commands.reason, Reason::Driving);
         assert!((0.4..=0.5).contains(&commands.speed_mps), "{commands:?}");
     }
@@ -25,19 +23,16 @@ fn follow_and_go_to_drive_within_the_inherited_speed() {
 
 #[test]
 fn wander_moves_and_hold_does_not() {
-    let wandering = ticks(&[ActionKind::Wander { for_ms: 10_000 }], 40);
+    let wandering = ticks("wander 10000", 40);
     assert!(wandering.iter().any(|commands| commands.turn_rate_radps != 0.0));
-    let holding = ticks(&[ActionKind::Hold { for_ms: 10_000 }], 3)[2];
+    let holding = ticks("hold 10000", 3)[2];
     assert_eq!((holding.reason, holding.speed_mps), (Reason::Holding, 0.0));
 }
 
 /// An output stays as it was set; a signal is reported for one tick.
 #[test]
 fn outputs_and_signals_reach_the_commands() {
-    let on = ActionKind::SetOutput { output: 3, is_on: true };
-    let off = ActionKind::SetOutput { output: 3, is_on: false };
-    let hold = ActionKind::Hold { for_ms: 100 };
-    let all = ticks(&[on, hold, ActionKind::Signal { code: 7 }, off, hold], 5);
+    let all = ticks("set 3 on, hold 100, signal 7, set 3 off, hold 100", 5);
     let outputs: Vec<u16> = all.iter().map(|commands| commands.outputs).collect();
     let signals: Vec<u16> = all.iter().map(|commands| commands.signal).collect();
     assert_eq!(outputs, [8, 8, 8, 0, 0]);
@@ -47,6 +42,6 @@ fn outputs_and_signals_reach_the_commands() {
 /// A behaviour that has finished and is still critical begins again.
 #[test]
 fn a_finished_behaviour_begins_again_while_it_is_critical() {
-    let all = ticks(&[ActionKind::Signal { code: 9 }], 6);
+    let all = ticks("signal 9", 6);
     assert!(all.iter().filter(|commands| commands.signal == 9).count() >= 2);
 }

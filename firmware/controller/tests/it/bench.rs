@@ -1,14 +1,11 @@
 //! A bench: maps drawn as text, and a robot that perceives them without errors.
 
 use controller::{State, tick};
+use maps::Bitmap;
 use math::{GeoPoint, Vec2, vector};
-use plan_compiler::bitmap::Bitmap;
 use plan_compiler::pack::pack;
 use plan_compiler::search::{Corners, solve};
-use plan_format::mission::{
-    Action, ActionKind, Behaviour, Condition, Description, Edge, Inference, Input, Label,
-    MissionDraft, PlanFrame, Production, Rule, RuleBase, Source, SwitchPoint, Symbol,
-};
+use plan_format::mission::MissionDraft;
 use plan_format::{Blob, Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, write};
 use robot_io::{Commands, Fix, Operator, Percepts, RangeReading};
 
@@ -39,79 +36,21 @@ pub(crate) fn blob_at(layers: &[&str], parameters: Parameters, origin: Option<Or
     blob_with(layers, parameters, origin, MissionDraft::default())
 }
 
-/// The same with a mission of one behaviour, of constant criticality, that does some things one
-/// after the other.
-pub(crate) fn behaving_blob(map: &str, criticality: Label, actions: &[ActionKind]) -> Vec<u8> {
-    blob_with(&[map], Parameters::default(), Some(ORIGIN), mission(criticality, actions))
-}
-
-fn mission(criticality: Label, actions: &[ActionKind]) -> MissionDraft {
-    let mut draft = MissionDraft::default();
-    let name = draft.name("");
-    draft.inputs.push(Input {
-        name,
-        source: Source::Time,
-        low: 0.0,
-        high: 1.0,
-        hold_ms: 0,
-        missing: 0.0,
-    });
-    draft.rules.push(Rule { input: 0, labels: [criticality; 7].into() });
-    draft.rule_bases.push(RuleBase { first: 0, count: 1, inference: Inference::Min });
-    draft.descriptions.push(Description {
-        initial: Condition::default(),
-        transient: Condition::default(),
-        goal: Condition::default(),
-        add: 0,
-        delete: 0,
-        max_speed_mps: 0.5,
-        min_distance_m: 0.0,
-    });
-    for (number, &kind) in (0_u8..).zip(actions) {
-        draft.actions.push(Action {
-            name,
-            kind,
-            description: 0,
-            until: Condition::default(),
-            timeout_ms: 3_600_000,
-            resources: 1,
-        });
-        let symbol = Symbol::Action(u16::from(number));
-        draft.edges.push(Edge { from: number, to: number + 1, symbol, work: 0 });
+/// The same with a mission of one behaviour, of constant criticality (a label), whose actions follow
+/// one another: `set 3 on, hold 100` in the notation of `fixtures`.
+pub(crate) fn behaving_blob(map: &str, criticality: &str, actions: &str) -> Vec<u8> {
+    let mut mission = String::from("input time; of time\n");
+    let mut stages = String::new();
+    for (number, action) in actions.split(',').enumerate() {
+        mission += &format!("action a{number} {action}; speed 0.5\n");
+        stages += &format!(" a{number}");
     }
-    draft.productions.push(Production {
-        name,
-        rules: None,
-        first_edge: 0,
-        edges: actions.len() as u8,
-        vertices: actions.len() as u8 + 1,
-        first_interval: 0,
-        intervals: 0,
-    });
-    draft.frames.push(PlanFrame {
-        name,
-        first: 0,
-        count: 1,
-        description: 0,
-        threshold: 0.0,
-        may_add: 0,
-        may_delete: 0,
-        resources: 1,
-    });
-    draft.behaviours.push(Behaviour {
-        name,
-        root: 0,
-        start_up: None,
-        shut_down: None,
-        rules: 0,
-        dormant: 1.0 / 12.0,
-        unconditional: 0.9,
-        hysteresis: 0.0,
-        dwell_ms: 0,
-        switch_point: SwitchPoint::Earliest,
-        resources: 1,
-    });
-    draft
+    mission += &format!(
+        "frame all; at-least 0; speed 0.5
+         ={stages}
+         behaviour work all; when always {criticality}"
+    );
+    blob_with(&[map], Parameters::default(), Some(ORIGIN), fixtures::mission(&mission))
 }
 
 fn blob_with(

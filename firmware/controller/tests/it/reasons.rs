@@ -2,7 +2,6 @@
 
 use crate::bench::{ORIGIN, Robot, ahead, armed, behaving_blob, blob, blob_at, open_field};
 use math::{GeoPoint, Vec2};
-use plan_format::mission::{ActionKind, Label};
 use plan_format::parameters::{Gains, OnTrouble};
 use plan_format::{Blob, Parameters};
 use robot_io::{Manual, Operator, Percepts, Reason, Receiver};
@@ -100,9 +99,7 @@ fn w14_w23_every_reason_is_reached_and_defined() {
     let plan_only = blob(&[MAP], plan_only);
     let unknown_place = blob_at(&[MAP], Parameters::default(), None);
 
-    let hold = ActionKind::Hold { for_ms: 60_000 };
-    let (holding, idle) =
-        (behaving_blob(MAP, Label::PS, &[hold]), behaving_blob(MAP, Label::NB, &[hold]));
+    let [holding, idle] = ["PS", "NB"].map(|label| behaving_blob(MAP, label, "hold 60000"));
 
     let nothing = |_: usize, _: &mut Percepts| {};
     let then = |change: fn(&mut Percepts)| {

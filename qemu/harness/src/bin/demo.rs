@@ -6,11 +6,15 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::Parser;
-use harness::mission::{Changes, Scenario, Start, way_m};
+use harness::mission::{self, Changes};
 use harness::{Build, Machine, QemuPilot, picture, setup};
 use indicatif::{ProgressBar, ProgressStyle};
 use plan_compiler::{output, render};
-use sim::{HostPilot, Outcome, Pilot, Point, Run, SensorSettings, SensorSuite};
+use sim::scenario::way_m;
+use sim::{
+    HostPilot, Outcome, Pilot, Point, Robot, Scenario, SensorSettings, SensorSuite, Simulation,
+    Start,
+};
 
 /// Compiles a map of a campus, boots the robot's firmware in QEMU, drives it to its goal and
 /// draws what happened. Sets up what is missing: Rust targets and QEMU.
@@ -44,7 +48,7 @@ fn demonstrate(arguments: &Arguments) -> Result<bool, String> {
     let say = |error: &dyn std::error::Error| error.to_string();
     let started = Instant::now();
     let map = setup::root().join("tests/maps/campus.opar");
-    let scenario = Scenario::compile(&map, &Changes::default())?;
+    let scenario = mission::scenario(&map, &Changes::default())?;
     let took_ms = started.elapsed().as_millis();
     println!("compiled   campus.opar: {} bytes of plans in {took_ms} ms", scenario.blob.len());
 
@@ -53,15 +57,14 @@ fn demonstrate(arguments: &Arguments) -> Result<bool, String> {
     let mut pilot = pilot.map_err(|error| say(&error))?;
     println!("booted     the firmware on an emulated Cortex-M4F");
 
-    let world = scenario.world();
     let sensors = SensorSettings::USUAL;
     let start = Start { position: START, heading_rad: HEADING_RAD, seed: arguments.seed, sensors };
-    let run = scenario.run(&world, &start, &mut pilot)?;
-    let outcome = drive(run, &scenario, arguments.pace).map_err(|error| say(&error))?;
+    let robot = scenario.robot(&start, &mut pilot)?;
+    let outcome = run(robot, &scenario, arguments.pace).map_err(|error| say(&error))?;
     pilot.finish().map_err(|error| say(&error))?;
 
-    let host = scenario.run(&world, &start, HostPilot::new(scenario.plan()))?;
-    let host = host.finish().map_err(|error| say(&error))?;
+    let host = scenario.robot(&start, HostPilot::new(scenario.plan()))?;
+    let host = host.run(&scenario.truth).map_err(|error| say(&error))?;
     let is_same = host.trace_hash == outcome.trace_hash;
     summarise(&outcome, is_same);
     let picture = draw(&scenario, &outcome)?;
@@ -70,8 +73,8 @@ fn demonstrate(arguments: &Arguments) -> Result<bool, String> {
 }
 
 /// Runs to the end, and shows on a terminal how far it is.
-fn drive<P: Pilot>(
-    mut run: Run<'_, SensorSuite, P>,
+fn run<P: Pilot>(
+    robot: Robot<SensorSuite, P>,
     scenario: &Scenario,
     pace: f64,
 ) -> Result<Outcome, sim::PilotError> {
@@ -85,10 +88,12 @@ fn drive<P: Pilot>(
     bar.set_style(ProgressStyle::with_template(template).expect("a sound template"));
     let is_shown = std::io::stderr().is_terminal() && pace > 0.0;
     let began = Instant::now();
-    while run.outcome().ending.is_none() {
-        let commands = run.step()?;
-        let (outcome, body) = (run.outcome(), run.body());
-        to_go_m = left_m(body.position).unwrap_or(to_go_m);
+    let mut simulation = Simulation::new(&scenario.truth, [robot]);
+    while !simulation.is_over() {
+        simulation.step()?;
+        let robot = &simulation.robots()[0];
+        let (outcome, commands) = (robot.outcome(), robot.commands());
+        to_go_m = left_m(robot.body().position).unwrap_or(to_go_m);
         bar.set_position((whole_m - to_go_m).max(0.0) as u64);
         bar.set_message(format!(
             "{:5.1} s  {to_go_m:5.1} m to go  {:3.1} m/s  {:?}",
@@ -100,7 +105,7 @@ fn drive<P: Pilot>(
         }
     }
     bar.finish_and_clear();
-    run.finish()
+    Ok(simulation.robots()[0].outcome().clone())
 }
 
 fn summarise(outcome: &Outcome, is_same: bool) {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use harness::mission::{Changes, PRESETS, Scenario, Start};
+use harness::mission::{self, Changes, PRESETS};
 use harness::{Build, Machine, QemuPilot, Report, picture};
 use plan_compiler::mission::Goal;
 use plan_compiler::mission::words;
@@ -15,7 +15,10 @@ use plan_compiler::trace::Trace;
 use plan_compiler::trace::story;
 use plan_format::parameters::Gains;
 use robot_io::{CommandRecord, Percepts, SensorRecord};
-use sim::{Ending, HostPilot, Outcome, Pilot, PilotError, Point, SensorSettings};
+use sim::{
+    Ending, HostPilot, Outcome, Pilot, PilotError, Point, Scenario, SensorSettings, Simulation,
+    Start,
+};
 
 /// The mission was driven, and its end is neither the goal nor the end of its work; or the robot
 /// could not be asked at all.
@@ -82,17 +85,17 @@ enum PilotName {
 
 /// Why there is no outcome.
 enum Failure {
-    /// What was asked for cannot be driven.
+    /// The arguments or their files are wrong.
     Input(String),
-    /// The robot, or what its drive was to be written to, failed.
-    Drive(String),
+    /// The robot failed, or an output could not be written.
+    Run(String),
 }
 
 fn main() -> ExitCode {
     let (message, status) = match run(&Arguments::parse()) {
         Ok(is_reached) => return if is_reached { 0 } else { NOT_REACHED }.into(),
         Err(Failure::Input(message)) => (message, WRONG_INPUT),
-        Err(Failure::Drive(message)) => (message, NOT_REACHED),
+        Err(Failure::Run(message)) => (message, NOT_REACHED),
     };
     eprintln!("{}", message.trim_end());
     status.into()
@@ -104,10 +107,9 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
         gains: arguments.gains,
         goals: arguments.goals.clone(),
     };
-    let scenario = Scenario::compile(&arguments.map, &changes).map_err(Failure::Input)?;
-    let world = scenario.world();
+    let scenario = mission::scenario(&arguments.map, &changes).map_err(Failure::Input)?;
     let given = scenario.surroundings.as_ref().map(|surroundings| surroundings.start);
-    let drawn = || scenario.draw_start(&world, arguments.seed);
+    let drawn = || scenario.draw_start(arguments.seed);
     let position = arguments.start.or(given).or_else(drawn);
     let position = position.ok_or_else(|| {
         Failure::Input("there is no clear place with a route to start from".to_owned())
@@ -120,16 +122,16 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
         PilotName::Qemu => Some(Machine::CortexM4F),
         PilotName::QemuM3 => Some(Machine::CortexM3),
     };
-    let drive = |error: &dyn std::error::Error| Failure::Drive(error.to_string());
+    let failed = |error: &dyn std::error::Error| Failure::Run(error.to_string());
     let mut text = String::new();
     let (outcome, report) = match machine {
         None => (on_the_host(&scenario, &start, arguments, &mut text)?, None),
         Some(machine) => {
             let pilot = QemuPilot::boot(machine, Build::Release, &scenario.blob);
-            let mut pilot = pilot.map_err(|error| drive(&error))?;
-            let run = scenario.run(&world, &start, &mut pilot).map_err(Failure::Input)?;
-            let outcome = run.finish().map_err(|error| drive(&error))?;
-            (outcome, Some(pilot.finish().map_err(|error| drive(&error))?))
+            let mut pilot = pilot.map_err(|error| failed(&error))?;
+            let robot = scenario.robot(&start, &mut pilot).map_err(Failure::Input)?;
+            let outcome = robot.run(&scenario.truth).map_err(|error| failed(&error))?;
+            (outcome, Some(pilot.finish().map_err(|error| failed(&error))?))
         }
     };
     if arguments.json {
@@ -150,27 +152,29 @@ fn on_the_host(
     arguments: &Arguments,
     text: &mut String,
 ) -> Result<Outcome, Failure> {
-    let drive = |error: PilotError| Failure::Drive(error.to_string());
-    let world = scenario.world();
+    let failed = |error: PilotError| Failure::Run(error.to_string());
     let mut recorder = Recorder::new(HostPilot::new(scenario.plan()));
-    let mut run = scenario.run(&world, start, &mut recorder).map_err(Failure::Input)?;
-    let mut way = Vec::new();
-    while run.outcome().ending.is_none() {
-        way.push(run.body().position);
-        run.step().map_err(drive)?;
+    let robot = scenario.robot(start, &mut recorder).map_err(Failure::Input)?;
+    let mut simulation = Simulation::new(&scenario.truth, [robot]);
+    let mut route = Vec::new();
+    while !simulation.is_over() {
+        route.push(simulation.robots()[0].body().position);
+        simulation.step().map_err(failed)?;
     }
-    let outcome = run.finish().map_err(drive)?;
+    let outcome = simulation.robots()[0].outcome().clone();
+    // The recorder is the simulation's until here.
+    drop(simulation);
     let percepts = recorder.percepts;
     let story = story::of(&scenario.plan(), &percepts);
     for turn in &story.turns {
         let _ = writeln!(text, "{:>8.2} s  {}", turn.time_s, turn.text);
     }
     if let Some(path) = &arguments.picture {
-        picture::draw(scenario, start, &way, &story, &outcome, path).map_err(Failure::Drive)?;
+        picture::draw(scenario, start, &route, &story, &outcome, path).map_err(Failure::Run)?;
     }
     if let Some(path) = &arguments.trace {
         let trace = Trace { blob: scenario.blob.clone(), percepts, hash: outcome.trace_hash };
-        write(path, &trace.to_bytes()).map_err(Failure::Drive)?;
+        write(path, &trace.to_bytes()).map_err(Failure::Run)?;
     }
     Ok(outcome)
 }

@@ -1,11 +1,11 @@
 //! The paper's ploughing field as it is shipped: its tables, its graph, and how it decides.
 
 use super::compiled;
+use maps::problem::{Severity, Source as File};
+use maps::{formats, source};
 use plan_compiler::behaviours::{Plans, compile};
 use plan_compiler::input::{Input, Options};
 use plan_compiler::mission::parse;
-use plan_compiler::problem::{Severity, Source as File};
-use plan_compiler::{formats, source};
 use plan_format::mission::Label::{NB, PB, PM, PS};
 use plan_format::mission::{Label, Mission, MissionDraft, Source, Symbol};
 use plan_format::{Blob, Layer};

@@ -2,8 +2,8 @@
 
 use super::compiled;
 use behaviour::{Behaviours, Decision, Observations, Phase, Report, World};
+use maps::problem::Problem;
 use math::Vec2;
-use plan_compiler::problem::Problem;
 use plan_format::mission::Mission;
 use std::fmt::Write;
 

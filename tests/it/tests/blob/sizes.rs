@@ -1,7 +1,7 @@
 //! What layers take, on maps of every kind.
 
 use super::draft;
-use plan_compiler::bitmap::Bitmap;
+use maps::Bitmap;
 use plan_compiler::field::Field;
 use plan_compiler::search::{Corners, Solver};
 use plan_format::{Blob, Cell, write};

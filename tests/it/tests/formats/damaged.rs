@@ -1,11 +1,11 @@
 //! Small files of every format, cut off after every byte and with every byte changed: whatever is
 //! left is read, compiled and looked through, or refused; nothing panics.
 
+use maps::formats::{self, ReadOptions};
+use maps::problem::{Source, draw};
 use plan_compiler::compile::compile;
-use plan_compiler::formats::{self, ReadOptions};
 use plan_compiler::input::{Input, Options};
 use plan_compiler::mission::{self, Goal, GoalAt, Mission};
-use plan_compiler::problem::{Source, draw};
 use plan_format::Blob;
 use std::path::Path;
 use std::sync::Arc;

@@ -3,7 +3,7 @@
 use super::*;
 use robot_io::Reason;
 use runtime::{Fallback, load};
-use sim::{Channel, Dialect, Fault, Faulty, Pilot, Sensors};
+use sim::{Channel, Dialect, Fault, Faulty, Pilot, Sensors, Simulation};
 use std::ops::Range;
 
 /// South of the street, with nothing nearby.
@@ -20,19 +20,23 @@ pub(super) struct Moment {
     pub(super) at: Point,
 }
 
-/// Drives to the end, or to `until_s`.
+/// Runs a robot alone in a world, to its end or to `until_s`.
 pub(super) fn watch<S: Sensors, P: Pilot>(
-    mut run: Run<'_, S, P>,
+    world: &World,
+    robot: Robot<S, P>,
     until_s: f64,
 ) -> (Vec<Moment>, Outcome) {
     let mut moments = Vec::new();
-    while run.outcome().ending.is_none() && run.outcome().time_s < until_s {
-        let time_s = run.outcome().time_s;
-        let commands = run.step().expect("the robot answers");
-        let (reason, speed_mps) = (commands.reason, commands.speed_mps);
-        moments.push(Moment { time_s, reason, speed_mps, at: run.body().position });
+    let mut simulation = Simulation::new(world, [robot]);
+    let mut time_s = 0.0;
+    while !simulation.is_over() && time_s < until_s {
+        simulation.step().expect("the robot answers");
+        let robot = &simulation.robots()[0];
+        let (reason, speed_mps) = (robot.commands().reason, robot.commands().speed_mps);
+        moments.push(Moment { time_s, reason, speed_mps, at: robot.body().position });
+        time_s = robot.outcome().time_s;
     }
-    (moments, run.outcome().clone())
+    (moments, simulation.robots()[0].outcome().clone())
 }
 
 /// The moments within a window of time.
@@ -51,8 +55,8 @@ fn fail(fault: Fault, channel: Channel) -> Vec<Moment> {
     let suite = SensorSuite::new(SensorSettings::USUAL, reference, 1);
     let sensors = Faulty::new(suite, fault, channel, FAILURE_S, 1);
     let body = Body::new(chassis(&blob), START, 0.0);
-    let run = Run::new(world, body, sensors, HostPilot::new(blob), limits(&blob, 1.0));
-    let (moments, outcome) = watch(run, f64::INFINITY);
+    let robot = Robot::new(body, sensors, HostPilot::new(blob), limits(&blob, 1.0));
+    let (moments, outcome) = watch(world, robot, f64::INFINITY);
     let picture = || sim::picture::text(world, &outcome.route, [125.5, 240.5], 2.0);
     assert!(outcome.reached(), "{fault:?} of {channel:?}: {:?}\n{}", outcome.reasons, picture());
     assert_eq!(outcome.touches, 0, "{fault:?} of {channel:?}\n{}", picture());
@@ -121,8 +125,8 @@ fn a_short_jump_is_ridden_out_by_dead_reckoning() {
     let jump = Fault::Jump { offset: [0.0, 120.0] };
     let sensors = Faulty::new(suite, jump, Channel::Gps, 20.0..21.5, 1);
     let body = Body::new(chassis(&blob), START, 0.0);
-    let run = Run::new(world, body, sensors, HostPilot::new(blob), limits(&blob, 1.0));
-    let (moments, _) = watch(run, 30.0);
+    let robot = Robot::new(body, sensors, HostPilot::new(blob), limits(&blob, 1.0));
+    let (moments, _) = watch(world, robot, 30.0);
     assert!(within(&moments, 5.0..30.0).all(|moment| moment.reason == Reason::Driving));
 }
 
@@ -156,7 +160,7 @@ fn garbled_and_lost_readings_of_the_other_sensors_are_survived() {
 
 #[test]
 fn faults_add_up_and_the_same_seed_gives_the_same_mission() {
-    let drive = |seed| {
+    let run = |seed| {
         let blob = blob(&[]);
         let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
         let Campus { world, reference, .. } = campus();
@@ -166,13 +170,13 @@ fn faults_add_up_and_the_same_seed_gives_the_same_mission() {
         let worse = Faulty::new(lossy, bad, Channel::Gps, 20.0..90.0, seed + 1);
         let late = Faulty::new(worse, Fault::Delay { ticks: 4 }, Channel::Ranges, 0.0..90.0, seed);
         let body = Body::new(chassis(&blob), START, 0.0);
-        let run = Run::new(world, body, late, HostPilot::new(blob), limits(&blob, 1.0));
-        run.finish().expect("the robot answers")
+        let robot = Robot::new(body, late, HostPilot::new(blob), limits(&blob, 1.0));
+        robot.run(world).expect("the robot answers")
     };
-    let outcome = drive(7);
+    let outcome = run(7);
     assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
-    assert_eq!(drive(7), outcome);
-    assert_ne!(drive(8).trace_hash, outcome.trace_hash);
+    assert_eq!(run(7), outcome);
+    assert_ne!(run(8).trace_hash, outcome.trace_hash);
 }
 
 #[test]
@@ -180,7 +184,7 @@ fn a_robot_without_a_receiver_stands_still() {
     let blob = blob(&[]);
     let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
     let deaf = SensorSettings { gps: None, ..SensorSettings::USUAL };
-    let (moments, outcome) = watch(mission(blob, START, 0.0, deaf, 1), 20.0);
+    let (moments, outcome) = watch(&campus().world, robot(blob, START, 0.0, deaf, 1), 20.0);
     assert!(moments.iter().all(|moment| moment.reason == Reason::NoFix));
     assert_eq!(outcome.distance_m, 0.0);
 }
@@ -192,7 +196,7 @@ fn a_robot_beside_a_wall_escapes_and_arrives() {
     // 0.6 m south of the library's western arm, where no blob would lead.
     let beside = [45.0, 59.4];
     let (moments, outcome) =
-        watch(mission(blob, beside, 0.0, SensorSettings::PERFECT, 1), f64::INFINITY);
+        watch(&campus().world, robot(blob, beside, 0.0, SensorSettings::PERFECT, 1), f64::INFINITY);
     let first = moments.iter().find(|moment| moment.reason != Reason::NoFix);
     assert_eq!(first.map(|moment| moment.reason), Some(Reason::Escaping));
     assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
@@ -203,15 +207,18 @@ fn outside_the_map_the_robot_stops_or_reacts_as_its_mission_says() {
     let west_of_the_map = [-6.0, 30.0];
     let stopping = blob(&[]);
     let plans = Blob::parse(&stopping).expect("the compiler writes what the robot reads");
-    let (moments, outcome) =
-        watch(mission(plans, west_of_the_map, 0.0, SensorSettings::PERFECT, 1), 10.0);
+    let (moments, outcome) = watch(
+        &campus().world,
+        robot(plans, west_of_the_map, 0.0, SensorSettings::PERFECT, 1),
+        10.0,
+    );
     assert!(moments.iter().skip(1).all(|moment| moment.reason == Reason::OffMap));
     assert_eq!(outcome.distance_m, 0.0);
 
     let reacting = blob(&[("[goals]", "[trouble]\noff_map = \"reactive\"\n\n[goals]")]);
     let plans = Blob::parse(&reacting).expect("the compiler writes what the robot reads");
-    let run = mission(plans, west_of_the_map, 0.0, SensorSettings::PERFECT, 1);
-    let (_, outcome) = watch(run, f64::INFINITY);
+    let robot = robot(plans, west_of_the_map, 0.0, SensorSettings::PERFECT, 1);
+    let (_, outcome) = watch(&campus().world, robot, f64::INFINITY);
     assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
 }
 
@@ -225,19 +232,19 @@ fn with_a_damaged_blob_the_robot_reacts_if_it_was_told_how_and_else_stands_still
     bytes[middle] ^= 4;
 
     let Campus { world, reference, .. } = campus();
-    let drive = |fallback: &Fallback| {
+    let run = |fallback: &Fallback| {
         let loaded = load(&bytes, fallback);
         assert!(loaded.refusal.is_some());
         let sensors = SensorSuite::new(SensorSettings::PERFECT, reference, 1);
         let pilot = HostPilot::new(loaded.blob);
-        watch(Run::new(world, body, sensors, pilot, limits), 300.0)
+        watch(world, Robot::new(body, sensors, pilot, limits), 300.0)
     };
     let goal = Some(Vec2::new(125.5, 240.5));
-    let (_, outcome) = drive(&Fallback { parameters, origin, goal });
+    let (_, outcome) = run(&Fallback { parameters, origin, goal });
     assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
     assert!(outcome.ticks_of(Reason::NoPlan) > 0 && outcome.ticks_of(Reason::Driving) == 0);
 
-    let (moments, outcome) = drive(&Fallback::default());
+    let (moments, outcome) = run(&Fallback::default());
     assert_eq!(outcome.distance_m, 0.0);
     assert!(moments.iter().all(|moment| moment.at == body.position));
 }
@@ -248,6 +255,7 @@ fn a_receiver_that_speaks_nmea_serves_as_well() {
     let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
     let gps = ReceiverSettings { dialect: Dialect::Nmea, ..ReceiverSettings::ONE_METRE };
     let sensors = SensorSettings { gps: Some(gps), ..SensorSettings::USUAL };
-    let outcome = mission(blob, START, 0.0, sensors, 1).finish().expect("the robot answers");
+    let outcome =
+        robot(blob, START, 0.0, sensors, 1).run(&campus().world).expect("the robot answers");
     assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
 }

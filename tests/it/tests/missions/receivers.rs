@@ -4,9 +4,9 @@
 
 use super::faults::{Moment, watch, within};
 use super::*;
-use harness::mission::{Changes, Scenario};
+use harness::mission::{self, Changes};
 use robot_io::{Reason, Receiver};
-use sim::{Channel, Dialect, Ending, Fault, Faulty, Mode, Pilot, PilotError};
+use sim::{Channel, Dialect, Ending, Fault, Faulty, Mode, Pilot, PilotError, Scenario};
 use std::path::Path;
 
 /// When the receiver turns to another mode, seconds.
@@ -33,15 +33,14 @@ impl Field {
     }
 
     fn read(path: &Path, start: Point, sensors: SensorSettings) -> Self {
-        let scenario = Scenario::compile(path, &Changes::default());
+        let scenario = mission::scenario(path, &Changes::default());
         Self { scenario: scenario.unwrap_or_else(|error| panic!("{error}")), start, sensors }
     }
 
-    /// Drives with a receiver that turns to `mode`, if to any; also what the robot says of the
+    /// Runs with a receiver that turns to `mode`, if to any; also what the robot says of the
     /// receiver, each change once.
-    fn drive(&self, dialect: Dialect, mode: Option<Mode>) -> (Vec<Moment>, Outcome, Vec<Receiver>) {
+    fn run(&self, dialect: Dialect, mode: Option<Mode>) -> (Vec<Moment>, Outcome, Vec<Receiver>) {
         let plan = self.scenario.plan();
-        let world = self.scenario.world();
         let gps = self.sensors.gps.expect("it has a receiver");
         let gps = ReceiverSettings { dialect, ..gps };
         let sensors = SensorSettings {
@@ -58,8 +57,8 @@ impl Field {
         let body = Body::new(chassis, self.start, 0.0);
         let mut listening = Listening { robot: HostPilot::new(plan), said: Vec::new() };
         let limits = limits(&plan, gps.sigma_m);
-        let run = Run::new(&world, body, sensors, &mut listening, limits);
-        let (moments, outcome) = watch(run, f64::INFINITY);
+        let robot = Robot::new(body, sensors, &mut listening, limits);
+        let (moments, outcome) = watch(&self.scenario.truth, robot, f64::INFINITY);
         (moments, outcome, listening.said)
     }
 }
@@ -87,7 +86,7 @@ impl Pilot for Listening<'_> {
 
 /// Arrives within so many seconds, and touches nothing.
 fn check_arrives(field: &Field, dialect: Dialect, mode: Option<Mode>, within_s: f64) {
-    let (_, outcome, said) = field.drive(dialect, mode);
+    let (_, outcome, said) = field.run(dialect, mode);
     let what = format!("{dialect:?} {mode:?}: {:?} {}", outcome.ending, outcome.time_s);
     assert!(outcome.reached() && outcome.touches == 0, "{what}");
     assert!(outcome.time_s < within_s, "{what}");
@@ -96,7 +95,7 @@ fn check_arrives(field: &Field, dialect: Dialect, mode: Option<Mode>, within_s: 
 
 /// Goes on until the last valid fix is stale, then stands still for the true reason to the end.
 fn check_stands(field: &Field, dialect: Dialect, mode: Mode) {
-    let (moments, outcome, said) = field.drive(dialect, Some(mode));
+    let (moments, outcome, said) = field.run(dialect, Some(mode));
     assert_eq!(outcome.ending, Some(Ending::Trapped), "{dialect:?} {mode:?}");
     assert!(within(&moments, TURNS_S..TURNS_S + 1.5).all(|m| m.reason == Reason::Driving));
     // The stale time, the delay of the receiver and the way to stop.

@@ -43,7 +43,7 @@ fn plans_lead_from_everywhere_to_the_goal() {
         for (receiver, sensors) in receivers {
             // Advice alone is followed to the cell, and does not look where it goes.
             if gains != "0:100" || receiver == "perfect" {
-                rows.push(Row { gains, receiver, outcomes: drive(blob, sensors) });
+                rows.push(Row { gains, receiver, outcomes: run(blob, sensors) });
             }
         }
     }
@@ -74,15 +74,15 @@ fn a_hollow_holds_the_reactive_robot_and_not_the_advised_one() {
         let blob = blob(&[("\"34:66\"", &format!("\"{gains}\""))]);
         let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
         // Between the arms of the library.
-        let run = mission(blob, [59.5, 75.5], 0.0, SensorSettings::USUAL, SEED);
-        let outcome = run.finish().expect("the robot answers");
+        let robot = robot(blob, [59.5, 75.5], 0.0, SensorSettings::USUAL, SEED);
+        let outcome = robot.run(&campus().world).expect("the robot answers");
         assert_eq!(outcome.ending, Some(wanted), "{gains}: {:?}", outcome.reasons);
         assert_eq!(outcome.touches, 0);
     }
 }
 
-/// One mission from each start, on all cores.
-fn drive(blob: Blob<'_>, sensors: SensorSettings) -> Vec<(Point, Outcome)> {
+/// One run from each start, on all cores.
+fn run(blob: Blob<'_>, sensors: SensorSettings) -> Vec<(Point, Outcome)> {
     let starts = starts(&blob);
     let next = AtomicUsize::new(0);
     let workers = std::thread::available_parallelism().map_or(1, usize::from);
@@ -92,8 +92,8 @@ fn drive(blob: Blob<'_>, sensors: SensorSettings) -> Vec<(Point, Outcome)> {
             loop {
                 let number = next.fetch_add(1, Ordering::Relaxed);
                 let Some(&(start, heading_rad)) = starts.get(number) else { return done };
-                let run = mission(blob, start, heading_rad, sensors, SEED + number as u64);
-                done.push((number, run.finish().expect("the robot answers")));
+                let robot = robot(blob, start, heading_rad, sensors, SEED + number as u64);
+                done.push((number, robot.run(&campus().world).expect("the robot answers")));
             }
         };
         let handles: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();

@@ -76,7 +76,7 @@ impl Dialect {
     /// The bytes of a solution.
     pub fn message(self, solution: &Solution) -> Vec<u8> {
         match self {
-            Self::Ubx => ubx_nav_pvt(solution).to_vec(),
+            Self::Ubx => ubx_nav_pvt(solution),
             Self::Nmea => (rmc(solution) + &gga(solution)).into_bytes(),
         }
     }
@@ -89,7 +89,7 @@ const KNOTS_PER_MPS: f64 = 3600.0 / 1852.0;
 /// Bytes of the payload of NAV-PVT.
 const PAYLOAD: usize = 92;
 
-fn ubx_nav_pvt(solution: &Solution) -> [u8; PAYLOAD + 8] {
+fn ubx_nav_pvt(solution: &Solution) -> Vec<u8> {
     let mut payload = [0; PAYLOAD];
     let mut put = |at: usize, bytes: &[u8]| payload[at..at + bytes.len()].copy_from_slice(bytes);
     let (hour, minute, second) = clock(solution);
@@ -115,21 +115,19 @@ fn ubx_nav_pvt(solution: &Solution) -> [u8; PAYLOAD + 8] {
     put(72, &500_000_u32.to_le_bytes());
     put(76, &120_u16.to_le_bytes());
     put(78, &[u8::from(!is_valid), 0]);
-    frame(0x01, 0x07, &payload)
+    ubx(0x01, 0x07, &payload)
 }
 
-/// Sync characters, class, identity, length, payload, 8-bit Fletcher checksum.
-fn frame(class: u8, identity: u8, payload: &[u8; PAYLOAD]) -> [u8; PAYLOAD + 8] {
-    let mut message = [0; PAYLOAD + 8];
-    message[..6].copy_from_slice(&[0xb5, 0x62, class, identity, PAYLOAD as u8, 0]);
-    message[6..6 + PAYLOAD].copy_from_slice(payload);
-    let (mut a, mut b) = (0_u8, 0_u8);
-    for &byte in &message[2..6 + PAYLOAD] {
-        a = a.wrapping_add(byte);
-        b = b.wrapping_add(a);
-    }
-    message[6 + PAYLOAD..].copy_from_slice(&[a, b]);
-    message
+/// A UBX message: sync characters, class, identity, length, payload, 8-bit Fletcher checksum.
+pub fn ubx(class: u8, identity: u8, payload: &[u8]) -> Vec<u8> {
+    let mut body = vec![class, identity];
+    body.extend((payload.len() as u16).to_le_bytes());
+    body.extend(payload);
+    let (a, b) = body.iter().fold((0_u8, 0_u8), |(a, b), &byte| {
+        let a = a.wrapping_add(byte);
+        (a, b.wrapping_add(a))
+    });
+    [&[0xb5, 0x62], &body[..], &[a, b]].concat()
 }
 
 fn rmc(solution: &Solution) -> String {
@@ -154,7 +152,8 @@ fn gga(solution: &Solution) -> String {
     ))
 }
 
-fn sentence(body: &str) -> String {
+/// An NMEA 0183 sentence: `$`, the body, its checksum and the line end.
+pub fn sentence(body: &str) -> String {
     let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
     format!("${body}*{checksum:02X}\r\n")
 }

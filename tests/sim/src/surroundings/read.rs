@@ -3,10 +3,10 @@
 use super::{Field, Leak, Surroundings, Tank, Work};
 use crate::Point;
 use crate::body::distance;
-use plan_compiler::names::nearest;
-use plan_compiler::problem::has_errors;
-use plan_compiler::problem::{Problem, Source};
-use plan_compiler::source;
+use maps::names::nearest;
+use maps::problem::has_errors;
+use maps::problem::{Problem, Source};
+use maps::source;
 use robot_io::limits::{MAX_CHANNELS, MAX_OUTPUTS};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -16,7 +16,7 @@ use toml_edit::{Document, Item, TableLike, Value};
 
 /// No place of a world lies farther from its origin, metres.
 const FARTHEST_M: f64 = 1e6;
-/// No mission lasts longer, seconds: a week.
+/// No run lasts longer, seconds: a week.
 const LONGEST_S: f64 = 604_800.0;
 const AN_HOUR_S: f64 = 3_600.0;
 

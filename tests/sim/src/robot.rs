@@ -1,140 +1,33 @@
-//! One mission: world, body, sensors and pilot tick by tick, and what came of it.
+//! A robot in a simulation: body, sensors and pilot, and what has come of its run so far.
+//!
+//! Its three acts in a tick (sense, exchange, move) are steps of their own, so that a simulation
+//! can let all robots do each of them before any does the next.
 
 use crate::body::distance;
-use crate::{Body, Mode, Pilot, PilotError, Point, Scene, Sensors, Surroundings, World};
+use crate::{
+    Body, Ending, Limits, Mode, Motion, Outcome, Pilot, PilotError, Point, Scene, Sensors,
+    Surroundings, TICK_US, World,
+};
 use math::scalar::wrap_angle;
-use robot_io::{Commands, Reason};
+use robot_io::{CommandRecord, Commands, Reason, SensorRecord};
 
 /// Obstacles farther from the body than this do not matter for the closest approach, metres.
 const LOOK_M: f64 = 10.0;
 /// The route keeps a point for every piece of this length, metres.
 const ROUTE_STEP_M: f64 = 0.5;
+/// Length of a tick, seconds.
+const TICK_S: f64 = TICK_US as f64 * 1e-6;
 
-/// When a mission ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Length of a tick.
-    pub tick_us: u64,
-    /// Longer missions are given up, seconds.
-    pub time_s: f64,
-    /// Where the robot shall arrive, metres.
-    pub goal: Point,
-    /// The robot says that it has arrived, and truly is within this distance, metres.
-    pub goal_tolerance_m: f64,
-    /// The robot is trapped when it stays this long ...
-    pub trapped_after_s: f64,
-    /// ... within this distance of one spot, metres.
-    pub trapped_within_m: f64,
-    /// Whether arriving at the goal ends the mission. Where behaviours decide, a goal is one stop
-    /// of several, and work that is to be done ends it instead.
-    pub ends_at_goal: bool,
-    /// A robot that stands still off the map or without a route for so long will not go on,
-    /// seconds.
-    pub stranded_after_s: f64,
-    /// Behaviours that have worked and then have nothing to do for so long are done where the
-    /// world names no work, seconds.
-    pub idle_after_s: f64,
-}
-
-impl Limits {
-    /// Usual limits for a map of a few hundred metres.
-    pub fn to_goal(goal: Point) -> Self {
-        Self {
-            tick_us: 50_000,
-            time_s: 900.0,
-            goal,
-            goal_tolerance_m: 1.5,
-            trapped_after_s: 60.0,
-            trapped_within_m: 5.0,
-            ends_at_goal: true,
-            stranded_after_s: 10.0,
-            idle_after_s: 60.0,
-        }
-    }
-}
-
-/// How a mission ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Ending {
-    /// The robot is at the goal and knows it.
-    Reached,
-    /// All work is done, and the robot has nothing left to do.
-    Done,
-    /// It stayed at one spot for too long.
-    Trapped,
-    /// It stands still outside the map.
-    OffMap,
-    /// It stands still where no layer has a route.
-    NoRoute,
-    /// It went on for too long.
-    OutOfTime,
-}
-
-impl Ending {
-    /// Its name for programs.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Reached => "reached",
-            Self::Done => "done",
-            Self::Trapped => "trapped",
-            Self::OffMap => "off-map",
-            Self::NoRoute => "no-route",
-            Self::OutOfTime => "out-of-time",
-        }
-    }
-}
-
-/// What came of a mission.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outcome {
-    /// How it ended; `None` while it is under way.
-    pub ending: Option<Ending>,
-    /// Ticks so far.
-    pub ticks: u64,
-    /// Simulated time so far, seconds.
-    pub time_s: f64,
-    /// Length of the way, metres.
-    pub distance_m: f64,
-    /// How far it has turned in all, either way, radians.
-    pub turn_rad: f64,
-    /// Smallest gap between body and obstacle, metres; infinite if none came near.
-    pub closest_m: f64,
-    /// How often contact with an obstacle began.
-    pub touches: u32,
-    /// Where the robot was, a point for every half metre.
-    pub route: Vec<Point>,
-    /// How many ticks gave which reason, in the order of their first appearance.
-    pub reasons: Vec<(Reason, u64)>,
-    /// The trace hash after the last tick.
-    pub trace_hash: u64,
-    /// The most instructions that one tick took, where that can be counted.
-    pub most_instructions: u32,
-    /// What the robot's work has made of its surroundings, where there are any.
-    pub surroundings: Option<Surroundings>,
-}
-
-impl Outcome {
-    /// Whether the robot has arrived, or has done its work.
-    pub fn reached(&self) -> bool {
-        matches!(self.ending, Some(Ending::Reached | Ending::Done))
-    }
-
-    /// Number of ticks that gave a reason.
-    pub fn ticks_of(&self, reason: Reason) -> u64 {
-        self.reasons.iter().find(|(seen, _)| *seen == reason).map_or(0, |&(_, ticks)| ticks)
-    }
-}
-
-/// A mission under way.
+/// A robot during its run.
 #[derive(Debug)]
-pub struct Run<'w, S, P> {
-    world: &'w World,
+pub struct Robot<S, P> {
     sensors: S,
     pilot: P,
     limits: Limits,
     body: Body,
+    commands: Commands,
     outcome: Outcome,
-    touching: bool,
+    is_touching: bool,
     /// The spot that the robot may be trapped at, and since when.
     spot: (Point, u64),
     /// Why the robot stands still, and since when; `None` while it moves.
@@ -143,82 +36,29 @@ pub struct Run<'w, S, P> {
     has_worked: bool,
 }
 
-impl<'w, S: Sensors, P: Pilot> Run<'w, S, P> {
-    /// A mission before its first tick.
-    pub fn new(world: &'w World, body: Body, sensors: S, pilot: P, limits: Limits) -> Self {
+impl<S: Sensors, P: Pilot> Robot<S, P> {
+    /// A robot before its first tick.
+    pub fn new(body: Body, sensors: S, pilot: P, limits: Limits) -> Self {
         let route = vec![body.position];
-        let outcome = Outcome { closest_m: f64::INFINITY, route, ..Outcome::default() };
-        let spot = (body.position, 0);
         Self {
-            world,
             sensors,
             pilot,
             limits,
             body,
-            outcome,
-            touching: false,
-            spot,
+            commands: Commands::stop(Reason::Idle),
+            outcome: Outcome { closest_m: f64::INFINITY, route, ..Outcome::default() },
+            is_touching: false,
+            spot: (body.position, 0),
             standing: None,
             has_worked: false,
         }
     }
 
-    /// The same with surroundings that change; the mission then ends when the work in them is done.
+    /// The same with surroundings that its work changes; its run ends when that work is done.
     pub fn within(mut self, surroundings: Surroundings) -> Self {
         self.limits.time_s = surroundings.time_limit;
         self.outcome.surroundings = Some(surroundings);
         self
-    }
-
-    /// One tick: look, think, move. Returns what the pilot said. After the end it may go on;
-    /// the ending stays.
-    pub fn step(&mut self) -> Result<Commands, PilotError> {
-        let time_us = self.outcome.ticks * self.limits.tick_us;
-        let mut record = self.sensors.sense(&Scene {
-            world: self.world,
-            body: self.body,
-            antenna: self.body.position,
-            mode: Mode::Autonomous,
-            time_us,
-            tick_us: self.limits.tick_us,
-        });
-        if let Some(surroundings) = &self.outcome.surroundings {
-            record.inputs = surroundings.inputs();
-        }
-        let answer = self.pilot.exchange(&record)?;
-        let seconds = self.limits.tick_us as f64 * 1e-6;
-        let heading_before_rad = self.body.heading_rad;
-        let motion = self.body.step(&answer.commands, self.world, seconds);
-        let turned_rad = self.body.heading_rad - heading_before_rad;
-
-        let outcome = &mut self.outcome;
-        outcome.ticks += 1;
-        outcome.time_s = (outcome.ticks * self.limits.tick_us) as f64 * 1e-6;
-        outcome.distance_m += motion.distance_m;
-        outcome.turn_rad += f64::from(wrap_angle(turned_rad as f32)).abs();
-        if let Some(surroundings) = &mut outcome.surroundings {
-            surroundings.step(self.body.position, motion.distance_m, &answer.commands, seconds);
-        }
-        outcome.touches += u32::from(motion.touched && !self.touching);
-        outcome.trace_hash = answer.trace_hash;
-        outcome.most_instructions = outcome.most_instructions.max(answer.instructions);
-        self.touching = motion.touched;
-        if let Some(nearest) = self.world.nearest(self.body.position, LOOK_M) {
-            let gap = nearest.distance_m - self.body.chassis.radius_m;
-            outcome.closest_m = outcome.closest_m.min(gap);
-        }
-        self.note(answer.commands.reason);
-        self.judge(&answer.commands);
-        Ok(answer.commands)
-    }
-
-    /// Runs to the end.
-    pub fn finish(mut self) -> Result<Outcome, PilotError> {
-        while self.outcome.ending.is_none() {
-            self.step()?;
-        }
-        self.outcome.route.push(self.body.position);
-        Ok(self.outcome)
     }
 
     /// The body as it truly is.
@@ -226,9 +66,76 @@ impl<'w, S: Sensors, P: Pilot> Run<'w, S, P> {
         &self.body
     }
 
-    /// What has come of it so far.
+    /// What the pilot commanded in the last tick; before the first, to stand still.
+    pub fn commands(&self) -> &Commands {
+        &self.commands
+    }
+
+    /// What has come of its run so far; it no longer changes once the run has ended.
     pub fn outcome(&self) -> &Outcome {
         &self.outcome
+    }
+
+    /// What the sensors report in the tick that ends at `time_us`.
+    pub(crate) fn sense(&mut self, truth: &World, others: &[Body], time_us: u64) -> SensorRecord {
+        let mut record = self.sensors.sense(&Scene {
+            world: truth,
+            others,
+            body: self.body,
+            antenna: self.body.position,
+            mode: Mode::Autonomous,
+            time_us,
+            tick_us: TICK_US,
+        });
+        if let Some(surroundings) = &self.outcome.surroundings {
+            record.inputs = surroundings.inputs();
+        }
+        record
+    }
+
+    /// What the pilot answers.
+    pub(crate) fn exchange(&mut self, record: &SensorRecord) -> Result<CommandRecord, PilotError> {
+        self.pilot.exchange(record)
+    }
+
+    /// Takes the body to where it came in this tick, and keeps account of that.
+    pub(crate) fn arrive(
+        &mut self,
+        answer: &CommandRecord,
+        (body, motion): (Body, Motion),
+        truth: &World,
+        others: &[Body],
+    ) {
+        let turned_rad = body.heading_rad - self.body.heading_rad;
+        self.body = body;
+        self.commands = answer.commands;
+        let outcome = &mut self.outcome;
+        if outcome.ending.is_some() {
+            return;
+        }
+        outcome.ticks += 1;
+        outcome.time_s = (outcome.ticks * TICK_US) as f64 * 1e-6;
+        outcome.distance_m += motion.distance_m;
+        outcome.turn_rad += f64::from(wrap_angle(turned_rad as f32)).abs();
+        if let Some(surroundings) = &mut outcome.surroundings {
+            surroundings.step(body.position, motion.distance_m, &answer.commands, TICK_S);
+        }
+        outcome.touches += u32::from(motion.touched && !self.is_touching);
+        outcome.trace_hash = answer.trace_hash;
+        outcome.most_instructions = outcome.most_instructions.max(answer.instructions);
+        self.is_touching = motion.touched;
+        let standing = truth.nearest(body.position, LOOK_M).map(|nearest| nearest.distance_m);
+        let moving = others
+            .iter()
+            .map(|other| distance(body.position, other.position) - other.chassis.radius_m);
+        for distance_m in standing.into_iter().chain(moving.filter(|&gap_m| gap_m < LOOK_M)) {
+            outcome.closest_m = outcome.closest_m.min(distance_m - body.chassis.radius_m);
+        }
+        self.note(answer.commands.reason);
+        self.judge(&answer.commands);
+        if self.outcome.ending.is_some() {
+            self.outcome.route.push(body.position);
+        }
     }
 
     fn note(&mut self, reason: Reason) {
@@ -246,7 +153,7 @@ impl<'w, S: Sensors, P: Pilot> Run<'w, S, P> {
         let reason = commands.reason;
         let limits = &self.limits;
         let now = self.outcome.ticks;
-        let seconds_since = |tick: u64| ((now - tick) * limits.tick_us) as f64 * 1e-6;
+        let seconds_since = |tick: u64| ((now - tick) * TICK_US) as f64 * 1e-6;
         // A robot that waits on purpose is not trapped.
         let waits = matches!(reason, Reason::Holding | Reason::Idle);
         if waits || distance(self.spot.0, self.body.position) > limits.trapped_within_m {
@@ -284,7 +191,7 @@ impl<'w, S: Sensors, P: Pilot> Run<'w, S, P> {
         } else {
             None
         };
-        self.outcome.ending = self.outcome.ending.or(ending);
+        self.outcome.ending = ending;
     }
 }
 
@@ -292,11 +199,11 @@ impl<'w, S: Sensors, P: Pilot> Run<'w, S, P> {
 mod tests {
     use super::*;
     use crate::{Chassis, SensorSettings, SensorSuite};
+    use maps::{Reference, Shape};
     use math::GeoPoint;
-    use plan_compiler::map::{Reference, Shape};
     use robot_io::{CommandRecord, Receiver, SensorRecord};
 
-    /// Drives straight ahead and says that it is at the goal after so many ticks.
+    /// Drives straight ahead and reports that it is at the goal after a number of ticks.
     struct Straight(u64);
 
     impl Pilot for Straight {
@@ -322,12 +229,12 @@ mod tests {
         let reference = Reference { place, at: [0.0, 0.0], heading_rad: 0.0 };
         let sensors = SensorSuite::new(SensorSettings::USUAL, &reference, 1);
         let body = Body::new(Chassis::default(), [0.0, 0.0], 0.0);
-        let run = Run::new(&world, body, sensors, Straight(ticks), Limits::to_goal(goal));
-        run.finish().expect("this pilot always answers")
+        let robot = Robot::new(body, sensors, Straight(ticks), Limits::to_goal(goal));
+        robot.run(&world).expect("this pilot always answers")
     }
 
     #[test]
-    fn a_mission_is_reached_only_at_the_goal() {
+    fn a_goal_is_reached_only_where_it_is() {
         let there = straight(200, [9.0, 0.0]);
         assert!(there.reached() && there.touches == 0, "{there:?}");
         // Ten seconds at 1 m/s, a third of a metre lost while speeding up.
@@ -336,7 +243,7 @@ mod tests {
         assert_eq!(there.reasons, [(Reason::Driving, 199), (Reason::AtGoal, 1)]);
     }
 
-    /// Stands still and gives these reasons, each for so many ticks, the last one for ever.
+    /// Stands still and gives these reasons, each for a number of ticks, the last one to the end.
     struct Still(Vec<(u64, Reason)>);
 
     impl Pilot for Still {
@@ -373,10 +280,10 @@ mod tests {
             let sensors = SensorSuite::new(SensorSettings::PERFECT, &reference, 1);
             let body = Body::new(Chassis::default(), [0.0, 0.0], 0.0);
             let limits = Limits { ends_at_goal: false, ..Limits::to_goal([0.0, 0.0]) };
-            let run = Run::new(&world, body, sensors, Still(reasons.to_vec()), limits);
+            let robot = Robot::new(body, sensors, Still(reasons.to_vec()), limits);
             let text = format!("start = [0, 0]\ntime_limit = 200\n{work}");
-            let run = run.within(text.parse().expect("it is sound"));
-            let outcome = run.finish().expect("this pilot always answers");
+            let robot = robot.within(text.parse().expect("it is sound"));
+            let outcome = robot.run(&world).expect("this pilot always answers");
             let (ending, seconds) = expected;
             assert_eq!(outcome.ending, Some(ending), "{reasons:?}");
             assert!((outcome.time_s - f64::from(seconds)).abs() <= 0.5, "{reasons:?} {outcome:?}");
@@ -395,9 +302,9 @@ mod tests {
             let sensors = SensorSuite::new(SensorSettings::PERFECT, &reference, 1);
             let body = Body::new(Chassis::default(), [0.0, 0.0], 0.0);
             let limits = Limits::to_goal([9.0, 0.0]);
-            let run = Run::new(&world, body, sensors, Straight(200), limits);
-            let outcome = run.within(text.parse().expect("it is sound")).finish();
-            let outcome = outcome.expect("this pilot always answers");
+            let robot = Robot::new(body, sensors, Straight(200), limits);
+            let robot = robot.within(text.parse().expect("it is sound"));
+            let outcome = robot.run(&world).expect("this pilot always answers");
             assert_eq!(outcome.ending, Some(expected), "{text}");
         }
     }
