@@ -18,7 +18,7 @@ pub fn check(board: &Board, blob_bytes: usize) -> Option<Problem> {
              of {name}",
             blob_bytes - room
         );
-        return Some(Problem::error(message).mend(mend(blob_bytes)));
+        return Some(Problem::error(message).help(help(blob_bytes)));
     }
     (blob_bytes > slot).then(|| {
         Problem::note(format!(
@@ -28,7 +28,7 @@ pub fn check(board: &Board, blob_bytes: usize) -> Option<Problem> {
     })
 }
 
-fn mend(blob_bytes: usize) -> String {
+fn help(blob_bytes: usize) -> String {
     let shrink = "use a coarser --resolution, a smaller area, or fewer goals and layers";
     let larger = BOARDS.iter().filter(|board| board.memory.plans.bytes >= blob_bytes);
     let larger: Vec<String> =
@@ -53,8 +53,8 @@ mod tests {
         assert_eq!(severity(98_305), Some(Severity::Note));
         assert_eq!(severity(196_608), Some(Severity::Note));
         assert_eq!(severity(196_609), Some(Severity::Error));
-        let mend = |bytes| check(board, bytes).unwrap().mend.unwrap();
-        assert!(mend(196_609).contains("stm32f405 (262144), pico2"), "{}", mend(196_609));
-        assert!(mend(2 << 20).contains("on no known board"), "{}", mend(2 << 20));
+        let help = |bytes| check(board, bytes).unwrap().help.unwrap();
+        assert!(help(196_609).contains("stm32f405 (262144), pico2"), "{}", help(196_609));
+        assert!(help(2 << 20).contains("on no known board"), "{}", help(2 << 20));
     }
 }

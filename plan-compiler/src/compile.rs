@@ -170,8 +170,8 @@ fn too_narrow(input: &Input<'_>, radius: f64) -> Option<Problem> {
         "obstacles are grown by {radius} m, less than the vehicle's radius of {body} m: the robot \
          is advised to go where it does not fit"
     );
-    let mend = "leave robot_radius out, or make it at least vehicle.radius";
-    Some(Problem::warning(message).mend(mend))
+    let help = "leave robot_radius out, or make it at least vehicle.radius";
+    Some(Problem::warning(message).help(help))
 }
 
 fn no_free_cell(grid: &Grid, radius: f64) -> Problem {
@@ -179,7 +179,7 @@ fn no_free_cell(grid: &Grid, radius: f64) -> Problem {
     let problem = Problem::error(format!(
         "the map has no free cell: obstacles touch all {columns} x {rows} cells of {side} m"
     ));
-    problem.mend(if radius > 0.0 {
+    problem.help(if radius > 0.0 {
         "make the robot's radius smaller, or the cells: --resolution"
     } else {
         "make the cells smaller with --resolution, or check the area and the units of the map"
@@ -280,7 +280,7 @@ fn too_far(plan: &str, layer: &str, grid: &Grid) -> Problem {
         "layer `{plan}/{layer}` leaves cells without a route whose way to the goal is longer than \
          {farthest} m, the most that a cost can say"
     ))
-    .mend("use a coarser --resolution: a way may have some 700,000 cells")
+    .help("use a coarser --resolution: a way may have some 700,000 cells")
 }
 
 fn too_large(bytes: Option<usize>) -> Problem {
@@ -290,5 +290,5 @@ fn too_large(bytes: Option<usize>) -> Problem {
         None => format!("the plans take far more than the {limit} bytes that the format holds"),
     };
     Problem::error(message)
-        .mend("use a coarser --resolution, a smaller area, or fewer goals and layers")
+        .help("use a coarser --resolution, a smaller area, or fewer goals and layers")
 }

@@ -27,7 +27,7 @@ pub fn check(blob: &Blob<'_>) -> Vec<Problem> {
         let farthest = costs.fold(0.0, f64::max);
         if farthest >= OBSTACLE {
             let message = format!("layer `{name}` has ways of {farthest} m");
-            problems.push(Problem::error(message).mend(
+            problems.push(Problem::error(message).help(
                 "an Iplan.dat holds costs below 9998 m: cut the part out that the robot drives in",
             ));
         }
@@ -35,7 +35,7 @@ pub fn check(blob: &Blob<'_>) -> Vec<Problem> {
         let blocked = Bitmap::from_fn(grid.columns, grid.rows, is_blocked);
         if first.as_ref().is_some_and(|first| *first != blocked) {
             let message = format!("layer `{name}` has other obstacles than the first one");
-            problems.push(Problem::warning(message).mend(
+            problems.push(Problem::warning(message).help(
                 "each map of the file has the obstacles of its layer, which MissionLab reads, but \
                  `build` does not; a mission says which layers its goals have",
             ));
@@ -44,7 +44,7 @@ pub fn check(blob: &Blob<'_>) -> Vec<Problem> {
     }
     if first.is_none() {
         let problem = Problem::error("the blob holds no blob at all");
-        problems.push(problem.mend("build it with a goal: an Iplan.dat needs one"));
+        problems.push(problem.help("build it with a goal: an Iplan.dat needs one"));
     }
     let [x, y] = offset(grid).map(micrometres);
     if [x, y] != [0.0; 2] {

@@ -373,12 +373,12 @@ impl Reader<'_> {
         let known: Vec<&str> = here.chain(sections).collect();
         match elsewhere {
             Some(key) => {
-                let mend = match key.section {
+                let help = match key.section {
                     "" => format!("`{name}` belongs at the top, above every [section]"),
                     section => format!("`{name}` belongs in [{section}]"),
                 };
                 let message = format!("`{name}` is not a key of {table}");
-                self.report.error(message, &span, "unknown key", &mend);
+                self.report.error(message, &span, "unknown key", &help);
             }
             None => {
                 let how = format!("known here: {}", known.join(", "));

@@ -40,7 +40,7 @@ pub fn check(path: &Path) -> Option<Problem> {
 }
 
 fn is_a_directory(path: &Path) -> Problem {
-    Problem::error(format!("{} is a directory", path.display())).mend("name a file inside it")
+    Problem::error(format!("{} is a directory", path.display())).help("name a file inside it")
 }
 
 /// Writes beside `path` and renames onto it.
@@ -64,10 +64,10 @@ fn cannot_write(path: &Path, error: &io::Error) -> Problem {
     let problem = |what: &str| Problem::error(format!("cannot write {}: {what}", path.display()));
     match error.kind() {
         io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => {
-            problem("there is no such folder").mend("make the folder first, or choose another -o")
+            problem("there is no such folder").help("make the folder first, or choose another -o")
         }
         io::ErrorKind::PermissionDenied => {
-            problem("no permission").mend("choose an -o in a folder of yours")
+            problem("no permission").help("choose an -o in a folder of yours")
         }
         io::ErrorKind::StorageFull => problem("the disc is full"),
         _ => problem(&error.to_string()),

@@ -174,13 +174,13 @@ impl Format {
         let name = self.name();
         if !options.tags.is_empty() {
             let message = format!("a {name} has no tags: block, free and open gates do nothing");
-            let mend = "leave them out; they are for GeoJSON and OpenStreetMap";
-            problems.push(Problem::warning(message).mend(mend));
+            let help = "leave them out; they are for GeoJSON and OpenStreetMap";
+            problems.push(Problem::warning(message).help(help));
         }
         if options.origin.is_some() {
             let message = format!("a {name} has coordinates of its own: the origin does nothing");
-            let mend = "leave it out; it is for GeoJSON and OpenStreetMap";
-            problems.push(Problem::warning(message).mend(mend));
+            let help = "leave it out; it is for GeoJSON and OpenStreetMap";
+            problems.push(Problem::warning(message).help(help));
         }
     }
 
@@ -289,7 +289,7 @@ fn unknown_format(path: &Path) -> Problem {
         .map(|format| format!("{} (.{})", format.name(), format.extensions()[0]))
         .collect();
     Problem::error(format!("{} is no map in a known format", path.display()))
-        .mend(format!("the formats are: {}", known.join(", ")))
+        .help(format!("the formats are: {}", known.join(", ")))
 }
 
 /// A map as short text, the expectation of the readers' tests.
@@ -335,6 +335,6 @@ mod tests {
         let (map, problems) = read(&path, &ReadOptions::default());
         assert!(map.is_none());
         assert!(problems[0].message.ends_with("letter.txt is no map in a known format"));
-        assert!(problems[0].mend.as_ref().unwrap().contains("MissionLab overlay (.ovl)"));
+        assert!(problems[0].help.as_ref().unwrap().contains("MissionLab overlay (.ovl)"));
     }
 }

@@ -1,4 +1,4 @@
-//! Mistakes in the input: what, where, why, and how to mend it.
+//! Mistakes in the input: what, where, why, and how to fix it.
 
 mod excerpt;
 
@@ -40,8 +40,8 @@ pub struct Problem {
     pub severity: Severity,
     /// What is wrong, one line without a full stop.
     pub message: String,
-    /// How to mend it.
-    pub mend: Option<String>,
+    /// How to fix it.
+    pub help: Option<String>,
     /// The file and the bytes in it that are wrong, with a word on each.
     pub place: Option<Place>,
 }
@@ -60,7 +60,7 @@ pub struct Place {
 impl Problem {
     /// An error without a place.
     pub fn error(message: impl Into<String>) -> Self {
-        Self { severity: Severity::Error, message: message.into(), mend: None, place: None }
+        Self { severity: Severity::Error, message: message.into(), help: None, place: None }
     }
 
     /// A warning without a place.
@@ -73,10 +73,10 @@ impl Problem {
         Self { severity: Severity::Note, ..Self::error(message) }
     }
 
-    /// With advice on how to mend it.
+    /// With advice on how to fix it.
     #[must_use]
-    pub fn mend(mut self, mend: impl Into<String>) -> Self {
-        self.mend = Some(mend.into());
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
         self
     }
 
@@ -129,7 +129,7 @@ pub fn limit(problems: &mut Vec<Problem>) {
         left_out.binary_search(&(index - 1)).is_err()
     });
     let last = Problem::error(format!("{more} more mistakes are not shown"))
-        .mend("check that this is the file you mean, and mend the first ones");
+        .help("check that this is the file you mean, and fix the first ones");
     problems.push(Problem { severity: worst.unwrap_or(Severity::Error), ..last });
 }
 
@@ -138,7 +138,7 @@ pub fn limit(problems: &mut Vec<Problem>) {
 struct Drawn {
     severity: Severity,
     message: String,
-    mend: Option<String>,
+    help: Option<String>,
     label: Option<String>,
     excerpt: Option<Excerpt>,
 }
@@ -161,7 +161,7 @@ impl miette::Diagnostic for Drawn {
     }
 
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.mend.as_ref().map(|mend| Box::new(mend) as Box<dyn fmt::Display>)
+        self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
@@ -206,7 +206,7 @@ pub fn draw(problems: &[Problem], colour: bool) -> String {
         let drawn = Drawn {
             severity: problem.severity,
             message: safe_line(&short(&problem.message)).into_owned(),
-            mend: problem.mend.as_deref().map(|mend| safe(&short(mend)).into_owned()),
+            help: problem.help.as_deref().map(|help| safe(&short(help)).into_owned()),
             label: label.filter(|label| !label.is_empty()).map(|l| safe(&short(l)).into_owned()),
             excerpt,
         };
@@ -228,7 +228,7 @@ mod tests {
             Arc::new(Source { name: "map.ovl".into(), text: "ORIGIN 0 0\nOBSTACLE 1 x\n".into() });
         let problem = Problem::error("a number is missing")
             .at(&source, 22..23, "expected the radius, found a name")
-            .mend("write OBSTACLE x y radius");
+            .help("write OBSTACLE x y radius");
         let text = draw(&[problem], false);
         for part in ["map.ovl:2:12", "OBSTACLE 1 x", "expected the radius", "write OBSTACLE"] {
             assert!(text.contains(part), "{part} missing in\n{text}");
@@ -277,7 +277,7 @@ mod tests {
         let at = source.text.find('x').unwrap();
         let problem = Problem::error(format!("`{evil}` is no name"))
             .at(&source, at..at + 1, evil)
-            .mend(format!("not {evil}"));
+            .help(format!("not {evil}"));
         let drawn = draw(&[problem], false);
         let is_bad = |c: char| c != '\n' && crate::terminal::picture(c).is_some();
         assert!(!drawn.contains(is_bad), "{drawn:?}");
@@ -295,7 +295,7 @@ mod tests {
         let source = Arc::new(Source { name: "a.ovl".into(), text: word.clone() });
         let problem = Problem::error(format!("{word} is not a keyword"))
             .at(&source, 0..word.len(), word.clone())
-            .mend(word.clone());
+            .help(word.clone());
         assert!(draw(&[problem], false).len() < 20_000);
     }
 

@@ -1,4 +1,4 @@
-//! Reading a file: every way in which that fails, said so that its user can mend it.
+//! Reading a file: every way in which that fails, reported so that its user can fix it.
 //!
 //! Text is UTF-8. Old maps carry the odd Latin-1 letter in a comment or a name, so text
 //! that is not UTF-8 is read as Latin-1 with a warning; binary files are refused.
@@ -29,7 +29,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
     // A directory opens on Unix and fails only when read, with a message about neither.
     if std::fs::metadata(path).map_err(failed)?.is_dir() {
         return Err(
-            Problem::error(format!("{name} is a directory")).mend("name a file inside it instead")
+            Problem::error(format!("{name} is a directory")).help("name a file inside it instead")
         );
     }
     let mut bytes = Vec::new();
@@ -40,7 +40,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
     if bytes.len() as u64 > MAX_FILE_BYTES {
         let limit = MAX_FILE_BYTES >> 20;
         return Err(Problem::error(format!("{name} is larger than {limit} MiB"))
-            .mend("cut the part out that the robot will drive in"));
+            .help("cut the part out that the robot will drive in"));
     }
     Ok(bytes)
 }
@@ -50,22 +50,22 @@ pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<(Arc<Source>, Vec<Problem>)
     let name = path.display().to_string();
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Problem::error(format!("{name} is empty"))
-            .mend("check that it was saved, and that this is the file you mean"));
+            .help("check that it was saved, and that this is the file you mean"));
     }
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(
-            Problem::error(format!("{name} is UTF-16 text")).mend("save it as UTF-8 instead")
+            Problem::error(format!("{name} is UTF-16 text")).help("save it as UTF-8 instead")
         );
     }
     if is_binary(&bytes) {
         return Err(Problem::error(format!("{name} is not a text file"))
-            .mend("name a map file; text maps hold readable characters only"));
+            .help("name a map file; text maps hold readable characters only"));
     }
     let mut problems = Vec::new();
     let text = String::from_utf8(bytes).unwrap_or_else(|error| {
         problems.push(
             Problem::warning(format!("{name} is not UTF-8; it is read as Latin-1"))
-                .mend("save it as UTF-8, so that names with accents come out right"),
+                .help("save it as UTF-8, so that names with accents come out right"),
         );
         error.as_bytes().iter().map(|&byte| char::from(byte)).collect()
     });
@@ -86,12 +86,12 @@ fn cannot_read(path: &Path, error: &std::io::Error) -> Problem {
         ErrorKind::NotFound => {
             let problem = Problem::error(format!("there is no file {name}"));
             match similar_name(path) {
-                Some(other) => problem.mend(format!("did you mean {other}?")),
-                None => problem.mend("check the path; it is relative to the current folder"),
+                Some(other) => problem.help(format!("did you mean {other}?")),
+                None => problem.help("check the path; it is relative to the current folder"),
             }
         }
         ErrorKind::PermissionDenied => Problem::error(format!("no permission to read {name}"))
-            .mend("make it readable, for example with chmod u+r"),
+            .help("make it readable, for example with chmod u+r"),
         _ => Problem::error(format!("cannot read {name}: {error}")),
     }
 }
@@ -149,8 +149,8 @@ mod tests {
 
         let missing = error("campsu.ovl");
         assert!(missing.message.starts_with("there is no file"), "{missing}");
-        assert!(missing.mend.unwrap().ends_with("campus.ovl?"));
-        assert!(!error("nothing-alike.txt").mend.unwrap().contains("did you mean"));
+        assert!(missing.help.unwrap().ends_with("campus.ovl?"));
+        assert!(!error("nothing-alike.txt").help.unwrap().contains("did you mean"));
         assert!(error(".").message.ends_with("is a directory"));
     }
 

@@ -47,13 +47,13 @@ pub struct Mistake {
     pub span: Span,
     /// A word on what stands there.
     pub label: String,
-    /// How to mend it.
-    pub mend: String,
+    /// How to fix it.
+    pub help: String,
 }
 
 impl Mistake {
-    fn new(message: impl Into<String>, span: &Span, label: &str, mend: &str) -> Self {
-        Self { message: message.into(), span: span.clone(), label: label.into(), mend: mend.into() }
+    fn new(message: impl Into<String>, span: &Span, label: &str, help: &str) -> Self {
+        Self { message: message.into(), span: span.clone(), label: label.into(), help: help.into() }
     }
 }
 
@@ -165,17 +165,17 @@ fn ends(raw: &RawGraph) -> Vec<Mistake> {
     let mut mistakes = Vec::new();
     for edge in &raw.edges {
         if edge.to == ENTRY {
-            let mend = "loops are frames that contain themselves as their last component";
+            let help = "loops are frames that contain themselves as their last component";
             mistakes.push(Mistake::new(
                 "an edge leads into `entry`",
                 &edge.span,
                 "this edge",
-                mend,
+                help,
             ));
         }
         if edge.from == EXIT {
-            let mend = "let the edge begin at another vertex";
-            mistakes.push(Mistake::new("an edge leaves `exit`", &edge.span, "this edge", mend));
+            let help = "let the edge begin at another vertex";
+            mistakes.push(Mistake::new("an edge leaves `exit`", &edge.span, "this edge", help));
         }
     }
     for (vertex, (name, span)) in raw.vertices.iter().enumerate() {
@@ -186,13 +186,13 @@ fn ends(raw: &RawGraph) -> Vec<Mistake> {
         };
         if vertex != ENTRY && !raw.edges.iter().any(|edge| edge.to == vertex) {
             let message = format!("no edge leads to vertex `{shown}`");
-            let mend = "add an edge that ends there, or remove the vertex";
-            mistakes.push(Mistake::new(message, span, "this vertex", mend));
+            let help = "add an edge that ends there, or remove the vertex";
+            mistakes.push(Mistake::new(message, span, "this vertex", help));
         }
         if vertex != EXIT && !raw.edges.iter().any(|edge| edge.from == vertex) {
             let message = format!("no edge leaves vertex `{shown}`");
-            let mend = "add an edge that begins there, or remove the vertex";
-            mistakes.push(Mistake::new(message, span, "this vertex", mend));
+            let help = "add an edge that begins there, or remove the vertex";
+            mistakes.push(Mistake::new(message, span, "this vertex", help));
         }
     }
     mistakes

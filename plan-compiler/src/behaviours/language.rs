@@ -181,8 +181,8 @@ fn rules(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Option<Rule
     let span = fields.key_span(key);
     if table.is_empty() {
         let message = format!("`{}.{key}` has no rule", fields.path);
-        let mend = "add a row for an input, for example fuel = \"PB PB PM PM NB NB NB\"";
-        report.error(message, &span, "an empty table decides nothing", mend);
+        let help = "add a row for an input, for example fuel = \"PB PB PM PM NB NB NB\"";
+        report.error(message, &span, "an empty table decides nothing", help);
         return None;
     }
     let rows: Vec<Option<(Text, [Label; 7])>> = table
@@ -200,17 +200,17 @@ const LABELS: [&str; 7] = ["NB", "NM", "NS", "ZO", "PS", "PM", "PB"];
 /// Seven labels: what each of the input's labels means for the result.
 fn row(report: &mut Report<'_>, input: &str, item: &Item, key: Span) -> Option<[Label; 7]> {
     let span = item.span().unwrap_or(key);
-    let mend =
+    let help =
         format!("write {input} = \"PB PB PM PM NB NB NB\", for NB NM NS ZO PS PM PB in turn");
     let Some(text) = item.as_str() else {
-        report.wrong_type(input, item, &span, "a row of seven labels", &mend[6..]);
+        report.wrong_type(input, item, &span, "a row of seven labels", &help[6..]);
         return None;
     };
     let words: Vec<&str> = text.split_whitespace().collect();
     let unknown: Vec<&str> = words.iter().copied().filter(|word| !LABELS.contains(word)).collect();
     if let Some(word) = unknown.first() {
         let message = format!("`{word}` is not a label");
-        report.error(message, &span, "labels are NB NM NS ZO PS PM PB", &mend);
+        report.error(message, &span, "labels are NB NM NS ZO PS PM PB", &help);
         return None;
     }
     let labels = words.iter().filter_map(|word| LABELS.iter().position(|label| label == word));
@@ -219,7 +219,7 @@ fn row(report: &mut Report<'_>, input: &str, item: &Item, key: Span) -> Option<[
     let labels = <[Label; 7]>::try_from(labels).ok();
     if labels.is_none() {
         let message = format!("the row of `{input}` has {count} labels instead of seven");
-        report.error(message, &span, "one for each label of the input", &mend);
+        report.error(message, &span, "one for each label of the input", &help);
     }
     labels
 }

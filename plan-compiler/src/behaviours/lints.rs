@@ -51,9 +51,9 @@ pub fn check(syntax: &Syntax, draft: &MissionDraft, problems: &mut Vec<Problem>)
     lints.unused();
     if lints.situations.is_none() {
         let message = "too many inputs for all their combinations to be looked through";
-        let mend = "nothing is known of behaviours that never run or interrupt each other; \
+        let help = "nothing is known of behaviours that never run or interrupt each other; \
             derive inputs from others by rules to keep their number small";
-        lints.report.problems.push(Problem::note(message).mend(mend));
+        lints.report.problems.push(Problem::note(message).help(help));
     }
     lints.reach();
     lints.interruptions();

@@ -120,7 +120,7 @@ impl Lowering<'_> {
             if count > limit {
                 let message = format!("the robot has room for {limit} {what}, not {count}");
                 self.report.problems.push(
-                    Problem::error(message).mend("leave out what the mission can do without"),
+                    Problem::error(message).help("leave out what the mission can do without"),
                 );
             }
         }
@@ -198,8 +198,8 @@ impl Lowering<'_> {
                     if bases[index].is_none() {
                         let message =
                             format!("the rules of `{}` run in a circle", input.name.as_str());
-                        let mend = "let inputs that are results of rules build on others only";
-                        self.report.error(message, &rules.span, "depends on itself", mend);
+                        let help = "let inputs that are results of rules build on others only";
+                        self.report.error(message, &rules.span, "depends on itself", help);
                     }
                     Source::Rules(bases[index].unwrap_or(0))
                 }
@@ -229,7 +229,7 @@ impl Lowering<'_> {
             let message = "the mission has no behaviour: what it says about plans is never used";
             self.report
                 .problems
-                .push(Problem::warning(message).mend("add a table [behaviours.NAME]"));
+                .push(Problem::warning(message).help("add a table [behaviours.NAME]"));
         }
         for behaviour in &syntax.behaviours {
             let root = self.frame(&behaviour.root);
@@ -370,8 +370,8 @@ impl Lowering<'_> {
         const BITS: usize = u16::BITS as usize;
         if index == BITS {
             let message = format!("the robot tells {BITS} resources apart, not more");
-            let mend = "`motion` and each output count too; give some the same name";
-            self.report.error(message, span, "one too many", mend);
+            let help = "`motion` and each output count too; give some the same name";
+            self.report.error(message, span, "one too many", help);
         }
         1_u16.checked_shl(index as u32).unwrap_or(0)
     }

@@ -34,10 +34,10 @@ fn refused(args: &Explain, bytes: &[u8], error: TraceError) -> Failure {
     let record = "record one: `cargo mission MAP --trace FILE`";
     if bytes.starts_with(&MAGIC) {
         return Problem::error(format!("{name} is a blob of plans, not a trace"))
-            .mend(format!("look into it with `plan-compiler inspect {name}`; or {record}"))
+            .help(format!("look into it with `plan-compiler inspect {name}`; or {record}"))
             .into();
     }
-    Problem::error(format!("{name}: {error}")).mend(record).into()
+    Problem::error(format!("{name}: {error}")).help(record).into()
 }
 
 /// A line for each turn of the mission.
@@ -59,7 +59,7 @@ fn warn_of_another_build(text: &mut String, blob: &Blob<'_>, trace: &Trace) {
 fn one_tick(blob: &Blob<'_>, trace: &Trace, tick: usize) -> Result<String, Failure> {
     let Some((before, [percepts, ..])) = trace.percepts.split_at_checked(tick) else {
         let message = format!("the trace has {} ticks, no tick {tick}", trace.percepts.len());
-        return Err(Problem::error(message).mend("ticks are counted from 0").into());
+        return Err(Problem::error(message).help("ticks are counted from 0").into());
     };
     let mut state = State::new(blob);
     for earlier in before {

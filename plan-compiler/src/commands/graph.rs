@@ -47,8 +47,8 @@ fn drawn(
 ) -> Result<Vec<u8>, Failure> {
     if drawn.mission.frames().is_empty() {
         let message = format!("{} has no behaviours", args.input.display());
-        let mend = "behaviours stand in a mission file; BEHAVIOURS.md says how";
-        return Err(Problem::error(message).mend(mend).into());
+        let help = "behaviours stand in a mission file; BEHAVIOURS.md says how";
+        return Err(Problem::error(message).help(help).into());
     }
     draw(drawn).map_err(|reason| {
         Problem::error(format!("cannot draw {}: {reason}", args.output.display())).into()

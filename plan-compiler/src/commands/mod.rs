@@ -95,7 +95,7 @@ fn check_output(output: &Path, inputs: &[impl AsRef<Path>], problems: &mut Vec<P
     let Ok(replaced) = fs::canonicalize(output) else { return };
     if inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == replaced)) {
         let message = format!("the output {} is also the input", output.display());
-        problems.push(Problem::error(message).mend("choose another -o"));
+        problems.push(Problem::error(message).help("choose another -o"));
     }
 }
 
@@ -117,16 +117,16 @@ fn open<'b>(path: &Path, bytes: &'b [u8]) -> Result<Blob<'b>, Failure> {
         let name = path.display();
         if let Some(kind) = foreign::wrapped(bytes) {
             return Problem::error(format!("{name} is {kind}, which is for flashing only"))
-                .mend("name the blob itself: `plan-compiler build MAP -o plans.bin` writes it")
+                .help("name the blob itself: `plan-compiler build MAP -o plans.bin` writes it")
                 .into();
         }
         if let Some(kind) = other_kind(path, bytes) {
             return Problem::error(format!("{name} is {kind}, not a plan blob"))
-                .mend(mend_of_kind(path, &kind))
+                .help(mend_of_kind(path, &kind))
                 .into();
         }
         Problem::error(format!("{name} is refused: {error}"))
-            .mend("name a blob that `plan-compiler build MAP -o plans.bin` wrote, or build it anew")
+            .help("name a blob that `plan-compiler build MAP -o plans.bin` wrote, or build it anew")
             .into()
     })
 }
@@ -194,11 +194,11 @@ fn find<'b>(
         let known = known_layers(blob);
         let meant = nearest(&wanted, known.iter().map(String::as_str));
         let meant = meant.map_or(String::new(), |meant| format!("did you mean {meant}? "));
-        let mend = match known.is_empty() {
+        let help = match known.is_empty() {
             true => "the blob holds no plan at all".into(),
             false => format!("{meant}the blob holds: {}", known.join(", ")),
         };
-        Problem::error(format!("there is no layer {wanted}")).mend(mend).into()
+        Problem::error(format!("there is no layer {wanted}")).help(help).into()
     })
 }
 

@@ -107,7 +107,7 @@ fn read_as(
         (None, true) => {
             problems.push(
                 Problem::error(format!("{} does not name its map", path.display()))
-                    .mend("add a line map = \"NAME.opar\" at the top, or build the map instead"),
+                    .help("add a line map = \"NAME.opar\" at the top, or build the map instead"),
             );
             return Ok(None);
         }

@@ -52,11 +52,11 @@ pub(super) fn run(args: &Query) -> Result<(), Failure> {
 fn local(blob: &Blob<'_>, lat: f64, lon: f64) -> Result<Option<[f64; 2]>, Failure> {
     let frame = blob.frame().ok_or_else(|| {
         Problem::error("the plans have no place on the globe")
-            .mend("ask by --at X,Y, or give the map a reference: GLOBAL_REF_POINT in an overlay")
+            .help("ask by --at X,Y, or give the map a reference: GLOBAL_REF_POINT in an overlay")
     })?;
     let place = GeoPoint::from_degrees(lat, lon).ok_or_else(|| {
         Problem::error(format!("{lat},{lon} is not on the globe"))
-            .mend("latitude first, -90 to 90; then longitude, -180 to 180 degrees")
+            .help("latitude first, -90 to 90; then longitude, -180 to 180 degrees")
     })?;
     Ok(frame.to_local(place).map(|at| [f64::from(at.x), f64::from(at.y)]))
 }
@@ -65,7 +65,7 @@ fn too_far(blob: &Blob<'_>) -> Problem {
     let at = blob.frame().map(|frame| frame.reference());
     let at = at.map_or(String::new(), |at| format!(", {}, {}", at.lat_deg(), at.lon_deg()));
     Problem::error("the place is too far away from the map")
-        .mend(format!("the map lies about its origin{at}; latitude comes first"))
+        .help(format!("the map lies about its origin{at}; latitude comes first"))
 }
 
 /// Answers every line of standard input. A line that is no point is an error that names it,
@@ -98,7 +98,7 @@ fn answer_input(blob: &Blob<'_>, layer: &Layer<'_>, out: &mut dyn Write) -> Resu
                 if wrong <= SAID {
                     let message = format!("standard input, line {line}: {reason}");
                     problems.push(
-                        Problem::error(message).mend("write `X Y` or `X,Y`, metres, one a line"),
+                        Problem::error(message).help("write `X Y` or `X,Y`, metres, one a line"),
                     );
                 }
             }

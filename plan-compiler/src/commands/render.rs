@@ -48,7 +48,7 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
     let lacking = lacking(&plan);
     if as_png && !lacking.is_empty() {
         let message = format!("the font of pictures lacks {lacking}: a PNG shows boxes instead");
-        tell(&[Problem::warning(message).mend("an .svg shows them in the reader's fonts")], quiet);
+        tell(&[Problem::warning(message).help("an .svg shows them in the reader's fonts")], quiet);
     }
     let bytes = if as_png {
         png(&svg).map_err(|reason| Problem::error(format!("cannot draw the PNG: {reason}")))?
@@ -110,7 +110,7 @@ fn routes(
             Err(reason) => {
                 let message = format!("{name} has no way from {}: {reason}", pair(start));
                 let said = if has_none { Problem::error } else { Problem::warning };
-                problems.push(said(message).mend(mend(*reason)));
+                problems.push(said(message).help(help(*reason)));
             }
         }
     }
@@ -124,7 +124,7 @@ fn routes(
     Ok(followed.into_iter().map(|(_, route)| route.ok()).collect())
 }
 
-pub(super) fn mend(reason: NoRoute) -> &'static str {
+pub(super) fn help(reason: NoRoute) -> &'static str {
     match reason {
         NoRoute::OffMap => "`plan-compiler inspect` says where the map lies",
         NoRoute::Unreachable => {

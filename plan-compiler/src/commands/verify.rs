@@ -80,7 +80,7 @@ pub(super) fn compare_cells(blob: &Blob<'_>, project: &Project, problems: &mut V
             format!("{} x {} cells of {side} m from {corner}", grid.columns, grid.rows)
         };
         let message = format!("the plans have {}, the map {}", text(blob.grid()), text(&grid));
-        problems.push(Problem::error(message).mend(OTHER_OPTIONS));
+        problems.push(Problem::error(message).help(OTHER_OPTIONS));
         return;
     }
     let origin = plan_compiler::compile::origin(&input);
@@ -97,7 +97,7 @@ pub(super) fn compare_cells(blob: &Blob<'_>, project: &Project, problems: &mut V
         };
         let (ours, theirs) = (text(blob.origin()), text(origin));
         let message = format!("the plans' origin is {ours}; the map's is {theirs}");
-        problems.push(Problem::error(message).mend(OTHER_OPTIONS));
+        problems.push(Problem::error(message).help(OTHER_OPTIONS));
         return;
     }
     if let Some(expected) = blocked(&input, &grid, problems) {
@@ -109,8 +109,8 @@ pub(super) fn compare_cells(blob: &Blob<'_>, project: &Project, problems: &mut V
 const OTHER_OPTIONS: &str = "is this the map that the plans were built from? If it has changed, \
      build them anew; options given here outrank those of the build";
 
-/// Each violation as an error, the last with how to mend them all.
-fn add(report: &Report, mend: &str, problems: &mut Vec<Problem>) {
+/// Each violation as an error, the last with how to fix them all.
+fn add(report: &Report, help: &str, problems: &mut Vec<Problem>) {
     for violation in &report.violations {
         let (at, cell) = (pair(violation.at), violation.cell);
         problems.push(Problem::error(format!(
@@ -123,6 +123,6 @@ fn add(report: &Report, mend: &str, problems: &mut Vec<Problem>) {
         problems.push(Problem::error(format!("{more} more cells are wrong")));
     }
     if let (Some(last), 1..) = (problems.last_mut(), report.count) {
-        last.mend = Some(mend.to_owned());
+        last.help = Some(help.to_owned());
     }
 }

@@ -24,7 +24,7 @@ pub(super) fn grid(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Gri
                 metres(width),
                 metres(height)
             ))
-            .mend("give the map an area: MISSION-AREA in an overlay, the first polygon in OPAR"),
+            .help("give the map an area: MISSION-AREA in an overlay, the first polygon in OPAR"),
         );
         return None;
     }
@@ -45,7 +45,7 @@ pub(super) fn grid(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Gri
                 metres(x),
                 metres(y)
             ))
-            .mend("shift the coordinates, so that the origin lies in or near the area"),
+            .help("shift the coordinates, so that the origin lies in or near the area"),
         );
         return None;
     }
@@ -67,7 +67,7 @@ fn resolution(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<f64> {
     }
     problems.push(
         Problem::error(format!("{whose} is {} m", metres(value)))
-            .mend(format!("choose the side of a cell from {low} to {high} m, for example 1")),
+            .help(format!("choose the side of a cell from {low} to {high} m, for example 1")),
     );
     None
 }
@@ -87,7 +87,7 @@ pub(super) fn robot_radius(input: &Input<'_>, problems: &mut Vec<Problem>) -> Op
     }
     problems.push(
         Problem::error(format!("the robot's radius is {} m", metres(radius)))
-            .mend(format!("choose a --robot-radius from 0 to {MAX_RADIUS_M} m")),
+            .help(format!("choose a --robot-radius from 0 to {MAX_RADIUS_M} m")),
     );
     None
 }
@@ -105,7 +105,7 @@ pub(super) fn origin(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<O
     }
     problems.push(
         Problem::warning("the map's place on the globe is too far from the map to be of use")
-            .mend("a robot with GPS needs a reference point in or near the area"),
+            .help("a robot with GPS needs a reference point in or near the area"),
     );
     None
 }
@@ -134,7 +134,7 @@ fn too_many_cells(size: [f64; 2], cells: [f64; 2], resolution_m: f64) -> Problem
         metres(resolution_m),
     );
     let fitting = two_digits_up(size[0].max(size[1]) / f64::from(limit));
-    Problem::error(message).mend(if fitting <= limits::RESOLUTION_RANGE_M.1 {
+    Problem::error(message).help(if fitting <= limits::RESOLUTION_RANGE_M.1 {
         format!("--resolution {} would fit, or plan for a smaller area", metres(fitting))
     } else {
         "no resolution fits this; check the units, and plan for a smaller area".into()

@@ -16,7 +16,7 @@ pub(super) fn position(input: &Input<'_>, name: &str, place: GeoPoint) -> Result
             "goal `{name}` is a place on the globe, but the map does not say where on the globe \
              it lies"
         );
-        return Err(Problem::error(message).mend(format!(
+        return Err(Problem::error(message).help(format!(
             "give the goal in the map's metres: {name}=X,Y; or give the map a reference: \
              GLOBAL_REF_POINT in an overlay"
         )));
@@ -31,7 +31,7 @@ pub(super) fn position(input: &Input<'_>, name: &str, place: GeoPoint) -> Result
         metres(wide::floor(away_km + 0.5))
     );
     let swapped = swapped(place).filter(|&place| frame.to_local(place).is_some());
-    Err(Problem::error(message).mend(match swapped {
+    Err(Problem::error(message).help(match swapped {
         Some(right) => format!(
             "latitude and longitude look swapped: {name}=geo:{} lies in or near the map",
             uri(right)

@@ -83,7 +83,7 @@ pub(super) fn check_names(input: &Input<'_>, problems: &mut Vec<Problem>) {
             let message = format!("goal `{}` is named twice", goal.name);
             problems.push(
                 with_place(Problem::error(message), goal.place.as_ref(), "the second time")
-                    .mend("give each goal a name of its own"),
+                    .help("give each goal a name of its own"),
             );
         }
     }
@@ -103,12 +103,12 @@ pub(super) fn followed(input: &Input<'_>, goals: &[Placed], problems: &mut Vec<P
     let place = Some(&wanted.place);
     problems.push(if input.options.goals.is_empty() {
         let names = || goals.iter().map(|goal| goal.name.as_str());
-        let mend = match nearest(&wanted.name, names()) {
+        let help = match nearest(&wanted.name, names()) {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => format!("the plans are: {}", names().collect::<Vec<_>>().join(", ")),
         };
         let error = Problem::error(format!("there is no plan `{}` to follow", wanted.name));
-        with_place(error, place, "asked for here").mend(mend)
+        with_place(error, place, "asked for here").help(help)
     } else {
         let message = format!(
             "--goal replaces the mission's goals, and with them the plan `{}` to follow; the \
@@ -162,8 +162,8 @@ fn candidate<'a>(
                 let meant = || nearest(name, points.keys().copied());
                 let meant = if problems.len() < MAX_SUGGESTIONS { meant() } else { None };
                 problems.push(match meant {
-                    Some(meant) => error.mend(format!("did you mean `{meant}`?")),
-                    None => error.mend(format!("give a position: {} = [x, y]", goal.name)),
+                    Some(meant) => error.help(format!("did you mean `{meant}`?")),
+                    None => error.help(format!("give a position: {} = [x, y]", goal.name)),
                 });
                 return None;
             }
@@ -214,7 +214,7 @@ fn place_one(
     let Some(cell) = grid.cell_at(at[0], at[1]) else {
         let message = format!("goal `{name}` at {} is outside the map", pair(at));
         let degrees = globe::meant_as_degrees(input, at).filter(|_| goal.asked);
-        problems.push(goal.problem(message, "this goal").mend(match degrees {
+        problems.push(goal.problem(message, "this goal").help(match degrees {
             Some(uri) => format!(
                 "a goal X,Y is in the map's metres; for latitude and longitude write {name}={uri}"
             ),
@@ -230,7 +230,7 @@ fn place_one(
         let free = if is_advised { nearest_free(grid, &physical.blocked, at) } else { None };
         problems.push(match free {
             Some(free) => {
-                problem.mend(format!("the nearest free cell is at {}", pair(grid.centre(free))))
+                problem.help(format!("the nearest free cell is at {}", pair(grid.centre(free))))
             }
             None => problem,
         });
@@ -263,8 +263,8 @@ fn own_levels(
     };
     let mut own = Vec::new();
     for layer in wanted {
-        let error = |message: String, mend: String| {
-            with_place(Problem::error(message), Some(&layer.place), "asked for here").mend(mend)
+        let error = |message: String, help: String| {
+            with_place(Problem::error(message), Some(&layer.place), "asked for here").help(help)
         };
         match levels.iter().position(|level| level.name == layer.name) {
             None => {
@@ -277,8 +277,8 @@ fn own_levels(
                     "goal `{}` is inside an area that layer `{}` avoids",
                     goal.name, layer.name
                 );
-                let mend = "move the goal, or leave the layer out of its `layers`";
-                problems.push(error(message, mend.into()));
+                let help = "move the goal, or leave the layer out of its `layers`";
+                problems.push(error(message, help.into()));
             }
             Some(index) => own.push(index),
         }
@@ -288,7 +288,7 @@ fn own_levels(
     if own.is_empty() && wanted.is_empty() {
         let message = format!("goal `{}` has an empty list of layers", goal.name);
         problems.push(
-            goal.problem(message, "this goal").mend("name a layer, or leave `layers` out for all"),
+            goal.problem(message, "this goal").help("name a layer, or leave `layers` out for all"),
         );
     }
     (!own.is_empty()).then_some(own)
@@ -304,7 +304,7 @@ fn home(
     let Some(start) = &input.map.start else {
         problems.push(
             Problem::error("there is no goal, and the map does not say where robots start")
-                .mend("give one: --goal NAME=X,Y in the map's metres, x east, y north"),
+                .help("give one: --goal NAME=X,Y in the map's metres, x east, y north"),
         );
         return None;
     };
@@ -314,7 +314,7 @@ fn home(
     let moved = if stays { "" } else { ", the nearest free cell to it" };
     let message =
         format!("there is no goal; plan `home` leads to where robots start, {}{moved}", pair(at));
-    problems.push(Problem::note(message).mend("give goals of your own: --goal NAME=X,Y"));
+    problems.push(Problem::note(message).help("give goals of your own: --goal NAME=X,Y"));
     let free = (0..levels.len()).filter(|&level| !levels[level].blocked.get(cell)).collect();
     Some(Placed { name: "home".into(), at, cell, levels: free })
 }
@@ -368,13 +368,13 @@ fn beyond_capacity(goals: usize, asked: bool) -> Problem {
     let limit = limits::MAX_PLANS;
     if asked {
         Problem::error(format!("{goals} goals, but a blob holds {limit} plans"))
-            .mend("build several blobs, or name fewer goals")
+            .help("build several blobs, or name fewer goals")
     } else {
         let message = format!(
             "the map names {goals} goals, but a blob holds {limit} plans; the last {} are left out",
             goals - limit
         );
-        Problem::warning(message).mend("name the goals you need: --goal NAME=X,Y")
+        Problem::warning(message).help("name the goals you need: --goal NAME=X,Y")
     }
 }
 

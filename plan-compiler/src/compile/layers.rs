@@ -30,7 +30,7 @@ pub(super) fn levels(
     let names = names(input);
     if names.len() > limits::MAX_LAYERS {
         let message = format!("{} layers, but a plan holds {}", names.len(), limits::MAX_LAYERS);
-        problems.push(Problem::error(message).mend("join areas of several layers into one"));
+        problems.push(Problem::error(message).help("join areas of several layers into one"));
         return None;
     }
     check_areas(input, problems);
@@ -66,7 +66,7 @@ fn beside(mask: &Mask, grid: &Grid) -> Option<Problem> {
     is_beside.then(|| {
         Problem::warning(message)
             .at(&mask.place.source, mask.place.span.clone(), label)
-            .mend(format!("check its `origin`; {}", reach(grid)))
+            .help(format!("check its `origin`; {}", reach(grid)))
     })
 }
 
@@ -121,7 +121,7 @@ fn check_areas(input: &Input<'_>, problems: &mut Vec<Problem>) {
             // Of a flood of mistakes only the first need advice.
             let needs_advice = problems.len() < MAX_SUGGESTIONS;
             problems.push(if needs_advice {
-                error.mend(other_areas(area, &sorted))
+                error.help(other_areas(area, &sorted))
             } else {
                 error
             });

@@ -72,7 +72,7 @@ pub(super) fn check(limit_bytes: u64, grid: &Grid, levels: usize) -> Option<Prob
     } else {
         String::new()
     };
-    Some(Problem::error(message).mend(format!(
+    Some(Problem::error(message).help(format!(
         "--max-memory {tenths} if the machine has as much{coarser}, or a smaller area"
     )))
 }
@@ -110,15 +110,15 @@ mod tests {
     #[test]
     fn what_is_advised_fits() {
         for limit_bytes in [200 << 20, DEFAULT_LIMIT_BYTES] {
-            let mend = check(limit_bytes, &grid(16_384), 2).unwrap().mend.unwrap();
+            let help = check(limit_bytes, &grid(16_384), 2).unwrap().help.unwrap();
             let number = |after: &str| -> f64 {
-                let text = mend.split_once(after).unwrap().1;
+                let text = help.split_once(after).unwrap().1;
                 text.split([' ', ',']).next().unwrap().parse().unwrap()
             };
             let more = (number("--max-memory ") * GIB) as u64;
-            assert!(check(more, &grid(16_384), 2).is_none(), "{mend}");
+            assert!(check(more, &grid(16_384), 2).is_none(), "{help}");
             let side = (f64::from(16_384) * 0.5 / number("--resolution of ")) as u32;
-            assert!(check(limit_bytes, &grid(side), 2).is_none(), "{mend}");
+            assert!(check(limit_bytes, &grid(side), 2).is_none(), "{help}");
         }
     }
 }

@@ -27,9 +27,9 @@ pub(super) fn of_cells(input: &Input<'_>, grid: &Grid) -> Option<Problem> {
     if ratio * FAR_FROM_OWN <= 1.0 {
         let own = metres(own.unwrap_or_default());
         let message = format!("cells of {side} m are far finer than the map's own, {own} m");
-        let mend = "nothing more is known in them, and plans take the more memory; leave the \
+        let help = "nothing more is known in them, and plans take the more memory; leave the \
                     resolution out for the map's own";
-        return Some(Problem::warning(message).mend(mend));
+        return Some(Problem::warning(message).help(help));
     }
     let is_coarse =
         ratio >= FAR_FROM_OWN || (ratio > 1.0 || own.is_none()) && columns.max(rows) < FEW_CELLS;
@@ -41,9 +41,9 @@ pub(super) fn of_cells(input: &Input<'_>, grid: &Grid) -> Option<Problem> {
             "cells of {side} m are coarse for this map{of_own}: {width} m x {height} m are \
              {columns} x {rows} cells"
         );
-        let mend = "an obstacle blocks every cell that it touches, so narrow ways close; choose a \
+        let help = "an obstacle blocks every cell that it touches, so narrow ways close; choose a \
                     finer --resolution";
-        Problem::warning(message).mend(mend)
+        Problem::warning(message).help(help)
     })
 }
 
@@ -84,14 +84,14 @@ pub(super) fn nearly_blocked(
             format!("obstacles{grown} block {share} of the map's cells of {side} m")
         }),
     };
-    let mend = if radius_m > 0.0 {
+    let help = if radius_m > 0.0 {
         "choose a finer --resolution or a smaller --robot-radius; `plan-compiler render` shows what \
          is left"
     } else {
         "choose a finer --resolution, or check the area and the units of the map; `plan-compiler \
          render` shows what is left"
     };
-    message.map(|message| Problem::warning(message).mend(mend))
+    message.map(|message| Problem::warning(message).help(help))
 }
 
 /// A warning about a goal that hardly any free cell has a route to, in the first layer of its plan
@@ -108,7 +108,7 @@ pub(super) fn few_reach<'a>(
         Problem::warning(format!(
             "only {with} of {free} free cells have a route to goal `{goal}` in layer `{layer}`"
         ))
-        .mend(
+        .help(
             "it is shut in, perhaps by a door that the robot's radius or coarse cells close; \
              `plan-compiler render` shows where",
         ),

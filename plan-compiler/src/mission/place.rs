@@ -75,27 +75,27 @@ impl Reader<'_> {
                     |reason| {
                         let message = format!("goal `{name}` is not a place on the globe");
                         let at = here("lat").unwrap_or_else(|| span.clone());
-                        let mend = format!("write {name} = {{ lat = 51.5, lon = -0.1 }}");
-                        self.report.error(message, &at, &reason, &mend);
+                        let help = format!("write {name} = {{ lat = 51.5, lon = -0.1 }}");
+                        self.report.error(message, &at, &reason, &help);
                         None
                     },
                     Some,
                 )
             }
             (None, None, None) => {
-                let mend = format!("write {name} = {{ at = [12.5, 40.0] }}");
-                self.report.error(format!("goal `{name}` has no `at`"), &span, "this goal", &mend);
+                let help = format!("write {name} = {{ at = [12.5, 40.0] }}");
+                self.report.error(format!("goal `{name}` has no `at`"), &span, "this goal", &help);
                 None
             }
             // A key that was misspelt has been reported.
             _ if table.iter().any(|(key, _)| !super::GOAL_KEYS.contains(&key)) => None,
             _ => {
-                let mend = format!(
+                let help = format!(
                     "write either {name} = {{ at = [12.5, 40.0] }} or {name} = {{ lat = 51.5, lon \
                      = -0.1 }}"
                 );
                 let message = format!("goal `{name}` needs `at` alone, or `lat` and `lon`");
-                self.report.error(message, &span, "this goal", &mend);
+                self.report.error(message, &span, "this goal", &help);
                 None
             }
         }

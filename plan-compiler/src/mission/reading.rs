@@ -38,8 +38,8 @@ impl Reader<'_> {
         for (text, at) in texts? {
             match text.parse::<TagRule>() {
                 Ok(rule) => rules.push(TagRule { place: Some(self.report.place(&at)), ..rule }),
-                Err(mend) => {
-                    self.report.error(format!("`{text}` is not a tag"), &at, "this", &mend)
+                Err(help) => {
+                    self.report.error(format!("`{text}` is not a tag"), &at, "this", &help)
                 }
             }
         }
@@ -54,9 +54,9 @@ impl Reader<'_> {
         let place = GeoPoint::from_degrees(lat, lon);
         if place.is_none() {
             let span = item.span().unwrap_or(0..0);
-            let mend = "latitudes are -90 to 90 degrees, longitudes -180 to 180; the latitude \
+            let help = "latitudes are -90 to 90 degrees, longitudes -180 to 180; the latitude \
                         comes first";
-            self.report.error("the origin is off the globe", &span, "this place", mend);
+            self.report.error("the origin is off the globe", &span, "this place", help);
         }
         (array.len() == 2).then_some(place)
     }

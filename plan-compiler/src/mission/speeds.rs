@@ -29,8 +29,8 @@ pub(super) fn settle(report: &mut Report<'_>, root: &dyn TableLike, parameters: 
         vehicle.cautious_speed_mps = vehicle.cautious_speed_mps.min(vehicle.base_speed_mps);
     }
     let vehicle = *vehicle;
-    let mut error = |message: String, at: Option<Range<usize>>, mend: String| {
-        let problem = Problem::error(message).mend(mend);
+    let mut error = |message: String, at: Option<Range<usize>>, help: String| {
+        let problem = Problem::error(message).help(help);
         report.problems.push(match at {
             Some(span) => problem.at(report.source, span, "this speed"),
             None => problem,
@@ -41,8 +41,8 @@ pub(super) fn settle(report: &mut Report<'_>, root: &dyn TableLike, parameters: 
     {
         // A speed that only follows another is not reported beside it.
         if speed == 0.0 && at.is_some() {
-            let mend = format!("write a speed above 0 m/s, for example {name} = 0.5");
-            error(format!("`vehicle.{name}` is 0: the robot would never move"), at.clone(), mend);
+            let help = format!("write a speed above 0 m/s, for example {name} = 0.5");
+            error(format!("`vehicle.{name}` is 0: the robot would never move"), at.clone(), help);
         }
     }
     for [lower, upper] in [
@@ -55,8 +55,8 @@ pub(super) fn settle(report: &mut Report<'_>, root: &dyn TableLike, parameters: 
         if lower.1 > upper.1 && upper.1 > 0.0 {
             let [low, high] = [lower, upper].map(|(name, speed, at)| said(name, speed, at));
             let message = format!("{low} is above {high}");
-            let mend = format!("`{}` may be at most `{}`", lower.0, upper.0);
-            error(message, lower.2.clone().or_else(|| upper.2.clone()), mend);
+            let help = format!("`{}` may be at most `{}`", lower.0, upper.0);
+            error(message, lower.2.clone().or_else(|| upper.2.clone()), help);
         }
     }
     turning(report, table, &vehicle);
@@ -76,12 +76,12 @@ fn turning(report: &mut Report<'_>, table: &dyn TableLike, vehicle: &Vehicle) {
     let problem = if is_car && vehicle.min_turn_radius_m == 0.0 {
         let message = "an Ackermann vehicle with a `min_turn_radius` of 0 turns on the spot";
         let problem = Problem::warning(message)
-            .mend("give its smallest turning circle: min_turn_radius = 1.5");
+            .help("give its smallest turning circle: min_turn_radius = 1.5");
         place(radius.or(table.get("steering"))).map(|span| (problem, span))
     } else if !is_car && vehicle.min_turn_radius_m > 0.0 {
         let message = "`vehicle.min_turn_radius` has no effect: the steering is not \"ackermann\"";
         let problem = Problem::warning(message)
-            .mend("write steering = \"ackermann\", or leave min_turn_radius out");
+            .help("write steering = \"ackermann\", or leave min_turn_radius out");
         place(radius).map(|span| (problem, span))
     } else {
         None
@@ -102,7 +102,7 @@ mod tests {
         let (mission, problems) = parse(&source);
         let said = problems.iter().map(|problem| {
             let mark = if problem.severity == Severity::Error { "error" } else { "warning" };
-            assert!(problem.mend.is_some() && problem.place.is_some(), "{problem:?}");
+            assert!(problem.help.is_some() && problem.place.is_some(), "{problem:?}");
             format!("{mark}: {problem}")
         });
         (mission, said.collect())

@@ -45,9 +45,9 @@ impl Report<'_> {
         message: impl Into<String>,
         span: &Span,
         label: &str,
-        mend: &str,
+        help: &str,
     ) {
-        self.add(Problem::error(message), span, label, mend);
+        self.add(Problem::error(message), span, label, help);
     }
 
     pub(crate) fn warning(
@@ -55,13 +55,13 @@ impl Report<'_> {
         message: impl Into<String>,
         span: &Span,
         label: &str,
-        mend: &str,
+        help: &str,
     ) {
-        self.add(Problem::warning(message), span, label, mend);
+        self.add(Problem::warning(message), span, label, help);
     }
 
-    fn add(&mut self, problem: Problem, span: &Span, label: &str, mend: &str) {
-        self.problems.push(problem.at(self.source, span.clone(), label).mend(mend));
+    fn add(&mut self, problem: Problem, span: &Span, label: &str, help: &str) {
+        self.problems.push(problem.at(self.source, span.clone(), label).help(help));
     }
 
     /// A name that refers to nothing, with the one that was probably meant.
@@ -73,8 +73,8 @@ impl Report<'_> {
         how: &str,
     ) {
         let message = format!("there is no {what} `{}`", name.as_str());
-        let mend = meant(name.as_str(), known).unwrap_or_else(|| how.to_owned());
-        self.error(message, &name.span, "unknown name", &mend);
+        let help = meant(name.as_str(), known).unwrap_or_else(|| how.to_owned());
+        self.error(message, &name.span, "unknown name", &help);
     }
 
     /// A key that its table does not have; `table` is how a person calls the table.
@@ -86,8 +86,8 @@ impl Report<'_> {
         known: impl Iterator<Item = &'c str>,
         how: &str,
     ) {
-        let mend = meant(key, known).unwrap_or_else(|| how.to_owned());
-        self.error(format!("`{key}` is not a key of {table}"), span, "unknown key", &mend);
+        let help = meant(key, known).unwrap_or_else(|| how.to_owned());
+        self.error(format!("`{key}` is not a key of {table}"), span, "unknown key", &help);
     }
 
     /// A word that is not one of those that a key takes.
@@ -103,8 +103,8 @@ impl Report<'_> {
             None => "not one of its words".into(),
         };
         let known: Vec<String> = known.map(|word| format!("\"{word}\"")).collect();
-        let mend = format!("write {}", known.join(" or "));
-        self.error(format!("`{path}` cannot be \"{word}\""), span, &label, &mend);
+        let help = format!("write {}", known.join(" or "));
+        self.error(format!("`{path}` cannot be \"{word}\""), span, &label, &help);
     }
 
     /// A number outside what `expected` says.

@@ -11,7 +11,7 @@ impl Report<'_> {
         const SAID: usize = 10;
         /// As deep as the document's parser goes.
         const MAX_DEPTH: u32 = 80;
-        const MEND: &str =
+        const HELP: &str =
             "each line is `key = value`, `[section]` or `# comment`; texts stand in \"quotes\"";
         let text = toml_parser::Source::new(&self.source.text);
         let mut errors: Vec<toml_parser::ParseError> = Vec::new();
@@ -27,12 +27,12 @@ impl Report<'_> {
                 _ => String::new(),
             };
             let label = format!("{}{expected}", error.description());
-            self.error("this is not TOML", &span, &label, MEND);
+            self.error("this is not TOML", &span, &label, HELP);
         }
         if errors.is_empty() {
             // The grammar is right and the meaning is not: a key written twice, a number too large.
             let span = first.span().unwrap_or(0..0);
-            self.error("this is not TOML", &span, first.message(), MEND);
+            self.error("this is not TOML", &span, first.message(), HELP);
         }
         self.problems.sort_by_key(|problem| problem.place.as_ref().map(|place| place.span.start));
     }

@@ -56,7 +56,7 @@ fn read_and_compile(
         (Some(map), true) => map.clone(),
         (None, true) => {
             let message = format!("{} does not name its map", path.display());
-            problems.push(Problem::error(message).mend("give the map's file instead"));
+            problems.push(Problem::error(message).help("give the map's file instead"));
             return None;
         }
         (_, false) => path.to_owned(),

@@ -13,7 +13,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 /// Emulates the boards.
 pub const QEMU: &str = "qemu-system-arm";
 
-/// What is missing, and the mend.
+/// What is missing, and the help.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum SetupError {
     /// The user has to act.
@@ -21,7 +21,7 @@ pub enum SetupError {
     Missing {
         /// What is missing.
         what: String,
-        /// The one command that mends it.
+        /// The one command that fixes it.
         command: String,
     },
     /// A program that ought to work did not.

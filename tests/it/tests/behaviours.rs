@@ -72,7 +72,7 @@ proptest! {
         let (draft, problems) = compiled(&text);
         match draft {
             Some(draft) => prop_assert!(draft.write().is_ok(), "{text}"),
-            None => prop_assert!(problems.iter().any(|p| p.mend.is_some()), "{text}"),
+            None => prop_assert!(problems.iter().any(|p| p.help.is_some()), "{text}"),
         }
         // Every place lies within the text.
         prop_assert!(!draw(&problems, false).contains("OutOfBounds"));

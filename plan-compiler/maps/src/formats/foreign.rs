@@ -31,8 +31,8 @@ struct Kind {
     extensions: &'static [&'static str],
     /// Whether a file begins like one.
     begins: fn(&Head<'_>) -> bool,
-    /// How to mend it; `{in}` is the file's name and `{out}` the name without its extension.
-    mend: &'static str,
+    /// How to fix it; `{in}` is the file's name and `{out}` the name without its extension.
+    help: &'static str,
 }
 
 /// The start of a file.
@@ -96,28 +96,28 @@ const KINDS: &[Kind] = &[
         what: "a trace of a mission",
         extensions: &["trace"],
         begins: |head| head.has(b"WAYTRACE"),
-        mend: "`plan-compiler explain {in}` tells what happened in it",
+        help: "`plan-compiler explain {in}` tells what happened in it",
     },
     Kind {
         what: "an array",
         extensions: &["npy", "npz"],
         begins: |head| head.has(b"\x93NUMPY"),
-        mend: "name the map that it was made from; a grid of your own can be saved as a PGM with a \
+        help: "name the map that it was made from; a grid of your own can be saved as a PGM with a \
                YAML file",
     },
-    Kind { what: "a KML file", extensions: &["kml"], begins: |head| head.is_xml("kml"), mend: OGR },
-    Kind { what: "a KMZ file", extensions: &["kmz"], begins: |_| false, mend: OGR },
+    Kind { what: "a KML file", extensions: &["kml"], begins: |head| head.is_xml("kml"), help: OGR },
+    Kind { what: "a KMZ file", extensions: &["kmz"], begins: |_| false, help: OGR },
     Kind {
         what: "a GPX file, which is a route and not a map",
         extensions: &["gpx"],
         begins: |head| head.is_xml("gpx"),
-        mend: ROUTE,
+        help: ROUTE,
     },
     Kind {
         what: "an autopilot's list of waypoints, which is a route and not a map",
         extensions: &["waypoints"],
         begins: |head| head.says("QGC WPL"),
-        mend: ROUTE,
+        help: ROUTE,
     },
     Kind {
         what: "a QGroundControl plan, which is a route and not a map",
@@ -125,19 +125,19 @@ const KINDS: &[Kind] = &[
         begins: |head| {
             head.is_json_with("\"groundStation\":") || head.is_json_with("\"fileType\":\"Plan\"")
         },
-        mend: ROUTE,
+        help: ROUTE,
     },
     Kind {
         what: "TopoJSON",
         extensions: &["topojson"],
         begins: |head| head.is_json_with("\"type\":\"Topology\""),
-        mend: OGR,
+        help: OGR,
     },
     Kind {
         what: "a Shapefile",
         extensions: &["shp", "shx", "dbf"],
         begins: |head| head.has(b"\0\0\x27\x0a"),
-        mend: OGR,
+        help: OGR,
     },
     Kind {
         what: "a DXF drawing",
@@ -147,51 +147,51 @@ const KINDS: &[Kind] = &[
             let first = (lines.next(), lines.next());
             first == (Some("0"), Some("SECTION")) || head.says("AutoCAD Binary DXF")
         },
-        mend: "export its walls as GeoJSON in degrees, or draw them as a MissionLab overlay: WALL \
+        help: "export its walls as GeoJSON in degrees, or draw them as a MissionLab overlay: WALL \
                NAME X Y X Y, metres",
     },
     Kind {
         what: "a DWG drawing",
         extensions: &["dwg"],
         begins: |head| head.has(b"AC10"),
-        mend: "export its walls as GeoJSON in degrees, or draw them as a MissionLab overlay: WALL \
+        help: "export its walls as GeoJSON in degrees, or draw them as a MissionLab overlay: WALL \
                NAME X Y X Y, metres",
     },
     Kind {
         what: "an octree of OctoMap",
         extensions: &["bt", "ot"],
         begins: |head| head.says("# Octomap OcTree"),
-        mend: SCAN,
+        help: SCAN,
     },
     Kind {
         what: "a point cloud",
         extensions: &["pcd", "ply", "las", "laz", "e57"],
         begins: |head| head.says("# .PCD") || head.has(b"ply\n") || head.has(b"LASF"),
-        mend: SCAN,
+        help: SCAN,
     },
     Kind {
         what: "a recording of ROS",
         extensions: &["bag", "db3", "mcap"],
         begins: |head| head.has(b"#ROSBAG V") || head.has(b"\x89MCAP0\r\n"),
-        mend: RECORDED,
+        help: RECORDED,
     },
     Kind {
         what: "a GeoPackage",
         extensions: &["gpkg"],
         begins: |head| head.has(b"SQLite format 3\0") && head.bytes.get(68..72) == Some(b"GPKG"),
-        mend: OGR,
+        help: OGR,
     },
     Kind {
         what: "a database, perhaps a recording of ROS",
         extensions: &["sqlite", "mbtiles"],
         begins: |head| head.has(b"SQLite format 3\0"),
-        mend: RECORDED,
+        help: RECORDED,
     },
     Kind {
         what: "a world or model of a simulator",
         extensions: &["world", "sdf", "urdf", "xacro", "dae", "wbt"],
         begins: |head| ["sdf", "gazebo", "robot", "COLLADA"].iter().any(|root| head.is_xml(root)),
-        mend: MODEL,
+        help: MODEL,
     },
     Kind {
         what: "a mesh",
@@ -199,7 +199,7 @@ const KINDS: &[Kind] = &[
         begins: |head| {
             head.has(b"glTF") || (head.says("solid") && head.text.contains("facet normal"))
         },
-        mend: MODEL,
+        help: MODEL,
     },
     Kind {
         what: "a TIFF image",
@@ -207,7 +207,7 @@ const KINDS: &[Kind] = &[
         begins: |head| {
             [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| head.has(*magic))
         },
-        mend: "convert it with `gdal_translate -of PNG {in} {out}.png`, and describe it in a YAML \
+        help: "convert it with `gdal_translate -of PNG {in} {out}.png`, and describe it in a YAML \
                file: image, resolution, origin, thresholds",
     },
     Kind {
@@ -218,41 +218,41 @@ const KINDS: &[Kind] = &[
             let is_webp = head.has(b"RIFF") && head.bytes.get(8..12) == Some(b"WEBP");
             is_bmp || is_webp || head.has(b"\xff\xd8\xff") || head.has(b"GIF8")
         },
-        mend: PICTURE,
+        help: PICTURE,
     },
     Kind {
         what: "a vector picture",
         extensions: &["svg", "pdf", "eps", "ai"],
         begins: |head| head.is_xml("svg") || head.has(b"%PDF") || head.has(b"%!PS"),
-        mend: PICTURE,
+        help: PICTURE,
     },
     Kind {
         what: "a scenario of MovingAI",
         extensions: &["scen"],
         begins: |head| head.says("version 1") && head.text.contains(".map"),
-        mend: "name the map that it is for; its goals are given as --goal NAME=X,Y",
+        help: "name the map that it is for; its goals are given as --goal NAME=X,Y",
     },
     Kind {
         what: "a web page",
         extensions: &["html", "htm"],
         begins: |head| head.says("<!doctype html") || head.says("<html"),
-        mend: "a download has gone wrong, perhaps: open it in a browser to see what it says",
+        help: "a download has gone wrong, perhaps: open it in a browser to see what it says",
     },
     Kind {
         what: "a zip archive",
         extensions: &["zip", "7z", "rar", "tar"],
         begins: |head| head.has(b"PK\x03\x04") || head.has(b"7z\xbc\xaf") || head.has(b"Rar!"),
-        mend: "unpack it, and name the map inside",
+        help: "unpack it, and name the map inside",
     },
 ];
 
-/// What a file is that is no map, and how to mend that; `None` where it may be one.
+/// What a file is that is no map, and how to fix that; `None` where it may be one.
 pub(super) fn refuse(path: &Path, bytes: &[u8], may_go_by_name: bool) -> Option<Problem> {
     if bytes.starts_with(BLOB_START) {
         let problem = Problem::error(format!("{} is a blob of plans, no map", path.display()));
-        let mend =
+        let help =
             "name the map that it was built from, or look into it with `plan-compiler inspect`";
-        return Some(problem.mend(mend));
+        return Some(problem.help(help));
     }
     if let Some(problem) = ros::refuse_alone(path, bytes) {
         return Some(problem);
@@ -277,12 +277,12 @@ pub(super) fn refuse(path: &Path, bytes: &[u8], may_go_by_name: bool) -> Option<
     if let Some(kind) = by_content.or_else(by_name) {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy();
-        let mend = kind.mend.replace("{out}", &stem).replace("{in}", &name);
-        return Some(Problem::error(format!("{} is {}", path.display(), kind.what)).mend(mend));
+        let help = kind.help.replace("{out}", &stem).replace("{in}", &name);
+        return Some(Problem::error(format!("{} is {}", path.display(), kind.what)).help(help));
     }
     wrapped(bytes).map(|kind| {
         Problem::error(format!("{} is {kind}, which is for flashing only", path.display()))
-            .mend("name the map that its plans were built from")
+            .help("name the map that its plans were built from")
     })
 }
 
@@ -291,11 +291,11 @@ mod tests {
     use super::*;
 
     #[track_caller]
-    fn check(name: &str, bytes: &[u8], what: &str, mend: &str) {
+    fn check(name: &str, bytes: &[u8], what: &str, help: &str) {
         let problem = refuse(Path::new(name), bytes, true).unwrap_or_else(|| panic!("{name}"));
         assert!(problem.message.contains(what), "{name}: {problem}");
-        let got = problem.mend.expect("advice");
-        assert!(got.contains(mend), "{name}: {got}");
+        let got = problem.help.expect("advice");
+        assert!(got.contains(help), "{name}: {got}");
     }
 
     #[test]

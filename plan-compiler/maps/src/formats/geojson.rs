@@ -147,8 +147,8 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn error(&mut self, message: impl Into<String>, span: Range<usize>, label: &str, mend: &str) {
-        self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
+    fn error(&mut self, message: impl Into<String>, span: Range<usize>, label: &str, help: &str) {
+        self.problems.push(Problem::error(message).at(self.source, span, label).help(help));
     }
 
     /// Where a part of the text stands in it.
@@ -164,23 +164,23 @@ impl<'a> Reader<'a> {
     }
 
     /// What a part says, or why it does not.
-    fn parse<T: Deserialize<'a>>(&mut self, part: &'a str, what: &str, mend: &str) -> Option<T> {
-        serde_json::from_str(part).map_err(|error| self.refuse(part, what, &error, mend)).ok()
+    fn parse<T: Deserialize<'a>>(&mut self, part: &'a str, what: &str, help: &str) -> Option<T> {
+        serde_json::from_str(part).map_err(|error| self.refuse(part, what, &error, help)).ok()
     }
 
     /// What an object says: a list of its members in their order would pass otherwise.
-    fn object<T: Deserialize<'a>>(&mut self, part: &'a str, what: &str, mend: &str) -> Option<T> {
+    fn object<T: Deserialize<'a>>(&mut self, part: &'a str, what: &str, help: &str) -> Option<T> {
         if !part.starts_with('{') {
-            self.error(what, self.first_line(part), "this is no object", mend);
+            self.error(what, self.first_line(part), "this is no object", help);
             return None;
         }
-        self.parse(part, what, mend)
+        self.parse(part, what, help)
     }
 
-    fn refuse(&mut self, part: &str, what: &str, error: &serde_json::Error, mend: &str) {
+    fn refuse(&mut self, part: &str, what: &str, error: &serde_json::Error, help: &str) {
         let at = self.span(part).start + json::place_of(part, error);
         let reason = json::reason_of(error);
-        self.error(format!("{what}: {reason}"), at..at, "here", mend);
+        self.error(format!("{what}: {reason}"), at..at, "here", help);
     }
 
     fn file(&mut self) -> Option<Collection<'a>> {
@@ -190,17 +190,17 @@ impl<'a> Reader<'a> {
         if lists > MAX_LISTS {
             let message =
                 format!("the file has {lists} lists and positions, more than {MAX_LISTS}");
-            let mend = "cut the part out that the robot will drive in: ogr2ogr -clipsrc";
-            self.error(message, self.first_line(text), "this file", mend);
+            let help = "cut the part out that the robot will drive in: ogr2ogr -clipsrc";
+            self.error(message, self.first_line(text), "this file", help);
             return None;
         }
         let records = records(text);
         if records.len() > 1 {
             return self.sequence(records);
         }
-        let mend =
+        let help =
             "a GeoJSON map is an object of type FeatureCollection; check where it was cut off";
-        let mut head: File<'a> = self.object(text, "this is not GeoJSON", mend)?;
+        let mut head: File<'a> = self.object(text, "this is not GeoJSON", help)?;
         let features = match (head.kind.as_deref(), head.features.take()) {
             (Some("FeatureCollection"), Some(features)) => features.0,
             (Some("Feature"), _) => {
@@ -216,7 +216,7 @@ impl<'a> Reader<'a> {
     }
 
     fn no_features(&mut self, text: &'a str, head: &File<'a>) {
-        let (message, label, mend) = match (head.kind.as_deref(), head.geometry_type) {
+        let (message, label, help) = match (head.kind.as_deref(), head.geometry_type) {
             (Some("Topology"), _) => (
                 "the file is TopoJSON, not GeoJSON",
                 "of type Topology",
@@ -233,7 +233,7 @@ impl<'a> Reader<'a> {
                 "wrap geometries in features: their properties say what they are",
             ),
         };
-        self.error(message, self.first_line(text), label, mend);
+        self.error(message, self.first_line(text), label, help);
     }
 
     /// Features one after the other, and perhaps collections of them.
@@ -241,8 +241,8 @@ impl<'a> Reader<'a> {
         let mut features = Vec::new();
         for (index, text) in records.into_iter().enumerate() {
             let what = format!("record {} of the sequence is no feature", index + 1);
-            let mend = "each record is a Feature; check where the file was cut off";
-            let Some(record): Option<File<'a>> = self.object(text, &what, mend) else { continue };
+            let help = "each record is a Feature; check where the file was cut off";
+            let Some(record): Option<File<'a>> = self.object(text, &what, help) else { continue };
             match (record.kind.as_deref(), record.features) {
                 (Some("FeatureCollection"), Some(inner)) => {
                     features.extend(inner.0.into_iter().map(RawValue::get));
@@ -317,12 +317,12 @@ impl<'a> Reader<'a> {
 
     /// Where 0,0 is, as the file says.
     fn origin(&mut self, raw: &'a RawValue) -> Option<GeoPoint> {
-        let mend = "write \"origin\": [longitude, latitude], in degrees, or leave it out";
-        let Position([lat, lon]) = self.parse(raw.get(), "the origin is no position", mend)?;
+        let help = "write \"origin\": [longitude, latitude], in degrees, or leave it out";
+        let Position([lat, lon]) = self.parse(raw.get(), "the origin is no position", help)?;
         let origin = GeoPoint::from_degrees(lat, lon);
         if origin.is_none() {
             let span = self.first_line(raw.get());
-            self.error("the origin is off the globe", span, "this one", mend);
+            self.error("the origin is off the globe", span, "this one", help);
         }
         origin
     }
@@ -348,8 +348,8 @@ impl<'a> Reader<'a> {
     }
 
     fn bounds(&mut self, raw: &'a RawValue) -> Option<Bounds> {
-        let mend = "write west, south, east, north in degrees, or leave it out";
-        let sides: List<f64, 6> = self.parse(raw.get(), "the bbox is no list of numbers", mend)?;
+        let help = "write west, south, east, north in degrees, or leave it out";
+        let sides: List<f64, 6> = self.parse(raw.get(), "the bbox is no list of numbers", help)?;
         let corners = match sides.0[..] {
             [west, south, east, north] => Some(([south, west], [north, east])),
             // With altitudes.
@@ -359,26 +359,26 @@ impl<'a> Reader<'a> {
         let bounds = corners.and_then(|(low, high)| Bounds::between(low, high));
         if bounds.is_none() && self.is_degrees {
             let span = self.first_line(raw.get());
-            self.error("the bbox is no box on the globe", span, "this one", mend);
+            self.error("the bbox is no box on the globe", span, "this one", help);
         }
         bounds
     }
 
     fn feature(&mut self, text: &'a str, name: &str) {
-        let mend = "a feature has type, geometry and properties";
+        let help = "a feature has type, geometry and properties";
         let what = format!("{name} is no feature");
-        let Some(raw): Option<RawFeature<'a>> = self.object(text, &what, mend) else { return };
+        let Some(raw): Option<RawFeature<'a>> = self.object(text, &what, help) else { return };
         if raw.kind.as_deref() != Some("Feature") {
-            self.error(what, self.first_line(text), "its type is not Feature", mend);
+            self.error(what, self.first_line(text), "its type is not Feature", help);
             return;
         }
         let properties = raw.properties.map_or("null", RawValue::get);
         let what = format!("the properties of {name} are no object");
-        let mend = "write \"properties\": {\"building\": \"yes\"}, or null";
+        let help = "write \"properties\": {\"building\": \"yes\"}, or null";
         let tags = match properties::tags(properties) {
             Ok(tags) => tags,
             Err(error) => {
-                self.refuse(properties, &what, &error, mend);
+                self.refuse(properties, &what, &error, help);
                 return;
             }
         };
@@ -398,15 +398,15 @@ impl<'a> Reader<'a> {
     }
 
     fn geometry(&mut self, text: &'a str, name: &str, may_nest: bool, drawn: &mut Drawn<'a>) {
-        let mend = "a geometry has a type and coordinates that are nested as deep as it asks for";
+        let help = "a geometry has a type and coordinates that are nested as deep as it asks for";
         let what = format!("the geometry of {name} cannot be read");
-        let Some(raw): Option<RawGeometry<'a>> = self.object(text, &what, mend) else { return };
+        let Some(raw): Option<RawGeometry<'a>> = self.object(text, &what, help) else { return };
         let kind = raw.kind.as_deref().unwrap_or_default();
         if kind == "GeometryCollection" {
             if !may_nest {
-                let mend = "take the inner collection apart";
+                let help = "take the inner collection apart";
                 let span = self.first_line(text);
-                self.error(what, span, "a collection within a collection", mend);
+                self.error(what, span, "a collection within a collection", help);
                 return;
             }
             for part in raw.geometries.unwrap_or_default().0 {
@@ -423,14 +423,14 @@ impl<'a> Reader<'a> {
                 }
             }
             Err(error) if error.line() == 0 => {
-                self.error(format!("{what}: {error}"), self.first_line(text), "this one", mend);
+                self.error(format!("{what}: {error}"), self.first_line(text), "this one", help);
             }
             Err(error) => {
-                let mend = match coordinates.contains('"') {
+                let help = match coordinates.contains('"') {
                     true => "write coordinates as numbers, without quotes",
-                    false => mend,
+                    false => help,
                 };
-                self.refuse(coordinates, &what, &error, mend);
+                self.refuse(coordinates, &what, &error, help);
             }
         }
     }
@@ -441,7 +441,7 @@ impl<'a> Reader<'a> {
         let mut all = pieces.iter().flat_map(Piece::positions).enumerate();
         let is_off = |[lat, lon]: [f64; 2]| lat.abs() > 90.0 || lon.abs() > 180.0;
         if let Some((index, [lat, lon])) = all.find(|(_, at)| is_off(*at)) {
-            let (what, mend) = if lat.abs().max(lon.abs()) > ANGLE_LIMIT {
+            let (what, help) = if lat.abs().max(lon.abs()) > ANGLE_LIMIT {
                 ("are metres of some projection, not degrees", TO_DEGREES)
             } else if lat.abs() <= 180.0 && lon.abs() <= 90.0 {
                 ("are off the globe", "longitude comes first; these look the other way round")
@@ -450,7 +450,7 @@ impl<'a> Reader<'a> {
             };
             if self.is_degrees {
                 let span = self.position(text, index);
-                self.error(format!("coordinates of {name} {what}"), span, "these", mend);
+                self.error(format!("coordinates of {name} {what}"), span, "these", help);
             }
             return false;
         }
@@ -480,7 +480,7 @@ impl<'a> Reader<'a> {
         name: &str,
         (text, end): (&'a str, usize),
     ) {
-        let (message, label, mend) = if is_ring && line.first() != line.last() {
+        let (message, label, help) = if is_ring && line.first() != line.last() {
             (
                 format!("a ring of {name} is not closed"),
                 "its last position differs from its first",
@@ -497,7 +497,7 @@ impl<'a> Reader<'a> {
             return;
         };
         let span = self.position(text, end.saturating_sub(1));
-        self.error(message, span, label, mend);
+        self.error(message, span, label, help);
     }
 
     /// Where a position stands, counted through all of a geometry's coordinates.

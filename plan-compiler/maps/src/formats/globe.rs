@@ -47,21 +47,21 @@ impl Bounds {
     /// An error where a map of these bounds would hold nothing: they have no area, or all that
     /// is drawn lies beside them.
     fn check(&self, drawn: Option<Self>) -> Result<(), Problem> {
-        let mend = "state the bounds of the part that the robot will drive in, or none";
+        let help = "state the bounds of the part that the robot will drive in, or none";
         if self.size.contains(&0.0) {
             let message = "the bounds that the file states have no area";
-            return Err(Problem::error(message).mend(mend));
+            return Err(Problem::error(message).help(help));
         }
         match drawn {
             Some(drawn) if !self.meets(&drawn) => {
                 let message = "all that the file draws lies outside the bounds that it states";
                 let fits = drawn.swapped().is_some_and(|swapped| self.meets(&swapped));
-                let mend = if fits {
+                let help = if fits {
                     "latitude and longitude are swapped in one of both: exchange them there".into()
                 } else {
-                    format!("{mend}; check whether latitude and longitude are swapped")
+                    format!("{help}; check whether latitude and longitude are swapped")
                 };
-                Err(Problem::error(message).mend(mend))
+                Err(Problem::error(message).help(help))
             }
             _ => Ok(()),
         }
@@ -105,7 +105,7 @@ impl Bounds {
                 "the map lies at latitude {lat:.4}, longitude {lon:.4}, where no land is: latitude \
                  and longitude may be swapped"
             ))
-            .mend("in GeoJSON longitude comes first: [longitude, latitude]")
+            .help("in GeoJSON longitude comes first: [longitude, latitude]")
         })
     }
 
@@ -231,21 +231,21 @@ pub(super) struct Passed {
 }
 
 impl Passed {
-    /// A warning for each kind of trouble. `mend` says how to fetch the file with geometry.
-    pub(super) fn tell(&self, mend: &str, problems: &mut Vec<Problem>) {
+    /// A warning for each kind of trouble. `help` says how to fetch the file with geometry.
+    pub(super) fn tell(&self, help: &str, problems: &mut Vec<Problem>) {
         if self.nowhere.total() > 0 {
             let list = self.nowhere.list();
             problems.push(
                 Problem::warning(format!("without coordinates, so not on the map: {list}"))
-                    .mend(mend),
+                    .help(help),
             );
         }
         if self.pointlike.total() > 0 {
             let list = self.pointlike.list();
             let message =
                 format!("drawn as a point, which has no outline: {list}; blocks one cell");
-            let mend = format!("{mend}, or give the point a `radius` in metres");
-            problems.push(Problem::warning(message).mend(mend));
+            let help = format!("{help}, or give the point a `radius` in metres");
+            problems.push(Problem::warning(message).help(help));
         }
     }
 }
@@ -268,7 +268,7 @@ impl Plane {
                 Some(bounds) => (bounds, MARGIN_M, format!("{MARGIN_M} m around what it draws")),
                 None => {
                     return Err(Problem::error("the file draws nothing and states no bounds")
-                        .mend("check that this is the file you mean"));
+                        .help("check that this is the file you mean"));
                 }
             },
         };
@@ -309,11 +309,11 @@ impl Plane {
             format!("the map reaches {far} km from its origin, but a plan holds for {reach} km");
         let to_swapped = bounds.swapped().map(|swapped| self.metres(swapped.middle()));
         let is_swapped = to_swapped.is_some_and(|at| at.iter().all(|axis| axis.abs() <= REACH_M));
-        let mend = match is_swapped {
+        let help = match is_swapped {
             true => "latitude and longitude are swapped, in the origin or in the map",
             false => "check the origin: latitude, then longitude, near what the map draws",
         };
-        Err(Problem::error(message).mend(mend))
+        Err(Problem::error(message).help(help))
     }
 
     /// The map's metres of a place.
@@ -352,7 +352,7 @@ impl Plane {
         ));
         problems.push(match self.is_fixed {
             true => note,
-            false => note.mend(format!(
+            false => note.help(format!(
                 "0,0 depends on the file: `origin = [{lat}, {lon}]` in the mission file or --origin \
                  {lat},{lon} keeps it where it is when the map is drawn anew"
             )),
@@ -373,7 +373,7 @@ fn nothing_blocks(map: &Map, unused: &Unused) -> Problem {
         0 => String::new(),
         _ => format!("; not used: {}", unused.list()),
     };
-    Problem::warning(format!("nothing on the map is an obstacle{zones}{list}")).mend(
+    Problem::warning(format!("nothing on the map is an obstacle{zones}{list}")).help(
         "--block KEY=VALUE, or `block = [\"KEY=VALUE\"]` in the mission file, makes obstacles of what \
          is listed; `plan-compiler build --help` lists what is one by itself",
     )
@@ -389,7 +389,7 @@ pub(super) fn refuse_pole(place: GeoPoint) -> Result<(), Problem> {
         "the map lies at latitude {lat}, but beyond {MAX_LATITUDE_DEG} degrees a plan is not true: \
          meridians run together there"
     ))
-    .mend("draw the map in metres about a point of your own, as an overlay (.ovl) for example"))
+    .help("draw the map in metres about a point of your own, as an overlay (.ovl) for example"))
 }
 
 /// An error where a map is larger than the plane serves.
@@ -399,7 +399,7 @@ fn check_size(size: [f64; 2], is_stated: bool) -> Result<(), Problem> {
     }
     let [width, height] = size.map(|side| metres((side / 1e3).ceil()));
     let reach = metres(REACH_M / 1e3);
-    let (what, mend) = match is_stated {
+    let (what, help) = match is_stated {
         true => (
             "by the bounds that the file states the map is",
             "state the bounds of the part that the robot will drive in, or none",
@@ -412,7 +412,7 @@ fn check_size(size: [f64; 2], is_stated: bool) -> Result<(), Problem> {
     Err(Problem::error(format!(
         "{what} {width} km x {height} km, but a plan holds for {reach} km around its centre"
     ))
-    .mend(mend))
+    .help(help))
 }
 
 #[cfg(test)]

@@ -123,8 +123,8 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn error(&mut self, message: impl Into<String>, span: Range<usize>, label: &str, mend: &str) {
-        self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
+    fn error(&mut self, message: impl Into<String>, span: Range<usize>, label: &str, help: &str) {
+        self.problems.push(Problem::error(message).at(self.source, span, label).help(help));
     }
 
     fn text(&self, line: &Range<usize>) -> &'a str {
@@ -159,8 +159,8 @@ impl<'a> Reader<'a> {
         let word = self.text(&line);
         if !words.contains(&word) {
             let message = format!("{what} is `{word}`");
-            let mend = format!("write {}", words.join(" or "));
-            self.error(message, line, "this word is not known here", &mend);
+            let help = format!("write {}", words.join(" or "));
+            self.error(message, line, "this word is not known here", &help);
         }
         Some(word)
     }
@@ -172,8 +172,8 @@ impl<'a> Reader<'a> {
         let number = text.parse::<f64>().ok().filter(|number| (least..=most).contains(number));
         if number.is_none() {
             let message = format!("{what} is `{text}`");
-            let mend = format!("write a number from {least} to {most}");
-            self.error(message, line, "no number of this range", &mend);
+            let help = format!("write a number from {least} to {most}");
+            self.error(message, line, "no number of this range", &help);
         }
         number
     }
@@ -184,8 +184,8 @@ impl<'a> Reader<'a> {
         let side = text.parse::<u32>().ok().filter(|side| (1..=limit).contains(side));
         if side.is_none() {
             let message = format!("{what} is `{text}`");
-            let mend = format!("write a whole number from 1 to {limit}");
-            self.error(message, line, "a number of cells is needed", &mend);
+            let help = format!("write a whole number from 1 to {limit}");
+            self.error(message, line, "a number of cells is needed", &help);
         }
         side
     }
@@ -197,9 +197,9 @@ impl<'a> Reader<'a> {
         self.word("whether the robots are tethered", &TETHERED);
         let values = self.lines.peek().cloned();
         if self.word("the kind of values", &VALUES) == Some("FLOAT") {
-            let mend = "have MissionLab write the plan as TEXT, which is what can be read";
+            let help = "have MissionLab write the plan as TEXT, which is what can be read";
             let message = "the values of this file are written as FLOAT";
-            self.error(message, values.unwrap_or_else(|| self.end()), "binary values", mend);
+            self.error(message, values.unwrap_or_else(|| self.end()), "binary values", help);
             return None;
         }
         let count_line = self.field("the number of elements");
@@ -251,9 +251,9 @@ impl<'a> Reader<'a> {
             }
         }
         if !is_ended && self.problems.len() <= MAX_PROBLEMS {
-            let (end, mend) = (self.end(), "add a line END_FILE, if nothing else was cut off");
+            let (end, help) = (self.end(), "add a line END_FILE, if nothing else was cut off");
             let problem = Problem::warning("the file does not end with END_FILE");
-            self.problems.push(problem.at(self.source, end, "it ends here").mend(mend));
+            self.problems.push(problem.at(self.source, end, "it ends here").help(help));
         }
         self.check_count(count_line, elements.len());
         let parts = elements.into_iter().chain([contingency]);
@@ -262,12 +262,12 @@ impl<'a> Reader<'a> {
 
     /// A line that begins nothing; whatever follows up to the next keyword goes with it.
     fn unexpected(&mut self, line: Range<usize>) {
-        let mend = "maps lie between BEGIN_MAP and END_MAP, elements after START_ELEMENT";
+        let help = "maps lie between BEGIN_MAP and END_MAP, elements after START_ELEMENT";
         self.error(
             format!("`{}` is no part of a plan", self.text(&line)),
             line,
             "expected BEGIN_MAP, START_ELEMENT or END_FILE",
-            mend,
+            help,
         );
         while let Some(line) = self.lines.peek().cloned() {
             if self.is_keyword(&line) {
@@ -304,8 +304,8 @@ impl<'a> Reader<'a> {
             self.lines.next();
         } else {
             let at = self.lines.peek().cloned().unwrap_or_else(|| self.end());
-            let mend = "a map begins with its name, two sizes, resolution and the goal's x and y";
-            self.error("#Data is missing", at, "expected here", mend);
+            let help = "a map begins with its name, two sizes, resolution and the goal's x and y";
+            self.error("#Data is missing", at, "expected here", help);
         }
         let frame = match (columns, rows, resolution) {
             (Some(columns), Some(rows), Some(resolution_m)) => {
@@ -337,16 +337,16 @@ impl<'a> Reader<'a> {
             if value.is_none() {
                 wrong += 1;
                 if wrong <= MAX_VALUES_TOLD {
-                    let mend = "write a cost in metres, 9998 (obstacle) or 9999 (unreached)";
+                    let help = "write a cost in metres, 9998 (obstacle) or 9999 (unreached)";
                     let message = format!("`{text}` is no value of a cell");
-                    self.error(message, line.clone(), "here", mend);
+                    self.error(message, line.clone(), "here", help);
                 }
             }
             if goal_index == Some(blocked.len()) && value.is_some_and(|value| value > 0.0) {
                 let message = format!("the goal of map `{name}` costs `{text}`, not 0");
-                let mend = "check that the goal is in metres; the costs are planned anew";
+                let help = "check that the goal is in metres; the costs are planned anew";
                 let problem = Problem::warning(message).at(self.source, line.clone(), "its cell");
-                self.problems.push(problem.mend(mend));
+                self.problems.push(problem.help(help));
             }
             let is_blocked = value == Some(OBSTACLE);
             let other = self.first.as_ref().filter(|_| alike);
@@ -368,8 +368,8 @@ impl<'a> Reader<'a> {
             }
             None => {
                 let message = format!("map `{name}` does not end with END_MAP");
-                let mend = "add a line END_MAP after it, if no value was cut off";
-                self.error(message, last.clone(), "its last line", mend);
+                let help = "add a line END_MAP after it, if no value was cut off";
+                self.error(message, last.clone(), "its last line", help);
             }
         }
         let Some(frame) = frame else { return };
@@ -386,17 +386,17 @@ impl<'a> Reader<'a> {
         let said = |frame: Frame| {
             format!("{} x {} cells of {} m", frame.columns, frame.rows, frame.resolution_m)
         };
-        let mend = "plan for all goals on one grid, or split the file: a blob has one grid";
+        let help = "plan for all goals on one grid, or split the file: a blob has one grid";
         if first.frame != frame {
             let (own, other) = (said(frame), said(first.frame));
             let message = format!("map `{name}` has {own}, but the first map {other}");
-            self.error(message, span.clone(), "this map", mend);
+            self.error(message, span.clone(), "this map", help);
         } else if let Some(line) = first_differing {
             let cells = frame.cells();
             let message = format!(
                 "map `{name}` and the first map differ in their obstacles: {differing} of {cells} cells"
             );
-            self.error(message, line, "the first such cell", mend);
+            self.error(message, line, "the first such cell", help);
         }
     }
 }

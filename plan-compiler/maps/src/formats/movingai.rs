@@ -60,8 +60,8 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn error(&mut self, message: String, span: Range<usize>, label: &str, mend: &str) {
-        self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
+    fn error(&mut self, message: String, span: Range<usize>, label: &str, help: &str) {
+        self.problems.push(Problem::error(message).at(self.source, span, label).help(help));
     }
 
     /// Columns and rows.
@@ -78,7 +78,7 @@ impl Reader<'_> {
                         self.problems.push(
                             Problem::warning(format!("the type of this map is `{value}`"))
                                 .at(self.source, line, "it is read as an octile grid")
-                                .mend(
+                                .help(
                                     "the map is usable if its characters are those of type octile",
                                 ),
                         );
@@ -89,12 +89,12 @@ impl Reader<'_> {
                 "map" => {
                     for (given, name) in [(columns, "width"), (rows, "height")] {
                         if given.is_none() {
-                            let mend = format!("add a line `{name} N` before `map`");
+                            let help = format!("add a line `{name} N` before `map`");
                             self.error(
                                 format!("the header gives no {name}"),
                                 last.clone(),
                                 "the cells begin after this",
-                                &mend,
+                                &help,
                             );
                         }
                     }
@@ -203,7 +203,7 @@ impl Reader<'_> {
                         start..start + symbol.len_utf8(),
                         format!("row {row} from the north"),
                     )
-                    .mend("cells are . G S (free) and @ O T W (blocked)"),
+                    .help("cells are . G S (free) and @ O T W (blocked)"),
             );
         }
         let (length, columns) = (symbols.len(), columns as usize);
@@ -214,7 +214,7 @@ impl Reader<'_> {
                     line.start + length.min(columns)..line.end,
                     "it ends or goes on here",
                 )
-                .mend("correct the width, or the row")
+                .help("correct the width, or the row")
         })
     }
 }

@@ -115,8 +115,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn error(&mut self, message: String, span: Range<usize>, label: &str, mend: &str) {
-        self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
+    fn error(&mut self, message: String, span: Range<usize>, label: &str, help: &str) {
+        self.problems.push(Problem::error(message).at(self.source, span, label).help(help));
     }
 
     /// `None` where the numbers end before the area and the parameters are known.
@@ -126,7 +126,7 @@ impl<'a> Reader<'a> {
             self.problems.push(
                 Problem::error(format!("{token} is not a number"))
                     .at(self.source, span.clone(), "a value stands first on its line")
-                    .mend("write a number as 12, -0.5 or 1.2e3, with a point"),
+                    .help("write a number as 12, -0.5 or 1.2e3, with a point"),
             );
         }
         let map = self.map();
@@ -235,7 +235,7 @@ impl<'a> Reader<'a> {
     fn deltas(&mut self, whose: &str, count: &Value) -> Option<Vec<Value>> {
         let pairs = count.number;
         let remaining = self.values.len() - self.next;
-        let (message, label, mend) = if pairs.fract() != 0.0 || pairs < 0.0 {
+        let (message, label, help) = if pairs.fract() != 0.0 || pairs < 0.0 {
             (
                 format!("the number of delta pairs of {whose} is not a count"),
                 "must be a whole number".into(),
@@ -261,7 +261,7 @@ impl<'a> Reader<'a> {
             self.next = end;
             return Some(deltas);
         };
-        self.error(message, count.span.clone(), &label, mend);
+        self.error(message, count.span.clone(), &label, help);
         None
     }
 
@@ -320,7 +320,7 @@ impl<'a> Reader<'a> {
                 let number = kind.number;
                 let is_type =
                     number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number);
-                let mend = if is_type {
+                let help = if is_type {
                     format!("say what it is: --opar-type {number}=building, or =foliage")
                 } else {
                     "check the count of delta pairs before it".into()
@@ -329,7 +329,7 @@ impl<'a> Reader<'a> {
                     format!("{name} is of an unknown type"),
                     kind.span.clone(),
                     "known are 1 (building) and 2 (foliage)",
-                    &mend,
+                    &help,
                 );
                 Role::Obstacle
             }
@@ -341,7 +341,7 @@ impl<'a> Reader<'a> {
             self.outside.push(
                 Problem::warning(format!("{name} lies outside the area"))
                     .at(self.source, outline.place_span.clone(), "its position begins here")
-                    .mend(if is_outside(&swapped, extent) {
+                    .help(if is_outside(&swapped, extent) {
                         "check its latitude and longitude against section 2"
                     } else {
                         "its latitude and longitude are swapped, it seems: the latitude comes first"

@@ -128,7 +128,7 @@ fn blame(mut problem: Problem, extract: &Extract, source: Option<&Arc<Source>>) 
     if extract.places.is_empty() && extract.bounds.is_none() && objects > 0 {
         let message =
             format!("the file has {objects} ways and relations, and no place of any node");
-        return Problem::error(message).mend(WITH_OUTLINES);
+        return Problem::error(message).help(WITH_OUTLINES);
     }
     let (element, id) = if extract.bounds.is_some() {
         ("bounds", None)
@@ -141,7 +141,7 @@ fn blame(mut problem: Problem, extract: &Extract, source: Option<&Arc<Source>>) 
         let Some((id, place)) = nodes.get(stray.index) else { return problem };
         let (lat, lon, label) = (place.lat_deg(), place.lon_deg(), stray.label());
         let said = format!("node {id} at latitude {lat}, longitude {lon}: {label}");
-        problem.mend = Some(problem.mend.map_or(said.clone(), |mend| format!("{mend}; {said}")));
+        problem.help = Some(problem.help.map_or(said.clone(), |help| format!("{help}; {said}")));
         ("node", Some(*id))
     };
     match source.and_then(|source| Some((source, xml::find(source, element, id)?))) {
@@ -389,10 +389,10 @@ fn open(mut ring: Vec<Point>) -> Vec<Point> {
 impl Missing {
     fn tell(&self, problems: &mut Vec<Problem>) {
         let Self { ways_cut, nodes, relations_cut, members, open } = self;
-        let mend = "cut the extract out with whole objects: `osmium extract --strategy smart`";
+        let help = "cut the extract out with whole objects: `osmium extract --strategy smart`";
         let mut tell = |count: usize, message: String| {
             if count > 0 {
-                problems.push(Problem::warning(message).mend(mend));
+                problems.push(Problem::warning(message).help(help));
             }
         };
         tell(

@@ -1,4 +1,4 @@
-//! Files that are compressed as a whole: gzip is read, the others are named with their mend.
+//! Files that are compressed as a whole: gzip is read, the others are named with their help.
 
 use crate::problem::Problem;
 use crate::source::MAX_FILE_BYTES;
@@ -27,7 +27,7 @@ fn unpack_within(path: &Path, bytes: Vec<u8>, limit: u64) -> Result<Vec<u8>, Pro
     let name = path.display();
     if let Some((_, kind, program)) = KINDS.iter().find(|(magic, ..)| bytes.starts_with(magic)) {
         return Err(Problem::error(format!("{name} is compressed with {kind}, which is not read"))
-            .mend(format!("unpack it first: {program} {name}")));
+            .help(format!("unpack it first: {program} {name}")));
     }
     if !bytes.starts_with(GZIP) {
         return Ok(bytes);
@@ -36,12 +36,12 @@ fn unpack_within(path: &Path, bytes: Vec<u8>, limit: u64) -> Result<Vec<u8>, Pro
     let read = MultiGzDecoder::new(bytes.as_slice()).take(limit + 1).read_to_end(&mut unpacked);
     if let Err(error) = read {
         return Err(Problem::error(format!("{name} is damaged: gzip says {error}"))
-            .mend("fetch it again; `gzip -t` checks it"));
+            .help("fetch it again; `gzip -t` checks it"));
     }
     if unpacked.len() as u64 > limit {
         let limit = limit >> 20;
         return Err(Problem::error(format!("unpacked, {name} is larger than {limit} MiB"))
-            .mend("cut the part out that the robot will drive in"));
+            .help("cut the part out that the robot will drive in"));
     }
     Ok(unpacked)
 }

@@ -77,11 +77,11 @@ fn read_map(
         Err(problem) => {
             let other = source::similar_name(&map_path);
             let other = other.as_deref().and_then(|path| Path::new(path).file_name());
-            let mend = match other.and_then(|other| other.to_str()) {
+            let help = match other.and_then(|other| other.to_str()) {
                 Some(other) => format!("did you mean {other}, which lies beside the plan?"),
                 None => "put the map that the plan is for beside it, under this name".into(),
             };
-            let problem = Problem { mend: Some(mend), ..problem };
+            let problem = Problem { help: Some(help), ..problem };
             problems.push(problem.at(source, line, "the map of this plan"));
             return None;
         }
@@ -90,7 +90,7 @@ fn read_map(
         problems.push(
             Problem::error(format!("{} is a plan, too, and no map", map_path.display()))
                 .at(source, line, "the map of this plan")
-                .mend("name the map that the plan is for"),
+                .help("name the map that the plan is for"),
         );
         return None;
     }
@@ -110,8 +110,8 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn error(&mut self, message: String, span: Range<usize>, label: &str, mend: &str) {
-        self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
+    fn error(&mut self, message: String, span: Range<usize>, label: &str, help: &str) {
+        self.problems.push(Problem::error(message).at(self.source, span, label).help(help));
     }
 
     fn text(&self, line: &Range<usize>) -> &'a str {
@@ -136,8 +136,8 @@ impl<'a> Reader<'a> {
         let Some(line) = self.field(what) else { return };
         let word = self.text(&line);
         if !words.contains(&word) {
-            let mend = format!("write {}", words.join(" or "));
-            self.error(format!("{what} is `{word}`"), line, "this word is not known here", &mend);
+            let help = format!("write {}", words.join(" or "));
+            self.error(format!("{what} is `{word}`"), line, "this word is not known here", &help);
         }
     }
 
@@ -179,8 +179,8 @@ impl<'a> Reader<'a> {
                 found += 1;
                 self.element(kind, &mut points);
             } else if !text.starts_with("END") {
-                let mend = format!("an element begins with {}", ELEMENTS.join(" or "));
-                self.error(format!("`{text}` is no element of a plan"), line, "here", &mend);
+                let help = format!("an element begins with {}", ELEMENTS.join(" or "));
+                self.error(format!("`{text}` is no element of a plan"), line, "here", &help);
                 self.skip();
             }
         }

@@ -91,7 +91,7 @@ fn freed(grey: &Grey, settings: &Settings, source: &Arc<Source>) -> Option<Probl
         "{count} cells of grey 205, which map savers write for unknown, are free, since \
          free_thresh is {free}"
     ))
-    .mend("write `free_thresh: 0.196` if nothing is known of these cells");
+    .help("write `free_thresh: 0.196` if nothing is known of these cells");
     let place = settings.free_thresh_span.clone();
     let warning = match place {
         Some(span) => warning.at(source, span, "the grey's occupancy is 0.19607, which is below"),
@@ -105,7 +105,7 @@ fn too_large_turned(grey: &Grey, limit: u32) -> Problem {
     Problem::error(format!(
         "turned by its yaw the image of {columns} x {rows} pixels has more than {limit} cells a side"
     ))
-    .mend("turn the image itself and write a yaw of 0, or crop it to the area that the robot uses")
+    .help("turn the image itself and write a yaw of 0, or crop it to the area that the robot uses")
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -199,14 +199,14 @@ impl<'a> Judge<'a> {
             if !used.get() {
                 let word = if blocks { "block" } else { "free" };
                 let message = format!("nothing on the map is {rule}, which `{word}` asks for");
-                let mend = "check key and value: the note on the map lists what it holds";
-                problems.push(rule.point_at(Problem::warning(message).mend(mend)));
+                let help = "check key and value: the note on the map lists what it holds";
+                problems.push(rule.point_at(Problem::warning(message).help(help)));
             }
         }
         if self.rules.open_gates && self.gates.get() == 0 {
             problems.push(
                 Problem::warning("the map has no gates, which `open_gates` asks for")
-                    .mend("draw points with barrier=gate in the line of the fence"),
+                    .help("draw points with barrier=gate in the line of the fence"),
             );
         }
     }

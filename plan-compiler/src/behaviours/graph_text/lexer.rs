@@ -42,9 +42,9 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Vec<Mistake>> {
                     length + 2
                 }
                 None => {
-                    let mend = "close the quote, or remove it";
+                    let help = "close the quote, or remove it";
                     let span = at..text.len();
-                    mistakes.push(Mistake::new("a quote is not closed", &span, "from here", mend));
+                    mistakes.push(Mistake::new("a quote is not closed", &span, "from here", help));
                     text.len() - at
                 }
             },
@@ -61,8 +61,8 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Vec<Mistake>> {
                 None => {
                     let span = at..at + first.len_utf8();
                     let message = format!("`{first}` means nothing in a graph");
-                    let mend = "write for example entry -> a -> (b | c) -> exit";
-                    mistakes.push(Mistake::new(message, &span, "this character", mend));
+                    let help = "write for example entry -> a -> (b | c) -> exit";
+                    mistakes.push(Mistake::new(message, &span, "this character", help));
                     first.len_utf8()
                 }
             },

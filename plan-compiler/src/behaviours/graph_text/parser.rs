@@ -45,12 +45,12 @@ impl<'t> Parser<'t> {
             Some(Item::Name(name, _)) if name == "exit" => {}
             last => {
                 let span = last.map_or(0..self.end, |item| item.span());
-                let mend = "let the last arrow lead to `exit`";
+                let help = "let the last arrow lead to `exit`";
                 return Err(Mistake::new(
                     "the graph does not end at `exit`",
                     &span,
                     "the end",
-                    mend,
+                    help,
                 ));
             }
         }
@@ -82,8 +82,8 @@ impl<'t> Parser<'t> {
             }
             Some(Token { kind: Kind::Open, span }) => {
                 let message = format!("more than {MAX_NESTING} brackets within brackets");
-                let mend = "move a part of the graph into a frame of its own";
-                Err(Mistake::new(message, span, "this bracket", mend))
+                let help = "move a part of the graph into a frame of its own";
+                Err(Mistake::new(message, span, "this bracket", help))
             }
             Some(token) => Err(unexpected("a component or `(`", token, SEQUENCE)),
             None => Err(self.ended("a component, or `exit`", SEQUENCE)),
@@ -107,9 +107,9 @@ impl<'t> Parser<'t> {
             let next = if is_last { to } else { self.vertex(String::new(), item.span()) };
             match item {
                 Item::Name(name, span) if name == "entry" || name == "exit" => {
-                    let mend = "`entry` begins the graph and `exit` ends it, once each";
+                    let help = "`entry` begins the graph and `exit` ends it, once each";
                     let message = format!("`{name}` stands in the middle of the graph");
-                    return Err(Mistake::new(message, span, "not a component", mend));
+                    return Err(Mistake::new(message, span, "not a component", help));
                 }
                 Item::Name(name, span) => self.graph.edges.push(RawEdge {
                     from: here,
@@ -169,22 +169,22 @@ impl<'t> Parser<'t> {
         self.graph.vertices.len() - 1
     }
 
-    fn name(&mut self, expected: &str, mend: &str) -> Result<(String, Span), Mistake> {
+    fn name(&mut self, expected: &str, help: &str) -> Result<(String, Span), Mistake> {
         match self.tokens.get(self.at) {
             Some(Token { kind: Kind::Name(name), span }) => {
                 self.at += 1;
                 Ok((name.clone(), span.clone()))
             }
-            Some(token) => Err(unexpected(expected, token, mend)),
-            None => Err(self.ended(expected, mend)),
+            Some(token) => Err(unexpected(expected, token, help)),
+            None => Err(self.ended(expected, help)),
         }
     }
 
-    fn word(&mut self, word: &str, mend: &str) -> Result<(), Mistake> {
+    fn word(&mut self, word: &str, help: &str) -> Result<(), Mistake> {
         let at = self.at;
-        let (name, _) = self.name(&format!("`{word}`"), mend)?;
+        let (name, _) = self.name(&format!("`{word}`"), help)?;
         match self.tokens.get(at) {
-            Some(token) if name != word => Err(unexpected(&format!("`{word}`"), token, mend)),
+            Some(token) if name != word => Err(unexpected(&format!("`{word}`"), token, help)),
             _ => Ok(()),
         }
     }
@@ -195,21 +195,21 @@ impl<'t> Parser<'t> {
         Some(token.span.clone())
     }
 
-    fn expect(&mut self, kind: &Kind, expected: &str, mend: &str) -> Result<Span, Mistake> {
+    fn expect(&mut self, kind: &Kind, expected: &str, help: &str) -> Result<Span, Mistake> {
         match (self.take(kind), self.tokens.get(self.at)) {
             (Some(span), _) => Ok(span),
-            (None, Some(token)) => Err(unexpected(expected, token, mend)),
-            (None, None) => Err(self.ended(expected, mend)),
+            (None, Some(token)) => Err(unexpected(expected, token, help)),
+            (None, None) => Err(self.ended(expected, help)),
         }
     }
 
-    fn ended(&self, expected: &str, mend: &str) -> Mistake {
+    fn ended(&self, expected: &str, help: &str) -> Mistake {
         let last = self.tokens.last().map_or(0..self.end, |token| token.span.clone());
         Mistake::new(
             "the graph ends too early",
             &last,
             &format!("expected {expected} after this"),
-            mend,
+            help,
         )
     }
 }
@@ -228,12 +228,12 @@ impl Item {
     }
 }
 
-fn unexpected(expected: &str, token: &Token, mend: &str) -> Mistake {
+fn unexpected(expected: &str, token: &Token, help: &str) -> Mistake {
     let label = format!("expected {expected}");
-    Mistake::new("the graph cannot be read here", &token.span, &label, mend)
+    Mistake::new("the graph cannot be read here", &token.span, &label, help)
 }
 
 fn nothing_between(end: usize) -> Mistake {
-    let mend = "put at least one component between `entry` and `exit`";
-    Mistake::new("the graph has no component", &(0..end), "nothing to do", mend)
+    let help = "put at least one component between `entry` and `exit`";
+    Mistake::new("the graph has no component", &(0..end), "nothing to do", help)
 }

@@ -46,8 +46,8 @@ pub(super) fn action(report: &mut Report<'_>, name: Text, item: &Item) -> Option
     if given.is_some_and(|given| given <= own_ms) {
         let span = fields.item("timeout_s").map_or(doing_span, |(_, span)| span);
         let message = format!("action `{}` runs out of time before it is over", name.as_str());
-        let mend = "make timeout_s longer than what it does";
-        report.error(message, &span, "not above 0 and its own time", mend);
+        let help = "make timeout_s longer than what it does";
+        report.error(message, &span, "not above 0 and its own time", help);
         return None;
     }
     let timeout_ms = given.unwrap_or((DEFAULT_TIMEOUT_S * 1e3) as u32 + own_ms);
@@ -240,7 +240,7 @@ fn graph(report: &mut Report<'_>, text: &Text) -> Option<graph_text::Graph> {
         Err(mistakes) => {
             for mistake in mistakes {
                 let span = part_of(report.source, text, mistake.span);
-                report.error(mistake.message, &span, &mistake.label, &mistake.mend);
+                report.error(mistake.message, &span, &mistake.label, &mistake.help);
             }
             None
         }

@@ -28,12 +28,12 @@ pub(super) fn input(report: &mut Report<'_>, name: Text, item: &Item) -> Option<
         }
         (None, Some(_)) => rules(report, &fields, "rules").map(InputSource::Rules),
         (both, _) => {
-            let (message, mend) = match both {
+            let (message, help) = match both {
                 Some(_) => ("has both a source and rules", "keep one of the two"),
                 None => ("has no source", "add source = \"fuel\", or rules about other inputs"),
             };
             let message = format!("input `{}` {message}", name.as_str());
-            report.error(message, &name.span, "this input", mend);
+            report.error(message, &name.span, "this input", help);
             None
         }
     };
@@ -63,8 +63,8 @@ fn universe(
         Some(Channel(_) | Output(_) | Rules(_)) | None => Some([0.0, 1.0]),
         Some(_) => {
             let message = format!("input `{}` has no universe", name.as_str());
-            let mend = "add universe = [LOW, HIGH]: what is wholly NB and what is wholly PB";
-            report.error(message, &name.span, "this input has no natural ends", mend);
+            let help = "add universe = [LOW, HIGH]: what is wholly NB and what is wholly PB";
+            report.error(message, &name.span, "this input has no natural ends", help);
             None
         }
     }
@@ -86,9 +86,9 @@ fn missing(
         if !matches!(source, Some(Time | Output(_) | Rules(_)) | None) {
             let message =
                 format!("input `{}` does not say what counts when it is missing", name.as_str());
-            let mend =
+            let help =
                 format!("add missing = {{ hold_s = {DEFAULT_MISSING_HOLD_S}, then = {low:?} }}");
-            report.error(message, &name.span, "its value may be missing", &mend);
+            report.error(message, &name.span, "its value may be missing", &help);
         }
         return (default_ms, low);
     };
@@ -99,8 +99,8 @@ fn missing(
     };
     if policy.item("then").is_none() {
         let message = format!("`{}` has no `then`", policy.path);
-        let mend = format!("add then = {low:?}: what a missing value counts as");
-        report.error(message, &policy.span, "held, and then?", &mend);
+        let help = format!("add then = {low:?}: what a missing value counts as");
+        report.error(message, &policy.span, "held, and then?", &help);
     }
     let hold_ms = milliseconds(report, &policy, "hold_s").unwrap_or(default_ms);
     let then = policy.number(report, "then", -1e9..=1e9, "");

@@ -148,7 +148,7 @@ impl Lints<'_> {
             let message = "the frames contain each other in too many ways to be looked through";
             self.report
                 .problems
-                .push(Problem::error(message).mend("let fewer frames contain each other"));
+                .push(Problem::error(message).help("let fewer frames contain each other"));
             return None;
         };
         for (behaviour, need) in self.syntax.behaviours.iter().zip(&needs) {
@@ -159,8 +159,8 @@ impl Lints<'_> {
                     need.depth,
                     limits::MAX_DEPTH
                 );
-                let mend = "put some of the innermost components straight into the frames above";
-                self.report.error(message, &behaviour.name.span, "this behaviour", mend);
+                let help = "put some of the innermost components straight into the frames above";
+                self.report.error(message, &behaviour.name.span, "this behaviour", help);
             }
         }
         let all: usize = needs.iter().map(|need| need.components).sum();
@@ -179,12 +179,12 @@ impl Lints<'_> {
                 "the plans may need {all} live components at once, the robot has room for {}",
                 limits::MAX_COMPONENTS
             );
-            let mend = format!(
+            let help = format!(
                 "shorten productions, or move parts into frames of their own, which are decomposed \
                  when their turn comes; now: {}",
                 each.join(", ")
             );
-            self.report.problems.push(Problem::error(message).mend(mend));
+            self.report.problems.push(Problem::error(message).help(help));
             return None;
         }
         Some(needs)

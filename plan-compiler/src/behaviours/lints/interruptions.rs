@@ -24,9 +24,9 @@ impl Lints<'_> {
                     self.describe(up),
                     self.describe(down)
                 );
-                let mend = "give both a hysteresis and a dwell_s above 0";
+                let help = "give both a hysteresis and a dwell_s above 0";
                 let span = &self.syntax.behaviours[a].rules.span;
-                self.report.warning(message, span, &label, mend);
+                self.report.warning(message, span, &label, help);
             }
         }
     }

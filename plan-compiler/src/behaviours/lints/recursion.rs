@@ -77,10 +77,10 @@ impl Lints<'_> {
                     let Symbol::Frame(inner) = self.draft.edges[at].symbol else { continue };
                     let inner = usize::from(inner);
                     if (inner == frame || reaches(self.draft, inner, frame))
-                        && let Some((message, label, mend)) =
+                        && let Some((message, label, help)) =
                             self.why_it_grows(frame, &record, index, inner)
                     {
-                        self.report.error(message, &edge.span, &label, mend);
+                        self.report.error(message, &edge.span, &label, help);
                     }
                 }
             }

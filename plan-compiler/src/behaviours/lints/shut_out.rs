@@ -89,10 +89,10 @@ impl Lints<'_> {
             self.name(by),
             after.join("` and `")
         );
-        let mend =
+        let help =
             "end the protection interval before that point, or restore in a shut_down activity";
         let span = self.syntax.behaviours[victim].name.span.clone();
-        self.report.warning(message, &span, &label, mend);
+        self.report.warning(message, &span, &label, help);
     }
 
     /// The names of the facts that are protected and would be violated.

@@ -23,12 +23,12 @@ impl Lints<'_> {
             if behaviour.dormant.value >= behaviour.unconditional.value {
                 let message =
                     format!("behaviour `{}` is never just active", behaviour.name.as_str());
-                let mend = "let `dormant` be below `unconditional`";
+                let help = "let `dormant` be below `unconditional`";
                 self.report.error(
                     message,
                     &behaviour.dormant.span,
                     "not below `unconditional`",
-                    mend,
+                    help,
                 );
             }
         }
@@ -48,8 +48,8 @@ impl Lints<'_> {
             self.report.error(message, span, &label, "choose a value in between");
         } else if value > UNEVEN {
             let message = format!("`{what}` is in the range where results are uneven");
-            let mend = "with min clipping PB next to PM results in 0.936; choose 0.935 or less";
-            self.report.warning(message, span, "above 0.935", mend);
+            let help = "with min clipping PB next to PM results in 0.936; choose 0.935 or less";
+            self.report.warning(message, span, "above 0.935", help);
         }
     }
 
@@ -97,9 +97,9 @@ impl Lints<'_> {
         if highest <= record.dormant {
             let message = format!("behaviour `{}` can never run", behaviour.name.as_str());
             let label = format!("always dormant: its criticality is {highest:.3} at most");
-            let mend =
+            let help =
                 format!("lower `dormant`, which is {:.3}, or change the table", record.dormant);
-            self.report.error(message, &behaviour.rules.span, &label, &mend);
+            self.report.error(message, &behaviour.rules.span, &label, &help);
             return;
         }
         let is_first = |situation: usize| {
@@ -120,8 +120,8 @@ impl Lints<'_> {
                 behaviour.name.as_str()
             );
             let label = "more critical than this one is always another";
-            let mend = "change the table, or let the other become dormant";
-            self.report.warning(message, &behaviour.rules.span, label, mend);
+            let help = "change the table, or let the other become dormant";
+            self.report.warning(message, &behaviour.rules.span, label, help);
         }
     }
 
@@ -145,10 +145,10 @@ impl Lints<'_> {
                 "behaviour `{}` never ends by itself, only by interruption or failure",
                 behaviour.name.as_str()
             );
-            let mend = "give the loop's productions an applicability that ends it, or let another way \
+            let help = "give the loop's productions an applicability that ends it, or let another way \
                 out of it be applicable";
             let label = "its loop is always applicable";
-            self.report.warning(message, &behaviour.root.span, label, mend);
+            self.report.warning(message, &behaviour.root.span, label, help);
         }
     }
 

@@ -86,13 +86,13 @@ impl Lints<'_> {
                             self.symbol(symbol(a)),
                             self.symbol(symbol(b))
                         );
-                        let mend = "let one follow the other; all that drive or stand still need \
+                        let help = "let one follow the other; all that drive or stand still need \
                             `motion`";
                         self.report.error(
                             message,
                             &second.span,
                             "needs a resource of the other",
-                            mend,
+                            help,
                         );
                     }
                 }

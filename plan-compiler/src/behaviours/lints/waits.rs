@@ -110,18 +110,18 @@ impl Lints<'_> {
             if bound == Bound::None {
                 let message = format!("behaviour `{name}` may wait for `{other}` for ever");
                 let label = format!("no point of `{other}` lets it in");
-                let mend = "end a protection interval, or a loop, of the other earlier";
+                let help = "end a protection interval, or a loop, of the other earlier";
                 let span = self.syntax.behaviours[waiting].name.span.clone();
-                self.report.warning(message, &span, &label, mend);
+                self.report.warning(message, &span, &label, help);
             } else {
                 bounds.push(format!("`{name}` {bound} (behind `{other}`)"));
             }
         }
         if !bounds.is_empty() {
             let message = format!("the longest waits of the most critical: {}", bounds.join(", "));
-            let mend = "shorter with smaller timeout_s and dwell_s, and more points without \
+            let help = "shorter with smaller timeout_s and dwell_s, and more points without \
                 protection intervals";
-            self.report.problems.push(Problem::note(message).mend(mend));
+            self.report.problems.push(Problem::note(message).help(help));
         }
     }
 }

@@ -27,8 +27,8 @@ impl Lowering<'_> {
             if frame.productions.len() > limits::MAX_ALTERNATIVES {
                 let (limit, count) = (limits::MAX_ALTERNATIVES, frame.productions.len());
                 let message = format!("a frame has at most {limit} productions, this one {count}");
-                let mend = "put some of them into a frame of their own";
-                self.report.error(message, &frame.name.span, "this frame", mend);
+                let help = "put some of them into a frame of their own";
+                self.report.error(message, &frame.name.span, "this frame", help);
             }
             for production in &frame.productions {
                 self.production(production);
@@ -108,8 +108,8 @@ impl Lowering<'_> {
             let fact = self.syntax.facts.iter().find(|fact| fact.name.value == name.value);
             if fact.is_some_and(|fact| !matches!(fact.kind, FactSyntax::Symbol { .. })) {
                 let message = format!("`{}` is sensed and cannot be added", name.as_str());
-                let mend = "put it into `goal`: it has to hold at the end";
-                self.report.error(message, &name.span, "only symbols can", mend);
+                let help = "put it into `goal`: it has to hold at the end";
+                self.report.error(message, &name.span, "only symbols can", help);
             }
             bits |= bit;
         }

@@ -32,7 +32,7 @@ impl Lowering<'_> {
 
     /// `on field and not stuck from forward to back`
     fn by_hand(&mut self, production: &syntax::Production, text: &Text) -> Option<Interval> {
-        const MEND: &str = "write FACT from COMPONENT to COMPONENT, in quotes where names hold \
+        const HELP: &str = "write FACT from COMPONENT to COMPONENT, in quotes where names hold \
             `from` or `to`";
         let readings = self.readings(&production.graph, text);
         let (literals, from, to) = match readings.as_slice() {
@@ -40,19 +40,19 @@ impl Lowering<'_> {
             [] => {
                 let label = self.why_unreadable(&production.graph, text);
                 let message = format!("`{}` is not a protection interval", text.as_str());
-                self.report.error(message, &text.span, &label, MEND);
+                self.report.error(message, &text.span, &label, HELP);
                 return None;
             }
             _ => {
                 let message = format!("`{}` can be read in several ways", text.as_str());
-                self.report.error(message, &text.span, "ambiguous", MEND);
+                self.report.error(message, &text.span, "ambiguous", HELP);
                 return None;
             }
         };
         if from >= to || !production.graph.leads(from, to) {
             let message = format!("`{}` protects nothing", text.as_str());
-            let mend = "let it begin at a component that comes before the one where it ends";
-            self.report.error(message, &text.span, "ends before it begins", mend);
+            let help = "let it begin at a component that comes before the one where it ends";
+            self.report.error(message, &text.span, "ends before it begins", help);
             return None;
         }
         let condition = self.condition(&literals);

@@ -2,7 +2,7 @@
 
 use crate::cli::RouteFormat;
 use crate::commands::Failure;
-use crate::commands::render::mend;
+use crate::commands::render::help;
 use maps::Point;
 use maps::numbers::{metres, pair};
 use maps::problem::Problem;
@@ -35,7 +35,7 @@ pub(super) fn write(
     let followed = route::follow(blob.grid(), layer, parallel.goal_m(), start);
     let route = followed.map_err(|reason| {
         let message = format!("{name} has no route from {}: {reason}", pair(start));
-        Problem::error(message).mend(mend(reason))
+        Problem::error(message).help(help(reason))
     })?;
     match format {
         RouteFormat::Json => {
@@ -47,7 +47,7 @@ pub(super) fn write(
         RouteFormat::Csv => write_table(out, blob, &route)?,
         RouteFormat::Geojson => {
             let line = line(blob, &route).ok_or_else(|| {
-                Problem::error("the plans have no place on the globe, which GeoJSON needs").mend(
+                Problem::error("the plans have no place on the globe, which GeoJSON needs").help(
                     "write --format json or csv, or give the map a reference: GLOBAL_REF_POINT in \
                      an overlay",
                 )

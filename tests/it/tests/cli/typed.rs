@@ -1,4 +1,4 @@
-//! What people type, and the one line that mends it.
+//! What people type, and the one line that fixes it.
 
 use super::{Run, YARD, check, golden};
 use serde_json::Value;

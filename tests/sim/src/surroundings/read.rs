@@ -1,4 +1,4 @@
-//! Reads a world file: what was understood, and every mistake with its place and how to mend it.
+//! Reads a world file: what was understood, and every mistake with its place and how to fix it.
 
 use super::{Field, Leak, Surroundings, Tank, Work};
 use crate::Point;
@@ -53,8 +53,8 @@ pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option
     let world = match Document::parse(source.text.as_str()) {
         Ok(document) => reader.world(document.as_table()),
         Err(error) => {
-            let mend = "each line is `key = value`, `[section]` or `# comment`";
-            reader.error("this is not TOML", error.span().unwrap_or(0..0), error.message(), mend);
+            let help = "each line is `key = value`, `[section]` or `# comment`";
+            reader.error("this is not TOML", error.span().unwrap_or(0..0), error.message(), help);
             None
         }
     };
@@ -90,8 +90,8 @@ impl Section<'_> {
 }
 
 impl Reader<'_> {
-    fn error(&mut self, message: impl Into<String>, at: Range<usize>, label: &str, mend: &str) {
-        self.problems.push(Problem::error(message).at(self.source, at, label).mend(mend));
+    fn error(&mut self, message: impl Into<String>, at: Range<usize>, label: &str, help: &str) {
+        self.problems.push(Problem::error(message).at(self.source, at, label).help(help));
     }
 
     fn world(&mut self, table: &dyn TableLike) -> Option<Surroundings> {
@@ -129,8 +129,8 @@ impl Reader<'_> {
         let mut found = BTreeMap::new();
         let Some((item, at)) = top.get(key) else { return found };
         let Some(tables) = item.as_table_like() else {
-            let mend = format!("write [{key}.NAME] and its keys below it");
-            self.error(format!("`{key}` must be tables"), at, "this is none", &mend);
+            let help = format!("write [{key}.NAME] and its keys below it");
+            self.error(format!("`{key}` must be tables"), at, "this is none", &help);
             return found;
         };
         for (name, item) in tables.iter() {
@@ -142,8 +142,8 @@ impl Reader<'_> {
                     found.extend(read(self, &section).map(|value| (name.to_owned(), value)));
                 }
                 None => {
-                    let mend = format!("write [{path}] and its keys below it");
-                    self.error(format!("`{path}` must be a table"), at, "this is none", &mend);
+                    let help = format!("write [{path}] and its keys below it");
+                    self.error(format!("`{path}` must be a table"), at, "this is none", &help);
                 }
             }
         }
@@ -181,8 +181,8 @@ impl Reader<'_> {
     fn leak(&mut self, tank: &Section<'_>, item: &Item, at: Range<usize>) -> Option<Leak> {
         let path = format!("{}.leak", tank.path);
         let Some(table) = item.as_table_like() else {
-            let mend = "write leak = { after_m = 180, to = 0.1 }";
-            self.error(format!("`{path}` must be a table"), at, "this is none", mend);
+            let help = "write leak = { after_m = 180, to = 0.1 }";
+            self.error(format!("`{path}` must be a table"), at, "this is none", help);
             return None;
         };
         let leak = Section { table, path: &path, at: &at };
@@ -203,16 +203,16 @@ impl Reader<'_> {
     }
 
     fn strips(&mut self, field: &Section<'_>) -> Option<Vec<[Point; 2]>> {
-        const MEND: &str = "write strips = [[[10, 12], [10, 68]]]: each strip from its start to its \
+        const HELP: &str = "write strips = [[[10, 12], [10, 68]]]: each strip from its start to its \
                             end, two points that differ";
         let Some((item, at)) = field.get("strips") else {
-            self.missing(field, "strips", MEND);
+            self.missing(field, "strips", HELP);
             return None;
         };
         let list = item.as_array().filter(|list| !list.is_empty());
         let Some(list) = list else {
             let message = format!("{} must be a list of strips", field.key("strips"));
-            self.error(message, at, "this is none", MEND);
+            self.error(message, at, "this is none", HELP);
             return None;
         };
         let mut strips = Vec::new();
@@ -224,7 +224,7 @@ impl Reader<'_> {
                 _ => {
                     let here = strip.span().unwrap_or_else(|| at.clone());
                     let message = format!("a strip of {} is wrong", field.key("strips"));
-                    self.error(message, here, "not from one point to another", MEND);
+                    self.error(message, here, "not from one point to another", HELP);
                 }
             }
         }
@@ -261,20 +261,20 @@ impl Reader<'_> {
 
     fn unknown_keys(&mut self, section: &Section<'_>, known: &[&str]) {
         for (key, _) in section.table.iter().filter(|(key, _)| !known.contains(key)) {
-            let mend = match nearest(key, known.iter().copied()) {
+            let help = match nearest(key, known.iter().copied()) {
                 Some(meant) => format!("did you mean `{meant}`?"),
                 None => format!("known here: {}", known.join(", ")),
             };
             let at = section.table.key(key).and_then(toml_edit::Key::span);
             let at = at.unwrap_or_else(|| section.at.clone());
             let message = format!("{} is not a key of a world", section.key(key));
-            self.error(message, at, "unknown key", &mend);
+            self.error(message, at, "unknown key", &help);
         }
     }
 
-    fn missing(&mut self, section: &Section<'_>, key: &str, mend: &str) {
+    fn missing(&mut self, section: &Section<'_>, key: &str, help: &str) {
         let message = format!("{} is missing", section.key(key));
-        self.error(message, section.at.clone(), "here", mend);
+        self.error(message, section.at.clone(), "here", help);
     }
 
     fn needed_number(
@@ -319,14 +319,14 @@ impl Reader<'_> {
     }
 
     fn needed_point(&mut self, section: &Section<'_>, key: &str) -> Option<Point> {
-        let mend = format!("write {key} = [X, Y] in the map's metres, x east, y north");
+        let help = format!("write {key} = [X, Y] in the map's metres, x east, y north");
         let Some((item, at)) = section.get(key) else {
-            self.missing(section, key, &mend);
+            self.missing(section, key, &help);
             return None;
         };
         let point = item.as_value().and_then(point_of);
         if point.is_none() {
-            self.error(format!("{} must be a point", section.key(key)), at, "this is none", &mend);
+            self.error(format!("{} must be a point", section.key(key)), at, "this is none", &help);
         }
         point
     }
@@ -354,7 +354,7 @@ mod tests {
         let world = parse(&source, &mut problems);
         assert_eq!(world.is_none(), !problems.is_empty());
         for problem in &problems {
-            assert!(problem.mend.is_some() && problem.place.is_some(), "{problem:?}");
+            assert!(problem.help.is_some() && problem.place.is_some(), "{problem:?}");
         }
         problems.iter().map(ToString::to_string).collect()
     }

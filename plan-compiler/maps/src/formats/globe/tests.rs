@@ -130,7 +130,7 @@ fn an_origin_that_is_given_stays_where_it_is() {
     }
     let refusal = |place: Place| {
         let problem = Plane::new(None, [place].into_iter(), origin).expect_err("too far");
-        format!("{}: {}", problem.message, problem.mend.unwrap_or_default())
+        format!("{}: {}", problem.message, problem.help.unwrap_or_default())
     };
     let far = "but a plan holds for 20 km: ";
     assert_eq!(

@@ -75,7 +75,7 @@ pub(super) struct TooMuch;
 impl TooMuch {
     pub(super) const MESSAGE: &str =
         "it holds more than a robot's map needs: beyond 1 GiB of memory";
-    pub(super) const MEND: &str =
+    pub(super) const HELP: &str =
         "cut out a smaller part: `osmium extract --bbox WEST,SOUTH,EAST,NORTH --strategy smart`";
 }
 

@@ -41,7 +41,7 @@ pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option
     }
     if let Some(remark) = remark {
         let message = format!("the server remarks: {remark}");
-        problems.push(Problem::warning(message).mend("fetch it again, or a smaller part"));
+        problems.push(Problem::warning(message).help("fetch it again, or a smaller part"));
     }
     if off_the_globe > 0 {
         let message = format!("{off_the_globe} nodes are off the globe; they are left out");
@@ -52,13 +52,13 @@ pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option
 
 fn refused(source: &Arc<Source>, error: &serde_json::Error) -> Problem {
     let reason = json::reason_of(error);
-    let mend = match reason == TooMuch::MESSAGE {
-        true => TooMuch::MEND,
+    let help = match reason == TooMuch::MESSAGE {
+        true => TooMuch::HELP,
         false => "check whether it was cut off, and fetch it again; `[out:xml]` is read as well",
     };
     let at = json::place_of(&source.text, error);
     let message = format!("this is no answer of Overpass: {reason}");
-    Problem::error(message).at(source, at..at, "here").mend(mend)
+    Problem::error(message).at(source, at..at, "here").help(help)
 }
 
 struct Answer<'b> {

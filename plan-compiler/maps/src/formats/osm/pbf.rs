@@ -29,15 +29,15 @@ const MAX_STRINGS: usize = 1 << 20;
 /// How blocks may be compressed that are not read, by their field.
 const COMPRESSIONS: [(u64, &str); 4] = [(4, "lzma"), (5, "bzip2"), (6, "lz4"), (7, "zstd")];
 
-/// Why a file cannot be read, and how to mend it.
+/// Why a file cannot be read, and how to fix it.
 struct Reason {
     message: String,
-    mend: &'static str,
+    help: &'static str,
 }
 
 impl Reason {
-    fn new(message: impl Into<String>, mend: &'static str) -> Self {
-        Self { message: message.into(), mend }
+    fn new(message: impl Into<String>, help: &'static str) -> Self {
+        Self { message: message.into(), help }
     }
 }
 
@@ -52,7 +52,7 @@ impl From<Damaged> for Reason {
 
 impl From<TooMuch> for Reason {
     fn from(_: TooMuch) -> Self {
-        Self::new(TooMuch::MESSAGE, TooMuch::MEND)
+        Self::new(TooMuch::MESSAGE, TooMuch::HELP)
     }
 }
 
@@ -74,9 +74,9 @@ pub(super) fn parse_within(
     budget: usize,
 ) -> Result<(Extract, Vec<Problem>), Problem> {
     let mut reader = Reader { builder: Builder::new(budget), off_the_globe: 0, has_header: false };
-    if let Err(Reason { message, mend }) = reader.file(bytes) {
+    if let Err(Reason { message, help }) = reader.file(bytes) {
         let name = path.display();
-        return Err(Problem::error(format!("{name} cannot be read: {message}")).mend(mend));
+        return Err(Problem::error(format!("{name} cannot be read: {message}")).help(help));
     }
     let count = reader.off_the_globe;
     let warning = (count > 0)
@@ -127,7 +127,7 @@ impl Reader {
             if total > MAX_TOTAL_BYTES {
                 let limit = MAX_TOTAL_BYTES >> 30;
                 let message = format!("its blocks unpack to more than {limit} GiB");
-                return Err(Reason::new(message, TooMuch::MEND));
+                return Err(Reason::new(message, TooMuch::HELP));
             }
             match kind {
                 b"OSMHeader" => self.header(&block)?,
@@ -156,8 +156,8 @@ impl Reader {
                         let feature = feature.chars().filter(|c| !c.is_control()).take(40);
                         let feature: String = feature.collect();
                         let message = format!("it needs a reader that understands {feature}");
-                        let mend = "write it anew as a plain extract: `osmium cat -o out.osm.pbf`";
-                        return Err(Reason::new(message, mend));
+                        let help = "write it anew as a plain extract: `osmium cat -o out.osm.pbf`";
+                        return Err(Reason::new(message, help));
                     }
                 }
                 _ => {}
@@ -415,8 +415,8 @@ fn unpack(blob: &[u8]) -> Result<Vec<u8>, Reason> {
             (number, _) => {
                 if let Some((_, kind)) = COMPRESSIONS.iter().find(|(field, _)| *field == number) {
                     let message = format!("it is compressed with {kind}, which is not read");
-                    let mend = "write it anew with zlib: `osmium cat IN.osm.pbf -o out.osm.pbf`";
-                    return Err(Reason::new(message, mend));
+                    let help = "write it anew with zlib: `osmium cat IN.osm.pbf -o out.osm.pbf`";
+                    return Err(Reason::new(message, help));
                 }
             }
         }

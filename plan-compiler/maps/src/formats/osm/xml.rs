@@ -143,8 +143,8 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn error(&mut self, message: String, span: Range<usize>, label: &str, mend: &str) {
-        self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
+    fn error(&mut self, message: String, span: Range<usize>, label: &str, help: &str) {
+        self.problems.push(Problem::error(message).at(self.source, span, label).help(help));
     }
 
     fn file(&mut self) -> Result<(), Refused> {
@@ -193,8 +193,8 @@ impl<'a> Reader<'a> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
             let message = format!("elements are nested deeper than {MAX_DEPTH}");
-            let mend = "no extract is; check that this is the file you mean";
-            self.error(message, element.span, "here", mend);
+            let help = "no extract is; check that this is the file you mean";
+            self.error(message, element.span, "here", help);
             return Err(Refused);
         }
         if self.problems.len() > MAX_PROBLEMS {
@@ -208,12 +208,12 @@ impl<'a> Reader<'a> {
     }
 
     fn too_much(&mut self, span: Range<usize>) -> Result<(), Refused> {
-        self.error(TooMuch::MESSAGE.into(), span, "up to here", TooMuch::MEND);
+        self.error(TooMuch::MESSAGE.into(), span, "up to here", TooMuch::HELP);
         Err(Refused)
     }
 
     fn root(&mut self, root: &Element<'_>) -> Result<(), Refused> {
-        let (message, mend) = match root.name {
+        let (message, help) = match root.name {
             "osm" => return Ok(()),
             "osmChange" | "osmAugmentedDiff" => (
                 "the file is a list of changes (.osc), not a map",
@@ -228,7 +228,7 @@ impl<'a> Reader<'a> {
                 "save the data as .osm; other files are no maps",
             ),
         };
-        self.error(message.into(), root.span.clone(), "not <osm>", mend);
+        self.error(message.into(), root.span.clone(), "not <osm>", help);
         Err(Refused)
     }
 
@@ -344,8 +344,8 @@ impl<'a> Reader<'a> {
         let kind = element.name;
         let Some(text) = element.get(name) else {
             let label = format!("add {name}=\"...\"");
-            let mend = "save or fetch the file again; editors and servers always write it";
-            self.error(format!("<{kind}> has no {name}"), element.span.clone(), &label, mend);
+            let help = "save or fetch the file again; editors and servers always write it";
+            self.error(format!("<{kind}> has no {name}"), element.span.clone(), &label, help);
             return None;
         };
         let number = text.trim().parse().ok();
@@ -368,9 +368,9 @@ impl<'a> Reader<'a> {
         let place = GeoPoint::from_degrees(lat?, lon?);
         if place.is_none() {
             let id = element.get("id").unwrap_or_default();
-            let mend = "latitudes are -90 to 90 degrees, longitudes -180 to 180";
+            let help = "latitudes are -90 to 90 degrees, longitudes -180 to 180";
             let message = format!("node {id} is off the globe");
-            self.error(message, element.span.clone(), "this node", mend);
+            self.error(message, element.span.clone(), "this node", help);
         }
         place
     }
@@ -398,8 +398,8 @@ impl<'a> Reader<'a> {
             Some(bounds) => self.builder.bounds(bounds),
             None => {
                 let span = element.span.clone();
-                let mend = "minlat and minlon are its south-west corner, in degrees";
-                self.error("the bounds are no box on the globe".into(), span, "these", mend);
+                let help = "minlat and minlon are its south-west corner, in degrees";
+                self.error("the bounds are no box on the globe".into(), span, "these", help);
             }
         }
     }
@@ -409,7 +409,7 @@ impl<'a> Reader<'a> {
         self.problems.push(
             Problem::warning(format!("the server remarks: {text}"))
                 .at(self.source, span, "the file may not be whole")
-                .mend("fetch it again, or a smaller part"),
+                .help("fetch it again, or a smaller part"),
         );
     }
 }

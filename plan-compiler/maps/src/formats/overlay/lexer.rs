@@ -100,7 +100,7 @@ impl Lexer<'_> {
         self.problems.push(
             Problem::error("a quoted name has no end")
                 .at(self.source, self.at..self.at + written, "no second quote on this line")
-                .mend("close the name with \" on the same line"),
+                .help("close the name with \" on the same line"),
         );
         self.push(Kind::Broken, line.len());
     }
@@ -118,7 +118,7 @@ impl Lexer<'_> {
                 self.problems.push(
                     Problem::error(format!("{} is not a number", &rest[..ugly]))
                         .at(self.source, self.at..self.at + ugly, label)
-                        .mend("write a number as 12, -0.5 or 1.2e3"),
+                        .help("write a number as 12, -0.5 or 1.2e3"),
                 );
                 self.push(Kind::Broken, ugly);
             }
@@ -133,7 +133,7 @@ impl Lexer<'_> {
         let length = first + rest[first..].find(known).unwrap_or(rest.len() - first);
         self.unknown += 1;
         if self.unknown <= MAX_UNKNOWN_REPORTED {
-            let mend = match rest.as_bytes()[0] {
+            let help = match rest.as_bytes()[0] {
                 b'#' => "begin comments with -- instead",
                 b'\'' => "put names in double quotes",
                 _ => "remove it, or put the name that it belongs to in quotes",
@@ -141,7 +141,7 @@ impl Lexer<'_> {
             self.problems.push(
                 Problem::warning(format!("{:?} means nothing here", &rest[..length]))
                     .at(self.source, self.at..self.at + length, "skipped")
-                    .mend(mend),
+                    .help(help),
             );
         }
         self.at += length;
@@ -167,7 +167,7 @@ impl Lexer<'_> {
             self.problems.push(
                 Problem::error("the resolution must be above zero")
                     .at(self.source, self.at..self.at + comment.trim_end().len(), "metres per cell")
-                    .mend("write for example --RESOLUTION 1.0"),
+                    .help("write for example --RESOLUTION 1.0"),
             );
         }
     }

@@ -67,13 +67,13 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn error(&mut self, message: &str, span: &Range<usize>, label: &str, mend: &str) {
-        let problem = Problem::error(message).at(self.source, span.clone(), label).mend(mend);
+    fn error(&mut self, message: &str, span: &Range<usize>, label: &str, help: &str) {
+        let problem = Problem::error(message).at(self.source, span.clone(), label).help(help);
         self.problems.push(problem);
     }
 
-    fn warn(&mut self, message: String, span: &Range<usize>, label: &str, mend: &str) {
-        let problem = Problem::warning(message).at(self.source, span.clone(), label).mend(mend);
+    fn warn(&mut self, message: String, span: &Range<usize>, label: &str, help: &str) {
+        let problem = Problem::warning(message).at(self.source, span.clone(), label).help(help);
         self.problems.push(problem);
     }
 
@@ -183,7 +183,7 @@ impl Reader<'_> {
         if apart([lat, lon]) <= FAR_APART_DEG {
             return;
         }
-        let mend = if apart([lon, lat]) <= FAR_APART_DEG {
+        let help = if apart([lon, lat]) <= FAR_APART_DEG {
             format!("the two are swapped, it seems: write GLOBAL_REF_POINT {lon} {lat}")
         } else {
             "latitude comes first; west and south are negative".into()
@@ -194,7 +194,7 @@ impl Reader<'_> {
                  latitude {}, longitude {}",
                 theirs[0], theirs[1]
             ))
-            .mend(mend),
+            .help(help),
         );
     }
 
@@ -218,7 +218,7 @@ impl Reader<'_> {
         if !self.seen.iter().any(|(keyword, _)| *keyword == Keyword::MissionArea) {
             self.problems.push(
                 Problem::note("there is no MISSION-AREA; 1000 m by 1000 m are assumed")
-                    .mend("write MISSION-AREA width height above CONTROL MEASURES:"),
+                    .help("write MISSION-AREA width height above CONTROL MEASURES:"),
             );
         }
     }

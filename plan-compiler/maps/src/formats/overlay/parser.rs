@@ -78,7 +78,7 @@ pub(super) fn parse(
         problems.push(
             Problem::error("CONTROL MEASURES: is missing")
                 .at(source, last, "the file ends after this")
-                .mend("write CONTROL MEASURES: on a line of its own, then walls and points"),
+                .help("write CONTROL MEASURES: on a line of its own, then walls and points"),
         );
     }
     statements
@@ -160,7 +160,7 @@ impl<'a> Parser<'a> {
         self.problems.push(
             Problem::error(format!("{statement} lacks its {what}"))
                 .at(self.source, span, format!("expected the {what}, found {found}"))
-                .mend(format!("write {statement} {usage}")),
+                .help(format!("write {statement} {usage}")),
         );
     }
 
@@ -190,7 +190,7 @@ impl Parser<'_> {
         self.problems.push(
             Problem::error(format!("{word} stands before CONTROL MEASURES:"))
                 .at(self.source, token.span.clone(), "the first control measure")
-                .mend("write CONTROL MEASURES: on the line above it"),
+                .help("write CONTROL MEASURES: on the line above it"),
         );
     }
 
@@ -199,7 +199,7 @@ impl Parser<'_> {
         self.problems.push(
             Problem::error(format!("{word} stands after CONTROL MEASURES:"))
                 .at(self.source, token.span.clone(), "describes the whole map")
-                .mend(format!("move {word} above CONTROL MEASURES:")),
+                .help(format!("move {word} above CONTROL MEASURES:")),
         );
     }
 
@@ -213,11 +213,11 @@ impl Parser<'_> {
                 // Of a flood of mistakes the last are not shown, and looking takes time.
                 let is_shown = self.problems.len() < MAX_PROBLEMS;
                 let meant = if is_shown { nearest_keyword(word) } else { None };
-                let mend = match meant {
+                let help = match meant {
                     Some(keyword) => format!("did you mean {keyword}?"),
                     None => "remove it, or put -- in front to make it a comment".into(),
                 };
-                Some((format!("{word} is not a keyword"), mend))
+                Some((format!("{word} is not a keyword"), help))
             }
             Kind::Quoted | Kind::Number(_) => Some((
                 format!("{word} belongs to no statement"),
@@ -225,10 +225,10 @@ impl Parser<'_> {
                     .into(),
             )),
         };
-        if let Some((message, mend)) = problem {
+        if let Some((message, help)) = problem {
             let label = "expected a keyword such as WALL or PP";
             self.problems.push(
-                Problem::error(message).at(self.source, token.span.clone(), label).mend(mend),
+                Problem::error(message).at(self.source, token.span.clone(), label).help(help),
             );
         }
         self.next += 1;
@@ -308,7 +308,7 @@ impl Parser<'_> {
                 self.problems.push(
                     Problem::error(format!("{text} is a keyword and cannot be a bare name"))
                         .at(self.source, token.span.clone(), format!("the name of {written}"))
-                        .mend(format!("put it in quotes: \"{text}\"")),
+                        .help(format!("put it in quotes: \"{text}\"")),
                 );
                 self.next += 1;
                 Some(text.into())
@@ -322,7 +322,7 @@ impl Parser<'_> {
                 self.problems.push(
                     Problem::error(format!("{whole} is not a name"))
                         .at(self.source, span, "a bare name begins with a letter")
-                        .mend(format!("put it in quotes: \"{whole}\"")),
+                        .help(format!("put it in quotes: \"{whole}\"")),
                 );
                 None
             }
@@ -342,7 +342,7 @@ impl Parser<'_> {
             self.problems.push(
                 Problem::warning(format!("{written} lacks its {what}"))
                     .at(self.source, last, format!("expected the {what} after this"))
-                    .mend(format!("add a {what}, which MissionLab asks for; planning does not")),
+                    .help(format!("add a {what}, which MissionLab asks for; planning does not")),
             );
         }
     }
@@ -416,7 +416,7 @@ impl Parser<'_> {
                 self.problems.push(
                     Problem::error(format!("{written} has an odd number of coordinates"))
                         .at(self.source, start, "this x has no y")
-                        .mend(format!("write {written} {usage}")),
+                        .help(format!("write {written} {usage}")),
                 );
             }
             return None;

@@ -69,12 +69,12 @@ pub(super) fn read(
     (name, span): &(String, Range<usize>),
 ) -> Result<Grey, Problem> {
     let path = path_of(yaml, name);
-    let wrong = |message: String, mend: String| {
-        Problem::error(message).at(source, span.clone(), "this image").mend(mend)
+    let wrong = |message: String, help: String| {
+        Problem::error(message).at(source, span.clone(), "this image").help(help)
     };
     let bytes = read_bytes(&path).map_err(|problem| {
-        let mend = moved(yaml, &path).or_else(|| others(yaml)).or(problem.mend);
-        wrong(problem.message, mend.unwrap_or_default())
+        let help = moved(yaml, &path).or_else(|| others(yaml)).or(problem.help);
+        wrong(problem.message, help.unwrap_or_default())
     })?;
     decode(&bytes).map_err(|reason| {
         let message = format!("{} is no image that can be read: {reason}", path.display());
@@ -167,7 +167,7 @@ pub(crate) fn refuse_alone(path: &Path, bytes: &[u8]) -> Option<Problem> {
     }
     let problem = Problem::error(format!("{} is an image without a scale", path.display()));
     let yaml = path.with_extension("yaml");
-    Some(problem.mend(if yaml.exists() {
+    Some(problem.help(if yaml.exists() {
         format!("name the file that describes it: {}", yaml.display())
     } else {
         "name the YAML file that goes with it: image, resolution, origin, thresholds".into()

@@ -43,7 +43,7 @@ const OCCUPIED_THRESH: f64 = 0.65;
 /// What map_saver writes.
 const FREE_THRESH: f64 = 0.196;
 
-const MEND: &str = "a map's file has a line `key: value` each: image, resolution, origin, ...";
+const HELP: &str = "a map's file has a line `key: value` each: image, resolution, origin, ...";
 const OTHER_YAML: &str = "name the file that map_saver wrote: it has lines `image:`, \
                           `resolution:` and `origin:`; a file of parameters may name it as \
                           `yaml_filename`";
@@ -95,7 +95,7 @@ pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Settin
     let mut reader = Reader { source, problems, starts: character_starts(&text) };
     if let Some(at) = too_much(&text) {
         let at = reader.byte(at);
-        reader.error("this is no map's YAML file".into(), at..at, "it goes on and on", MEND);
+        reader.error("this is no map's YAML file".into(), at..at, "it goes on and on", HELP);
         return settings;
     }
     let documents = MarkedYaml::load_from_str(&text);
@@ -103,7 +103,7 @@ pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Settin
     match document {
         Err(error) => {
             let at = reader.byte(error.marker().index());
-            reader.error(format!("this is not YAML: {}", error.info()), at..at, "here", MEND);
+            reader.error(format!("this is not YAML: {}", error.info()), at..at, "here", HELP);
         }
         Ok(Some(MarkedYaml { data: YamlData::Mapping(pairs), .. })) => {
             let pairs: Vec<Pair<'_>> =
@@ -117,7 +117,7 @@ pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Settin
             }
         }
         Ok(_) => {
-            reader.error("the file holds no `key: value` lines".into(), 0..0, "", MEND);
+            reader.error("the file holds no `key: value` lines".into(), 0..0, "", HELP);
         }
     }
     settings
@@ -139,8 +139,8 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn error(&mut self, message: String, span: Range<usize>, label: &str, mend: &str) {
-        self.problems.push(Problem::error(message).at(self.source, span, label).mend(mend));
+    fn error(&mut self, message: String, span: Range<usize>, label: &str, help: &str) {
+        self.problems.push(Problem::error(message).at(self.source, span, label).help(help));
     }
 
     /// The parser counts characters.
@@ -187,8 +187,8 @@ impl Reader<'_> {
                         "it is not read",
                     );
                     self.problems.push(match nearest(other, KEYS.into_iter()) {
-                        Some(meant) => warning.mend(format!("did you mean `{meant}`?")),
-                        None => warning.mend(format!("the keys are: {}", KEYS.join(", "))),
+                        Some(meant) => warning.help(format!("did you mean `{meant}`?")),
+                        None => warning.help(format!("the keys are: {}", KEYS.join(", "))),
                     });
                 }
             }
@@ -202,7 +202,7 @@ impl Reader<'_> {
         for (key, example) in needed.into_iter().filter(|(key, _)| find(key).is_none()) {
             self.problems.push(
                 Problem::error(format!("the file gives no `{key}`"))
-                    .mend(format!("add a line, for example `{example}`")),
+                    .help(format!("add a line, for example `{example}`")),
             );
         }
         let assumed =
@@ -210,13 +210,13 @@ impl Reader<'_> {
         for (key, value) in assumed.into_iter().filter(|(key, _)| find(key).is_none()) {
             self.problems.push(
                 Problem::warning(format!("the file gives no `{key}`; {value} is assumed"))
-                    .mend(format!("add a line `{key}: {value}`")),
+                    .help(format!("add a line `{key}: {value}`")),
             );
         }
         if settings.free_thresh >= settings.occupied_thresh {
             let pair = find("free_thresh").or_else(|| find("occupied_thresh"));
             let (free, occupied) = (settings.free_thresh, settings.occupied_thresh);
-            let mend = if free > occupied {
+            let help = if free > occupied {
                 "if the two are swapped, swap them; map_saver writes occupied_thresh: 0.65 and \
                  free_thresh: 0.196"
             } else {
@@ -226,7 +226,7 @@ impl Reader<'_> {
                 format!("free_thresh {free} is not below occupied_thresh {occupied}"),
                 pair.map_or(0..0, |pair| pair.span.clone()),
                 "a pixel cannot be both",
-                mend,
+                help,
             );
         }
     }
@@ -237,12 +237,12 @@ impl Reader<'_> {
                 Some((name.trim().to_owned(), pair.span.clone()))
             }
             _ => {
-                let mend = "write the image's name, for example `image: map.pgm`";
+                let help = "write the image's name, for example `image: map.pgm`";
                 self.error(
                     "`image` names no file".into(),
                     pair.span.clone(),
                     "a name is needed",
-                    mend,
+                    help,
                 );
                 None
             }
@@ -291,7 +291,7 @@ impl Reader<'_> {
             self.problems.push(
                 Problem::warning(format!("the yaw of `origin` is {yaw} rad, more than a turn"))
                     .at(self.source, pair.span.clone(), "x, y in metres and yaw in radians")
-                    .mend(format!("if these are degrees, write `origin: [{x}, {y}, {radians}]`")),
+                    .help(format!("if these are degrees, write `origin: [{x}, {y}, {radians}]`")),
             );
         }
         origin
@@ -301,7 +301,7 @@ impl Reader<'_> {
         self.problems.push(
             Problem::warning("the yaw of `origin` is not a number; 0 is assumed")
                 .at(self.source, pair.span.clone(), "the map was saved without its orientation")
-                .mend("write 0, or the yaw in radians, instead of nan"),
+                .help("write 0, or the yaw in radians, instead of nan"),
         );
     }
 
@@ -323,8 +323,8 @@ impl Reader<'_> {
             _ => None,
         };
         if negate.is_none() {
-            let mend = "write `negate: 0`, or 1 where white is occupied";
-            self.error("`negate` is neither 0 nor 1".into(), pair.span.clone(), "0 or 1", mend);
+            let help = "write `negate: 0`, or 1 where white is occupied";
+            self.error("`negate` is neither 0 nor 1".into(), pair.span.clone(), "0 or 1", help);
         }
         negate
     }
@@ -354,8 +354,8 @@ impl Reader<'_> {
             _ => None,
         };
         if mode.is_none() {
-            let mend = "write `mode: trinary`, `scale` or `raw`, or leave the line out";
-            self.error("the mode is unknown".into(), pair.span.clone(), "", mend);
+            let help = "write `mode: trinary`, `scale` or `raw`, or leave the line out";
+            self.error("the mode is unknown".into(), pair.span.clone(), "", help);
         }
         mode
     }

@@ -329,7 +329,7 @@ fn images_that_cannot_be_read_are_explained() {
 fn an_image_alone_is_no_map() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.pgm");
-    let message = |bytes: &[u8]| refuse_alone(&path, bytes).map(|problem| problem.mend.unwrap());
+    let message = |bytes: &[u8]| refuse_alone(&path, bytes).map(|problem| problem.help.unwrap());
     assert!(message(GREYS).unwrap().starts_with("name the YAML file that goes with it"));
     std::fs::write(folder.path().join("a.yaml"), YAML).unwrap();
     assert!(message(GREYS).unwrap().ends_with("a.yaml"));

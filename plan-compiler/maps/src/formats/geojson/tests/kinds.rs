@@ -132,11 +132,11 @@ fn systems_are_known_by_name_and_by_code() {
     ] {
         assert_eq!(obstacles(&map(&with(crs)).0), 1, "{crs}");
     }
-    let mend = "ogr2ogr -t_srs EPSG:4326";
-    says(&with(r#"{"type": "EPSG", "properties": {"code": 3857}}"#), &["in EPSG:3857", mend]);
+    let help = "ogr2ogr -t_srs EPSG:4326";
+    says(&with(r#"{"type": "EPSG", "properties": {"code": 3857}}"#), &["in EPSG:3857", help]);
     says(
         &with(r#"{"type": "name", "properties": {"name": "EPSG:32630"}}"#),
-        &["in EPSG:32630", mend],
+        &["in EPSG:32630", help],
     );
 }
 
