@@ -3,7 +3,7 @@
 //! Rows start on a word of their own, so that a row can be filled, compared and read 64
 //! cells at a time. Bits beyond the last column are always zero.
 
-use plan_format::Cell;
+use math::Cell;
 
 /// A set of cells; row 0 is in the south, the lowest bit of a word in the west.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]

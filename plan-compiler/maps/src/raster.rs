@@ -25,8 +25,8 @@ mod cells;
 
 use crate::bitmap::Bitmap;
 use crate::model::{CellMap, Feature, Map, Point, Shape};
+use math::Grid;
 use math::scalar::wide;
-use plan_format::Grid;
 
 /// Distance from a cell's edge below which rounding may decide, in cells. Positions of up to
 /// 16,384 cells keep steps of 4e-12.

@@ -4,7 +4,7 @@
 //! that is not UTF-8 is read as Latin-1 with a warning; binary files are refused.
 
 use crate::problem::{Problem, Source};
-use plan_format::limits;
+use math::grid;
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Largest input that is read, bytes: the largest grid at a byte a cell has room in it, twice.
 pub const MAX_FILE_BYTES: u64 = 512 << 20;
-const _: () = assert!(MAX_FILE_BYTES > (limits::MAX_SIDE_CELLS as u64).pow(2));
+const _: () = assert!(MAX_FILE_BYTES > (grid::MAX_SIDE_CELLS as u64).pow(2));
 
 /// Names in a folder that are looked at to suggest the one that was meant.
 const MAX_NAMES_LOOKED_AT: usize = 10_000;

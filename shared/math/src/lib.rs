@@ -12,8 +12,10 @@
 #![no_std]
 
 pub mod geodetic;
+pub mod grid;
 pub mod scalar;
 pub mod vector;
 
 pub use geodetic::{GeoPoint, MapFrame};
+pub use grid::{Cell, Direction, Grid};
 pub use vector::{Pose, Vec2};

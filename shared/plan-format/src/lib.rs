@@ -12,7 +12,6 @@
 mod blob;
 mod directory;
 mod error;
-pub mod grid;
 mod layer;
 pub mod layout;
 pub mod limits;
@@ -32,8 +31,8 @@ mod write;
 pub use blob::{Blob, ParallelPlan};
 pub use directory::{Counts, Origin};
 pub use error::BlobError;
-pub use grid::{Cell, Direction, Grid};
 pub use layer::{Answer, Layer, Step};
+pub use math::grid::{self, Cell, Direction, Grid};
 pub use names::is_name;
 pub use parameters::Parameters;
 pub use seal::{FORMAT_VERSION, MAGIC};

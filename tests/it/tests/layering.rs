@@ -22,7 +22,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("fuzzy", &["math", "plan-format"]),
     ("controller", &["advice", "behaviour", "math", "plan-format", "robot-io", "schemas"]),
     ("runtime", &["controller", "math", "plan-format", "robot-io"]),
-    ("maps", &["math", "plan-format"]),
+    ("maps", &["math"]),
     (
         "plan-compiler",
         &[

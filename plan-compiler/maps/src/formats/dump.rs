@@ -2,7 +2,7 @@
 
 use crate::model::{Map, NamedPoint, Point, Shape};
 use crate::problem::{Problem, draw};
-use plan_format::Cell;
+use math::Cell;
 use std::fmt::Write;
 
 /// Metres to the millimetre, without needless digits.

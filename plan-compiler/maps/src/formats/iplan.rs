@@ -10,7 +10,7 @@ use super::{FARTHEST_M, MAX_PROBLEMS};
 use crate::bitmap::Bitmap;
 use crate::model::{CellMap, Map, NamedPoint, Unknown};
 use crate::problem::{Problem, Source};
-use plan_format::limits;
+use math::grid;
 use std::iter::Peekable;
 use std::ops::Range;
 use std::sync::Arc;
@@ -180,7 +180,7 @@ impl<'a> Reader<'a> {
 
     fn side(&mut self, what: &str) -> Option<u32> {
         let line = self.field(what)?;
-        let (text, limit) = (self.text(&line), limits::MAX_SIDE_CELLS);
+        let (text, limit) = (self.text(&line), grid::MAX_SIDE_CELLS);
         let side = text.parse::<u32>().ok().filter(|side| (1..=limit).contains(side));
         if side.is_none() {
             let message = format!("{what} is `{text}`");
@@ -294,7 +294,7 @@ impl<'a> Reader<'a> {
     fn map(&mut self, begin: &Range<usize>) -> Option<NamedPoint> {
         let id = self.field("the name of the map");
         let (columns, rows) = (self.side("the size along x"), self.side("the size along y"));
-        let resolution = self.number("the resolution", limits::RESOLUTION_RANGE_M);
+        let resolution = self.number("the resolution", grid::RESOLUTION_RANGE_M);
         let span = self.lines.peek().cloned();
         let goal_range = (-FARTHEST_M, FARTHEST_M);
         let goal =

@@ -8,7 +8,8 @@ use super::lines::Lines;
 use crate::bitmap::Bitmap;
 use crate::model::{CellMap, Map, Unknown};
 use crate::problem::{Problem, Source};
-use plan_format::{Cell, limits};
+use math::Cell;
+use math::grid;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -121,7 +122,7 @@ impl Reader<'_> {
     }
 
     fn side(&mut self, name: &str, value: &str, line: Range<usize>) -> Option<u32> {
-        let limit = limits::MAX_SIDE_CELLS;
+        let limit = grid::MAX_SIDE_CELLS;
         let side = value.parse::<u32>().ok().filter(|side| (1..=limit).contains(side));
         if side.is_none() {
             self.error(

@@ -24,7 +24,7 @@ use crate::model::{CellMap, Map, Unknown};
 use crate::problem::{Problem, Source};
 use image::Grey;
 pub(super) use image::refuse_alone;
-use plan_format::Cell;
+use math::Cell;
 use settings::{Mode, Settings};
 use std::path::Path;
 use std::sync::Arc;
@@ -65,7 +65,7 @@ pub fn read(path: &Path, source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     };
     problems.extend(freed(&grey, &settings, source));
     let cells = cells(&grey, &settings, resolution_m, [origin[0], origin[1]]);
-    let limit = plan_format::limits::MAX_SIDE_CELLS;
+    let limit = math::grid::MAX_SIDE_CELLS;
     let Some((cells, boundary)) = turned(cells, origin[2], limit) else {
         problems.push(too_large_turned(&grey, limit));
         return (None, problems);

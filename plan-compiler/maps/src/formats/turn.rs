@@ -7,8 +7,8 @@
 
 use crate::bitmap::Bitmap;
 use crate::model::{CellMap, Point};
+use math::Cell;
 use math::scalar::wide;
-use plan_format::Cell;
 
 /// A turn that moves no cell's corner farther than this from a quarter turn, in cells, is one:
 /// 1.5708 is meant to be a right angle.

@@ -14,8 +14,8 @@
 use super::NOISE;
 use crate::bitmap::Bitmap;
 use crate::model::CellMap;
+use math::Grid;
 use math::scalar::wide;
-use plan_format::Grid;
 use std::ops::Range;
 
 /// Blocks what the blocked cells of a file, grown by `radius` cells of the grid, touch.
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
     use crate::model::{Map, Unknown};
     use crate::raster::{RasterOptions, rasterise};
-    use plan_format::Cell;
+    use math::Cell;
     use proptest::prelude::*;
 
     /// Cells from a picture, north up: `#` occupied, `?` unknown.

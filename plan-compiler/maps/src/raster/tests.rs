@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::model::{Extent, Role};
-use plan_format::Cell;
+use math::Cell;
 use proptest::prelude::*;
 
 const SIDE: u32 = 12;

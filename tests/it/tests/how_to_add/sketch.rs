@@ -4,7 +4,7 @@ use super::lines::Lines;
 use crate::bitmap::Bitmap;
 use crate::model::{CellMap, Map, Unknown};
 use crate::problem::{Problem, Source};
-use plan_format::Cell;
+use math::Cell;
 use std::sync::Arc;
 
 /// What `--help` says of this format.

@@ -5,7 +5,7 @@ mod pnm;
 use crate::problem::{Problem, Source};
 use crate::source::read_bytes;
 use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
-use plan_format::limits;
+use math::grid;
 use std::io::{Cursor, ErrorKind};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -105,8 +105,8 @@ fn decode(bytes: &[u8]) -> Result<Grey, String> {
         return Err("it is neither PGM, PNG nor BMP".into());
     }
     let mut bounds = Limits::default();
-    bounds.max_image_width = Some(limits::MAX_SIDE_CELLS);
-    bounds.max_image_height = Some(limits::MAX_SIDE_CELLS);
+    bounds.max_image_width = Some(grid::MAX_SIDE_CELLS);
+    bounds.max_image_height = Some(grid::MAX_SIDE_CELLS);
     bounds.max_alloc = Some(MAX_DECODED_BYTES);
     reader.limits(bounds);
     let is_pnm = reader.format() == Some(ImageFormat::Pnm);

@@ -1,7 +1,6 @@
 //! Cells, the grid they form, the eight directions, and integer costs.
 
-use crate::limits;
-use math::Vec2;
+use crate::Vec2;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
@@ -12,11 +11,19 @@ pub const STRAIGHT_STEP: u32 = 5741;
 /// Cost of a diagonal step.
 pub const DIAGONAL_STEP: u32 = 8119;
 
+/// Cells along one side of the largest grid.
+pub const MAX_SIDE_CELLS: u32 = 16_384;
+/// Smallest and largest side of a cell, metres.
+pub const RESOLUTION_RANGE_M: (f64, f64) = (0.001, 1_000.0);
+/// Farthest coordinate of a grid from the map's origin, metres. Single-precision positions keep a
+/// step of 8 mm there.
+pub const MAX_COORDINATE_M: f64 = 100_000.0;
+
 /// A cost-to-goal in metres: `resolution x (a + b sqrt 2)` for a cost of
 /// `a` straight and `b` diagonal steps.
 ///
 /// ```
-/// use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP, cost_metres};
+/// use math::grid::{DIAGONAL_STEP, STRAIGHT_STEP, cost_metres};
 /// // Three steps straight and one diagonally, in cells of half a metre.
 /// let cost_m = cost_metres(3 * STRAIGHT_STEP + DIAGONAL_STEP, 0.5);
 /// assert!((cost_m - 0.5 * (3.0 + 2.0_f64.sqrt())).abs() < 1e-7);
@@ -189,9 +196,9 @@ impl Cell {
 /// Where the cells lie: `cell = floor((position - corner) / resolution)`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Grid {
-    /// Cells from west to east, 1 ..= [`limits::MAX_SIDE_CELLS`].
+    /// Cells from west to east, 1 ..= [`MAX_SIDE_CELLS`].
     pub columns: u32,
-    /// Cells from south to north, 1 ..= [`limits::MAX_SIDE_CELLS`].
+    /// Cells from south to north, 1 ..= [`MAX_SIDE_CELLS`].
     pub rows: u32,
     /// Side of a cell, metres.
     pub resolution_m: f64,
@@ -202,16 +209,15 @@ pub struct Grid {
 impl Grid {
     /// Whether every number is within its limit.
     pub fn is_valid(&self) -> bool {
-        let side = 1..=limits::MAX_SIDE_CELLS;
+        let side = 1..=MAX_SIDE_CELLS;
         let reach = |corner: f64, cells: u32| {
             corner.abs().max((corner + f64::from(cells) * self.resolution_m).abs())
         };
         side.contains(&self.columns)
             && side.contains(&self.rows)
-            && (limits::RESOLUTION_RANGE_M.0..=limits::RESOLUTION_RANGE_M.1)
-                .contains(&self.resolution_m)
-            && reach(self.corner_m[0], self.columns) <= limits::MAX_COORDINATE_M
-            && reach(self.corner_m[1], self.rows) <= limits::MAX_COORDINATE_M
+            && (RESOLUTION_RANGE_M.0..=RESOLUTION_RANGE_M.1).contains(&self.resolution_m)
+            && reach(self.corner_m[0], self.columns) <= MAX_COORDINATE_M
+            && reach(self.corner_m[1], self.rows) <= MAX_COORDINATE_M
     }
 
     /// Number of cells.
@@ -227,8 +233,8 @@ impl Grid {
     /// The cell that holds a point of the map (metres); `None` off the map. Host precision;
     /// a robot asks its loaded plan, which works in single precision.
     pub fn cell_at(&self, x: f64, y: f64) -> Option<Cell> {
-        let column = math::scalar::wide::floor((x - self.corner_m[0]) / self.resolution_m);
-        let row = math::scalar::wide::floor((y - self.corner_m[1]) / self.resolution_m);
+        let column = crate::scalar::wide::floor((x - self.corner_m[0]) / self.resolution_m);
+        let row = crate::scalar::wide::floor((y - self.corner_m[1]) / self.resolution_m);
         let inside = (0.0..f64::from(self.columns)).contains(&column)
             && (0.0..f64::from(self.rows)).contains(&row);
         inside.then(|| Cell::new(column as u32, row as u32))
@@ -254,7 +260,7 @@ mod tests {
             let (dx, dy) = direction.step();
             assert_eq!(Direction::from_signs(dx * 7, dy * 7), Some(direction));
             assert_eq!(direction.reversed().step(), (-dx, -dy));
-            assert!((math::vector::length(direction.unit()) - 1.0).abs() < 1e-6);
+            assert!((crate::vector::length(direction.unit()) - 1.0).abs() < 1e-6);
         }
         assert_eq!(Direction::from_signs(0, 0), None);
     }
