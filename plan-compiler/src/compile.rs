@@ -11,10 +11,11 @@
 //!
 //! Deliberately absent: files and the command line.
 
+mod added;
 mod area;
 mod globe;
 mod goals;
-mod layers;
+
 mod memory;
 mod warnings;
 
@@ -22,12 +23,11 @@ pub use memory::{Need, gib};
 
 use crate::behaviours::{self, PlanNames, Plans};
 use crate::input::Input;
+use crate::layers::{Layer, Stack};
 use crate::pack::pack;
 use crate::recipe;
-use crate::search::{Corners, MAX_COST, Solver, is_cut_short};
+use crate::search::{Corners, MAX_COST, Query, Solver, is_cut_short};
 use goals::Placed;
-use layers::Level;
-use maps::Bitmap;
 use maps::Problem;
 use maps::numbers::metres;
 use maps::problem::has_errors;
@@ -75,15 +75,10 @@ pub fn origin(input: &Input<'_>) -> Option<Origin> {
     area::origin(input, &mut Vec::new())
 }
 
-/// The blocked cells of every layer of a map under a mission, by name, for proofs.
-pub fn blocked(
-    input: &Input<'_>,
-    grid: &Grid,
-    problems: &mut Vec<Problem>,
-) -> Option<Vec<(String, Bitmap)>> {
+/// The layers of a map under a mission, for proofs; `None` after an error.
+pub fn layers(input: &Input<'_>, grid: &Grid, problems: &mut Vec<Problem>) -> Option<Stack> {
     let radius = area::robot_radius(input, problems)?;
-    let levels = layers::levels(input, grid, radius, problems)?;
-    Some(levels.into_iter().map(|level| (level.name, level.blocked)).collect())
+    added::stack(input, grid, radius, problems)
 }
 
 /// Everything decided, nothing searched.
@@ -92,7 +87,7 @@ pub struct Prepared {
     origin: Option<Origin>,
     parameters: Parameters,
     corners: Corners,
-    levels: Vec<Level>,
+    stack: Stack,
     goals: Vec<Placed>,
     mission: MissionDraft,
     recipe: String,
@@ -118,32 +113,34 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
         problems.push(problem);
         return None;
     }
-    let levels = layers::levels(input, &grid, radius, problems)?;
-    if levels.first()?.blocked.count() == grid.cells() {
+    let stack = added::stack(input, &grid, radius, problems)?;
+    let layers = stack.layers();
+    let physical = &layers.first()?.terrain.blocked;
+    if physical.count() == grid.cells() {
         problems.push(no_free_cell(&grid, radius));
         return None;
     }
     problems.extend(warnings::of_cells(input, &grid));
-    problems.extend(warnings::nearly_blocked(input, &grid, radius, &levels[0].blocked));
-    let goals = goals::place(input, &grid, &levels, problems);
+    problems.extend(warnings::nearly_blocked(input, &grid, radius, physical));
+    let goals = goals::place(input, &grid, layers, problems);
     let plan = goals::followed(input, &goals, problems);
     let parameters =
         Parameters { plan, vehicle: vehicle(input, radius), ..input.mission.parameters };
     let corners = input.options.corners.or(input.mission.corners).unwrap_or(Corners::Forbid);
-    let plans = plan_names(&goals, &levels);
+    let plans = plan_names(&goals, layers);
     let mission = behaviours::compile(&input.mission.behaviours, &plans, problems)?;
-    let jobs = goals.iter().map(|goal| goal.levels.len()).sum();
+    let jobs = goals.iter().map(|goal| goal.layers.len()).sum();
     let threads = thread::available_parallelism().map_or(1, |threads| threads.get());
-    let need = Need::within(limit_bytes, &grid, levels.len(), jobs, threads)?;
+    let need = Need::within(limit_bytes, &grid, layers.len(), jobs, threads)?;
     let recipe = recipe::write(input, radius);
-    Some(Prepared { grid, origin, parameters, corners, levels, goals, mission, recipe, need })
+    Some(Prepared { grid, origin, parameters, corners, stack, goals, mission, recipe, need })
 }
 
 /// What behaviours may refer to by name.
-fn plan_names(goals: &[Placed], levels: &[Level]) -> Plans {
+fn plan_names(goals: &[Placed], all: &[Layer]) -> Plans {
     let layers = |goal: &Placed| {
-        let names = goal.levels.iter().filter_map(|&level| levels.get(level));
-        names.map(|level| level.name.clone()).collect()
+        let own = goal.layers.iter().filter_map(|&index| all.get(index));
+        own.map(|layer| layer.name.clone()).collect()
     };
     let plans =
         goals.iter().map(|goal| PlanNames { name: goal.name.clone(), layers: layers(goal) });
@@ -224,26 +221,28 @@ impl Prepared {
         progress: Progress<'_>,
         problems: &mut Vec<Problem>,
     ) -> Option<Vec<PlanDraft>> {
-        let jobs: Vec<(&Placed, &Level)> = self
+        let layers = self.stack.layers();
+        let jobs: Vec<(&Placed, &Layer)> = self
             .goals
             .iter()
-            .flat_map(|goal| goal.levels.iter().map(move |&level| (goal, &self.levels[level])))
+            .flat_map(|goal| goal.layers.iter().map(move |&index| (goal, &layers[index])))
             .collect();
         let steps = jobs.len() * STEPS_A_LAYER;
         progress(0, steps);
         let (done, bytes) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let solve = |solver: &mut Solver, &(goal, level): &(&Placed, &Level)| {
+        let solve = |solver: &mut Solver, &(goal, layer): &(&Placed, &Layer)| {
             if bytes.load(Ordering::Relaxed) > PACKED_BUDGET_BYTES {
                 return None;
             }
             let step = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, steps);
-            let field = solver.solve(&level.blocked, goal.cell, self.corners);
+            let query = Query { terrain: &layer.terrain, goal: goal.cell, corners: self.corners };
+            let field = solver.solve(&query);
             step();
-            let is_cut_short = is_cut_short(&level.blocked, self.corners, &field);
+            let is_cut_short = is_cut_short(&query, &field);
             let packed = pack(&field);
             bytes.fetch_add(packed.bytes(), Ordering::Relaxed);
             step();
-            Some((LayerDraft { name: level.name.clone(), packed }, is_cut_short))
+            Some((LayerDraft { name: layer.name.clone(), packed }, is_cut_short))
         };
         let solve_all = || jobs.par_iter().map_init(Solver::new, solve).collect::<Option<Vec<_>>>();
         // Without threads of its own (a machine that refuses them) rayon's shared ones serve.
@@ -253,12 +252,12 @@ impl Prepared {
             Err(_) => solve_all(),
         };
         let solved = solved?;
-        for ((goal, level), (_, is_cut_short)) in jobs.iter().zip(&solved) {
-            problems.extend(is_cut_short.then(|| too_far(&goal.name, &level.name, &self.grid)));
+        for ((goal, layer), (_, is_cut_short)) in jobs.iter().zip(&solved) {
+            problems.extend(is_cut_short.then(|| too_far(&goal.name, &layer.name, &self.grid)));
         }
         let mut left = solved.as_slice();
         for goal in &self.goals {
-            let (own, others) = left.split_at(goal.levels.len().min(left.len()));
+            let (own, others) = left.split_at(goal.layers.len().min(left.len()));
             let counts = own.iter().map(|(layer, _)| (layer.name.as_str(), layer.packed.counts()));
             problems.extend(warnings::few_reach(&goal.name, counts));
             left = others;
@@ -267,7 +266,7 @@ impl Prepared {
         let plans = self.goals.iter().map(|goal| PlanDraft {
             name: goal.name.clone(),
             goal_m: goal.at,
-            layers: solved.by_ref().take(goal.levels.len()).collect(),
+            layers: solved.by_ref().take(goal.layers.len()).collect(),
         });
         Some(plans.collect())
     }

@@ -67,7 +67,8 @@ pub fn follow(grid: &Grid, layer: &Layer<'_>, goal: Point, start: Point) -> Resu
 mod tests {
     use super::*;
     use crate::pack::pack;
-    use crate::search::{Corners, solve};
+    use crate::search::{Corners, Query, solve};
+    use crate::terrain::Terrain;
     use maps::Bitmap;
     use plan_format::{Blob, Cell, Draft, LayerDraft, Parameters, PlanDraft, write};
 
@@ -80,7 +81,11 @@ mod tests {
         let blocked = Bitmap::from_fn(columns, rows, |cell| at(cell) == b'#');
         let goal = Bitmap::from_fn(columns, rows, |cell| at(cell) == b'G').iter().next().unwrap();
         let grid = Grid { columns, rows, resolution_m: 0.5, corner_m: [10.0, 20.0] };
-        let packed = pack(&solve(&blocked, goal, Corners::Forbid));
+        let packed = pack(&solve(&Query {
+            terrain: &Terrain::new(blocked),
+            goal,
+            corners: Corners::Forbid,
+        }));
         let goal_m = grid.centre(goal);
         let layers = vec![LayerDraft { name: "physical".into(), packed }];
         let blob = write(&Draft {

@@ -32,9 +32,8 @@ mod shores;
 pub(crate) mod tiles;
 mod vectors;
 
-use maps::Bitmap;
-
 use crate::field::{self, Field};
+use crate::terrain::Terrain;
 use open::Passable;
 use plan_format::grid::DIAGONAL_STEP;
 use plan_format::{Cell, Direction};
@@ -69,20 +68,29 @@ pub const MAX_COST: u32 = 0xF000_0000;
 /// wide has none.
 const NARROW: u64 = 12;
 
-/// The field of one goal: the cost and the best first move of every cell that is not
-/// `blocked`, and the way out of every cell that is.
-///
-/// Where the goal is blocked or off the grid no cell has a route.
-pub fn solve(blocked: &Bitmap, goal: Cell, corners: Corners) -> Field {
-    Solver::new().solve(blocked, goal, corners)
+/// What is searched for: every way to one goal over one terrain.
+#[derive(Clone, Copy, Debug)]
+pub struct Query<'t> {
+    /// The ground.
+    pub terrain: &'t Terrain,
+    /// Where every route ends. Where it is blocked or off the grid, no cell has a route.
+    pub goal: Cell,
+    /// Whether diagonal steps may cut corners.
+    pub corners: Corners,
+}
+
+/// The field of one goal: the cost and the best first move of every free cell, and the way out of
+/// every blocked one.
+pub fn solve(query: &Query<'_>) -> Field {
+    Solver::new().solve(query)
 }
 
 /// Solves for one goal after another and keeps its buffers in between: on large maps fresh
 /// memory costs more than the search.
 #[derive(Debug, Default)]
 pub struct Solver {
-    /// The last map that was solved, and what is known of it: it may have several goals.
-    blocked: Bitmap,
+    /// The last terrain, and what is known of it: it may have several goals.
+    terrain: Terrain,
     open: Passable,
     suitable: Method,
     tiles: tiles::Tiles,
@@ -108,42 +116,30 @@ impl Solver {
     }
 
     /// As [`solve`].
-    pub fn solve(&mut self, blocked: &Bitmap, goal: Cell, corners: Corners) -> Field {
+    pub fn solve(&mut self, query: &Query<'_>) -> Field {
         let mut field = Field { columns: 0, rows: 0, cost: Vec::new(), code: Vec::new() };
-        self.solve_into(blocked, goal, corners, &mut field);
+        self.solve_into(query, &mut field);
         field
     }
 
     /// As [`solve`], into a field that is overwritten.
-    pub fn solve_into(
-        &mut self,
-        blocked: &Bitmap,
-        goal: Cell,
-        corners: Corners,
-        field: &mut Field,
-    ) {
-        self.routes_into(blocked, goal, corners, field);
-        escape::escape(&mut self.tiles, self.vectors, blocked, field);
+    pub fn solve_into(&mut self, query: &Query<'_>, field: &mut Field) {
+        self.routes_into(query, field);
+        escape::escape(&mut self.tiles, self.vectors, &query.terrain.blocked, field);
     }
 
     /// As [`solve`] without the ways out of blocked cells, into a field that is overwritten.
-    pub fn routes_into(
-        &mut self,
-        blocked: &Bitmap,
-        goal: Cell,
-        corners: Corners,
-        field: &mut Field,
-    ) {
-        field.columns = blocked.columns();
-        field.rows = blocked.rows();
-        let is_free = goal.column < field.columns && goal.row < field.rows && !blocked.get(goal);
-        let goal = is_free.then_some(goal);
+    pub fn routes_into(&mut self, query: &Query<'_>, field: &mut Field) {
+        let Query { terrain, goal, corners } = *query;
+        [field.columns, field.rows] = terrain.size();
+        let goal = terrain.is_free(goal).then_some(goal);
         let vectors = self.vectors;
-        if self.blocked != *blocked {
-            self.blocked.clone_from(blocked);
-            self.open.fill(blocked, false);
+        if self.terrain != *terrain {
+            self.terrain.clone_from(terrain);
+            self.open.fill(&terrain.blocked, false);
             self.suitable = suitable(&self.open, vectors);
         }
+        let blocked = &terrain.blocked;
         match self.method.unwrap_or(self.suitable) {
             Method::Tiles => {
                 self.tiles.search(&self.open, goal, corners, vectors);
@@ -164,7 +160,8 @@ fn suitable(open: &Passable, vectors: Vectors) -> Method {
 }
 
 /// Whether a free cell has no route only because it is farther away than [`MAX_COST`].
-pub fn is_cut_short(blocked: &Bitmap, corners: Corners, field: &Field) -> bool {
+pub fn is_cut_short(query: &Query<'_>, field: &Field) -> bool {
+    let Query { terrain, corners, .. } = *query;
     let cost = |cell: Cell| {
         let index = cell.row as usize * field.columns as usize + cell.column as usize;
         field.cost.get(index).copied().unwrap_or(field::UNREACHED)
@@ -175,18 +172,19 @@ pub fn is_cut_short(blocked: &Bitmap, corners: Corners, field: &Field) -> bool {
     }
     let (columns, rows) = (field.columns, field.rows);
     let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| Cell::new(column, row)));
-    cells.filter(|&cell| !blocked.get(cell) && cost(cell) == field::UNREACHED).any(|cell| {
+    cells.filter(|&cell| terrain.is_free(cell) && cost(cell) == field::UNREACHED).any(|cell| {
         Direction::ALL.into_iter().any(|direction| {
-            step(blocked, cell, direction, corners)
+            step(terrain, cell, direction, corners)
                 .is_some_and(|neighbour| cost(neighbour) != field::UNREACHED)
         })
     })
 }
 
 /// The cell that one step in a direction leads to, if it is free and the step allowed.
-pub fn step(blocked: &Bitmap, cell: Cell, direction: Direction, corners: Corners) -> Option<Cell> {
+pub fn step(terrain: &Terrain, cell: Cell, direction: Direction, corners: Corners) -> Option<Cell> {
+    let [columns, rows] = terrain.size();
     let free = |cell: Cell, towards: Direction| {
-        cell.neighbour(towards, blocked.columns(), blocked.rows()).filter(|&at| !blocked.get(at))
+        cell.neighbour(towards, columns, rows).filter(|&at| terrain.is_free(at))
     };
     let code = direction.code();
     let is_allowed = corners == Corners::Allow

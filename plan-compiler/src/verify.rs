@@ -19,7 +19,9 @@
 use crate::compile::Progress;
 use crate::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
 use crate::field::{advised, escape, is_blocked};
+use crate::layers::Stack;
 use crate::search::Corners;
+use crate::terrain::Terrain;
 use maps::Bitmap;
 use plan_format::{Answer, Blob, Cell, Direction, Grid, Layer};
 use std::cmp::Reverse;
@@ -66,17 +68,17 @@ pub fn verify(blob: &Blob<'_>, progress: Progress<'_>) -> Report {
     for parallel in blob.parallel_plans() {
         let [x, y] = parallel.goal_m();
         let goal = grid.cell_at(x, y);
-        let mut lower: Option<Bitmap> = None;
+        let mut below: Option<Terrain> = None;
         for layer in parallel.layers() {
             let field = decode(grid, &layer);
             let name = format!("{}/{}", parallel.name(), layer.name());
-            let blocked = blocked_cells(&field);
+            let terrain = terrain(&field);
             let mut found = Findings { report: &mut report, grid, layer: &name, listed: 0 };
-            check_nesting(lower.as_ref(), &blocked, &mut found);
+            check_nesting(below.as_ref(), &terrain, &mut found);
             Proof { field: &field, goal, corners }.check(&mut found);
             report.layers += 1;
             report.cells += grid.cells();
-            lower = Some(blocked);
+            below = Some(terrain);
             progress(report.layers, all);
         }
     }
@@ -84,20 +86,21 @@ pub fn verify(blob: &Blob<'_>, progress: Progress<'_>) -> Report {
 }
 
 /// Compares the blocked cells of every layer with those that a map gives, by layer name.
-pub fn compare(blob: &Blob<'_>, expected: &[(String, Bitmap)]) -> Report {
+pub fn compare(blob: &Blob<'_>, expected: &Stack) -> Report {
     let grid = blob.grid();
     let mut report = Report::default();
     for parallel in blob.parallel_plans() {
         for layer in parallel.layers() {
             let name = format!("{}/{}", parallel.name(), layer.name());
             let mut found = Findings { report: &mut report, grid, layer: &name, listed: 0 };
-            let Some((_, expected)) = expected.iter().find(|(name, _)| name == layer.name()) else {
+            let expected = expected.layers().iter().find(|expected| expected.name == layer.name());
+            let Some(expected) = expected else {
                 found.add(Cell::new(0, 0), "the map and its mission have no such layer");
                 continue;
             };
             for cell in cells(grid) {
                 let blocked = matches!(layer.look_up(cell), Answer::Blocked { .. });
-                match (blocked, expected.get(cell)) {
+                match (blocked, expected.terrain.blocked.get(cell)) {
                     (true, false) => found.add(cell, "blocked, but free by the map"),
                     (false, true) => found.add(cell, "free, but blocked by the map"),
                     _ => {}
@@ -152,9 +155,10 @@ fn decode(grid: &Grid, layer: &Layer<'_>) -> Field {
     Field { columns: grid.columns, rows: grid.rows, cost, code }
 }
 
-fn blocked_cells(field: &Field) -> Bitmap {
+fn terrain(field: &Field) -> Terrain {
     let mut codes = field.code.iter();
-    Bitmap::from_fn(field.columns, field.rows, |_| codes.next().is_some_and(|&c| is_blocked(c)))
+    let is_blocked = |_| codes.next().is_some_and(|&code| is_blocked(code));
+    Terrain::new(Bitmap::from_fn(field.columns, field.rows, is_blocked))
 }
 
 /// Whether any advised step passes a blocked cell beside it.
@@ -178,9 +182,9 @@ fn beside(diagonal: Direction) -> [Direction; 2] {
     [Direction::from_code(diagonal.code() + 7), Direction::from_code(diagonal.code() + 1)]
 }
 
-fn check_nesting(lower: Option<&Bitmap>, blocked: &Bitmap, found: &mut Findings<'_>) {
-    let Some(lower) = lower.filter(|lower| !blocked.contains_all(lower)) else { return };
-    for cell in lower.iter().filter(|&cell| !blocked.get(cell)) {
+fn check_nesting(below: Option<&Terrain>, terrain: &Terrain, found: &mut Findings<'_>) {
+    let Some(below) = below.filter(|below| !terrain.nests_in(below)) else { return };
+    for cell in terrain.gaps(below) {
         found.add(cell, "free, but blocked in the layer before");
     }
 }
@@ -316,7 +320,7 @@ impl Proof<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::search::solve;
+    use crate::search::{Query, solve};
 
     /// What the proof says of a field.
     fn check(field: &Field, goal: Cell, corners: Corners) -> Vec<String> {
@@ -330,7 +334,7 @@ mod tests {
     }
 
     /// A free, a blocked and a walled-in part; `#` is blocked, row 0 at the bottom.
-    fn room() -> Bitmap {
+    fn room() -> Terrain {
         let rows = [
             "..........",
             ".###..###.",
@@ -343,14 +347,14 @@ mod tests {
         ];
         let at =
             |cell: Cell| rows[rows.len() - 1 - cell.row as usize].as_bytes()[cell.column as usize];
-        Bitmap::from_fn(10, 8, |cell| at(cell) == b'#')
+        Terrain::new(Bitmap::from_fn(10, 8, |cell| at(cell) == b'#'))
     }
 
     #[test]
     fn right_fields_are_proved() {
         for corners in [Corners::Forbid, Corners::Allow] {
             for goal in [Cell::new(0, 7), Cell::new(9, 0), Cell::new(5, 3), Cell::new(0, 0)] {
-                let field = solve(&room(), goal, corners);
+                let field = solve(&Query { terrain: &room(), goal, corners });
                 assert_eq!(check(&field, goal, corners), [""; 0]);
             }
         }
@@ -359,14 +363,14 @@ mod tests {
     #[test]
     fn a_field_is_wrong_by_the_other_rule() {
         let goal = Cell::new(0, 7);
-        let field = solve(&room(), goal, Corners::Allow);
+        let field = solve(&Query { terrain: &room(), goal, corners: Corners::Allow });
         assert_ne!(check(&field, goal, Corners::Forbid), [""; 0]);
     }
 
     #[test]
     fn every_change_of_any_cell_is_found() {
         let goal = Cell::new(9, 7);
-        let right = solve(&room(), goal, Corners::Forbid);
+        let right = solve(&Query { terrain: &room(), goal, corners: Corners::Forbid });
         for index in 0..right.code.len() {
             for code in (0..=NO_ESCAPE).chain(ESCAPE..ESCAPE + 8) {
                 let mut wrong = right.clone();

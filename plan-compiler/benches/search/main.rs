@@ -20,7 +20,8 @@ use criterion::{Criterion, SamplingMode, Throughput};
 use peers::{Eikonal, GridSearch, Petgraph, pathfinding};
 use plan_compiler::field::{Field, UNREACHED};
 use plan_compiler::pack::pack;
-use plan_compiler::search::{Corners, Solver, Vectors};
+use plan_compiler::search::{Corners, Query, Solver, Vectors};
+use plan_compiler::terrain::Terrain;
 use plan_format::Cell;
 use plan_format::grid::STRAIGHT_STEP;
 use std::collections::BTreeMap;
@@ -90,16 +91,18 @@ fn measure(criterion: &mut Criterion, name: &str, map: &Bitmap, goal: Cell, corn
     group.throughput(Throughput::Elements(u64::from(map.columns()) * u64::from(map.rows())));
 
     let mut solver = Solver::new();
-    let mut field = solver.solve(map, goal, corners);
+    let terrain = Terrain::new(map.clone());
+    let query = Query { terrain: &terrain, goal, corners };
+    let mut field = solver.solve(&query);
     let check = Check { field: field.clone(), map };
     for vectors in Vectors::all() {
         let mut solver = Solver::new().with_vectors(vectors);
         group.bench_function(ours(vectors), |b| {
-            b.iter(|| solver.routes_into(map, black_box(goal), corners, &mut field));
+            b.iter(|| solver.routes_into(black_box(&query), &mut field));
         });
     }
     group.bench_function(WITH_ESCAPES, |b| {
-        b.iter(|| solver.solve_into(map, black_box(goal), corners, &mut field));
+        b.iter(|| solver.solve_into(black_box(&query), &mut field));
     });
 
     group.bench_function(PACKING, |b| b.iter(|| pack(black_box(&check.field))));
@@ -118,12 +121,12 @@ fn measure(criterion: &mut Criterion, name: &str, map: &Bitmap, goal: Cell, corn
         });
         group.bench_function("eikonal", |b| b.iter(|| eikonal.solve(black_box(goal))));
     } else if map.columns() <= LARGEST_HASHED {
-        let costs = pathfinding(map, goal, corners);
+        let costs = pathfinding(&query);
         check.compare("pathfinding", |cell| costs(cell).map(f64::from));
         group.bench_function("pathfinding", |b| {
-            b.iter(|| pathfinding(map, black_box(goal), corners));
+            b.iter(|| pathfinding(black_box(&query)));
         });
-        let petgraph = Petgraph::new(map, corners);
+        let petgraph = Petgraph::new(&query);
         let costs = petgraph.solve(goal);
         check.compare("petgraph", |cell| costs(cell).map(f64::from));
         group.bench_function("petgraph", |b| b.iter(|| petgraph.solve(black_box(goal))));

@@ -8,16 +8,17 @@ use grid_search::{
     Coord, CostCell, CostGrid, DistanceMap, SearchConfig, SearchContext, Size, SolidGrid,
 };
 use petgraph::csr::Csr;
-use plan_compiler::search::{Corners, step};
+use plan_compiler::search::{Corners, Query, step};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
 
 /// The steps from a cell, with what they cost.
-fn steps(map: &Bitmap, cell: Cell, corners: Corners) -> impl Iterator<Item = (Cell, u32)> {
+fn steps(query: &Query<'_>, cell: Cell) -> impl Iterator<Item = (Cell, u32)> {
+    let Query { terrain, corners, .. } = *query;
     Direction::ALL.into_iter().filter_map(move |direction| {
         let is_straight = direction.code().is_multiple_of(2);
         let cost = if is_straight { STRAIGHT_STEP } else { DIAGONAL_STEP };
-        step(map, cell, direction, corners).map(|to| (to, cost))
+        step(terrain, cell, direction, corners).map(|to| (to, cost))
     })
 }
 
@@ -88,12 +89,9 @@ impl GridSearch {
 
 /// `pathfinding`: Dijkstra over successors that are found as they are asked for. Returns the
 /// costs by cell.
-pub(crate) fn pathfinding(
-    map: &Bitmap,
-    goal: Cell,
-    corners: Corners,
-) -> impl Fn(Cell) -> Option<u32> {
-    let all = pathfinding::prelude::dijkstra_all(&goal, |&cell| steps(map, cell, corners));
+pub(crate) fn pathfinding(query: &Query<'_>) -> impl Fn(Cell) -> Option<u32> + use<> {
+    let goal = query.goal;
+    let all = pathfinding::prelude::dijkstra_all(&goal, |&cell| steps(query, cell));
     move |cell| if cell == goal { Some(0) } else { all.get(&cell).map(|&(_, cost)| cost) }
 }
 
@@ -104,14 +102,13 @@ pub(crate) struct Petgraph {
 }
 
 impl Petgraph {
-    pub(crate) fn new(map: &Bitmap, corners: Corners) -> Self {
+    pub(crate) fn new(query: &Query<'_>) -> Self {
+        let map = &query.terrain.blocked;
         let columns = map.columns();
         let node = |cell: Cell| cell.row * columns + cell.column;
         let mut edges: Vec<(u32, u32, u32)> = cells(map)
             .filter(|&cell| !map.get(cell))
-            .flat_map(|cell| {
-                steps(map, cell, corners).map(move |(to, cost)| (node(cell), node(to), cost))
-            })
+            .flat_map(|cell| steps(query, cell).map(move |(to, cost)| (node(cell), node(to), cost)))
             .collect();
         edges.sort_unstable();
         let mut graph = Csr::from_sorted_edges(&edges).expect("edges are sorted");

@@ -7,7 +7,7 @@ use crate::cli::Verify;
 use maps::numbers::{metres, pair};
 use maps::problem::Problem;
 use maps::problem::has_errors;
-use plan_compiler::compile::blocked;
+use plan_compiler::compile::layers;
 use plan_compiler::verify::{self, Report};
 use plan_format::{Blob, Origin};
 use serde::Serialize;
@@ -100,7 +100,7 @@ pub(super) fn compare_cells(blob: &Blob<'_>, project: &Project, problems: &mut V
         problems.push(Problem::error(message).help(OTHER_OPTIONS));
         return;
     }
-    if let Some(expected) = blocked(&input, &grid, problems) {
+    if let Some(expected) = layers(&input, &grid, problems) {
         add(&verify::compare(blob, &expected), OTHER_OPTIONS, problems);
     }
 }

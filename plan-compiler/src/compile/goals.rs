@@ -1,9 +1,9 @@
 //! Which goals there are, where they lie, and the layers that each can have.
 
 use super::area::reach;
-use super::layers::Level;
 use super::{MAX_SUGGESTIONS, globe};
 use crate::input::Input;
+use crate::layers::Layer;
 use crate::mission::{Goal, GoalAt, Named, tidy_name};
 use maps::Bitmap;
 use maps::Point;
@@ -22,7 +22,7 @@ pub(super) struct Placed {
     pub(super) at: Point,
     pub(super) cell: Cell,
     /// Indices of its layers.
-    pub(super) levels: Vec<usize>,
+    pub(super) layers: Vec<usize>,
 }
 
 /// A goal that is looked for a place.
@@ -51,7 +51,7 @@ impl Candidate<'_> {
 pub(super) fn place(
     input: &Input<'_>,
     grid: &Grid,
-    levels: &[Level],
+    layers: &[Layer],
     problems: &mut Vec<Problem>,
 ) -> Vec<Placed> {
     let asked = asked(input);
@@ -62,14 +62,14 @@ pub(super) fn place(
         asked.iter().filter_map(|goal| candidate(input, &points, goal, problems)).collect()
     };
     let placed =
-        candidates.iter().filter_map(|goal| place_one(input, goal, grid, levels, problems));
+        candidates.iter().filter_map(|goal| place_one(input, goal, grid, layers, problems));
     let mut placed: Vec<Placed> = placed.collect();
     if placed.len() > limits::MAX_PLANS {
         problems.push(beyond_capacity(placed.len(), !asked.is_empty()));
         placed.truncate(limits::MAX_PLANS);
     }
     if placed.is_empty() && asked.is_empty() && !has_errors(problems) {
-        placed.extend(home(input, grid, levels, problems));
+        placed.extend(home(input, grid, layers, problems));
     }
     placed
 }
@@ -207,7 +207,7 @@ fn place_one(
     input: &Input<'_>,
     goal: &Candidate<'_>,
     grid: &Grid,
-    levels: &[Level],
+    layers: &[Layer],
     problems: &mut Vec<Problem>,
 ) -> Option<Placed> {
     let (name, at) = (&goal.name, goal.at);
@@ -222,12 +222,13 @@ fn place_one(
         }));
         return None;
     };
-    let physical = levels.first()?;
-    if physical.blocked.get(cell) {
+    let physical = layers.first()?;
+    if !physical.terrain.is_free(cell) {
         let message = format!("goal `{name}` at {} is inside an obstacle", pair(at));
         let problem = goal.problem(message, "this goal");
         let is_advised = problems.len() < MAX_SUGGESTIONS;
-        let free = if is_advised { nearest_free(grid, &physical.blocked, at) } else { None };
+        let free =
+            if is_advised { nearest_free(grid, &physical.terrain.blocked, at) } else { None };
         problems.push(match free {
             Some(free) => {
                 problem.help(format!("the nearest free cell is at {}", pair(grid.centre(free))))
@@ -236,22 +237,23 @@ fn place_one(
         });
         return None;
     }
-    let levels = own_levels(goal, cell, levels, problems)?;
-    Some(Placed { name: name.clone(), at, cell, levels })
+    let layers = own_layers(goal, cell, layers, problems)?;
+    Some(Placed { name: name.clone(), at, cell, layers })
 }
 
 /// The layers of one goal: those it names, otherwise all in which its cell is free.
-fn own_levels(
+fn own_layers(
     goal: &Candidate<'_>,
     cell: Cell,
-    levels: &[Level],
+    layers: &[Layer],
     problems: &mut Vec<Problem>,
 ) -> Option<Vec<usize>> {
-    let is_free = |index: &usize| levels.get(*index).is_some_and(|level| !level.blocked.get(cell));
+    let is_free =
+        |index: &usize| layers.get(*index).is_some_and(|layer| layer.terrain.is_free(cell));
     let Some(wanted) = goal.layers else {
-        let (free, inside): (Vec<usize>, Vec<usize>) = (0..levels.len()).partition(is_free);
+        let (free, inside): (Vec<usize>, Vec<usize>) = (0..layers.len()).partition(is_free);
         if !inside.is_empty() {
-            let names: Vec<&str> = inside.iter().map(|&i| levels[i].name.as_str()).collect();
+            let names: Vec<&str> = inside.iter().map(|&i| layers[i].name.as_str()).collect();
             let (name, names) = (&goal.name, names.join("`, `"));
             let message = format!(
                 "goal `{name}` is inside an area that layer `{names}` avoids; its plan has no \
@@ -266,9 +268,9 @@ fn own_levels(
         let error = |message: String, help: String| {
             with_place(Problem::error(message), Some(&layer.place), "asked for here").help(help)
         };
-        match levels.iter().position(|level| level.name == layer.name) {
+        match layers.iter().position(|layer| layer.name == layer.name) {
             None => {
-                let names = levels.iter().map(|level| level.name.as_str()).collect::<Vec<_>>();
+                let names = layers.iter().map(|layer| layer.name.as_str()).collect::<Vec<_>>();
                 let message = format!("there is no layer `{}`", layer.name);
                 problems.push(error(message, format!("the layers are: {}", names.join(", "))));
             }
@@ -298,7 +300,7 @@ fn own_levels(
 fn home(
     input: &Input<'_>,
     grid: &Grid,
-    levels: &[Level],
+    layers: &[Layer],
     problems: &mut Vec<Problem>,
 ) -> Option<Placed> {
     let Some(start) = &input.map.start else {
@@ -308,15 +310,15 @@ fn home(
         );
         return None;
     };
-    let cell = nearest_free(grid, &levels.first()?.blocked, start.at)?;
+    let cell = nearest_free(grid, &layers.first()?.terrain.blocked, start.at)?;
     let stays = grid.cell_at(start.at[0], start.at[1]) == Some(cell);
     let at = if stays { start.at } else { grid.centre(cell) };
     let moved = if stays { "" } else { ", the nearest free cell to it" };
     let message =
         format!("there is no goal; plan `home` leads to where robots start, {}{moved}", pair(at));
     problems.push(Problem::note(message).help("give goals of your own: --goal NAME=X,Y"));
-    let free = (0..levels.len()).filter(|&level| !levels[level].blocked.get(cell)).collect();
-    Some(Placed { name: "home".into(), at, cell, levels: free })
+    let free = (0..layers.len()).filter(|&index| layers[index].terrain.is_free(cell)).collect();
+    Some(Placed { name: "home".into(), at, cell, layers: free })
 }
 
 /// The free cell whose centre is nearest to a point; the first from the south-west among equals.

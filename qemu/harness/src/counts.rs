@@ -8,7 +8,8 @@ use crate::{Build, Machine, QemuPilot};
 use maps::Bitmap;
 use math::GeoPoint;
 use plan_compiler::pack::pack;
-use plan_compiler::search::{Corners, solve};
+use plan_compiler::search::{Corners, Query, solve};
+use plan_compiler::terrain::Terrain;
 use plan_format::mission::MissionDraft;
 use plan_format::{
     Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, write,
@@ -99,7 +100,11 @@ fn worst_map() -> Result<Vec<u8>, WriteError> {
         goal_m: grid.centre(goal),
         layers: vec![LayerDraft {
             name: "physical".into(),
-            packed: pack(&solve(&blocked, goal, Corners::Forbid)),
+            packed: pack(&solve(&Query {
+                terrain: &Terrain::new(blocked),
+                goal,
+                corners: Corners::Forbid,
+            })),
         }],
     };
     write(&Draft {

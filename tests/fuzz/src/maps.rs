@@ -5,7 +5,7 @@ use ::maps::formats::{self, Format, ReadOptions};
 use ::maps::problem::has_errors;
 use ::maps::problem::{Problem, Source, draw};
 use ::maps::source;
-use plan_compiler::compile::{blocked, compile, grid};
+use plan_compiler::compile::{compile, grid, layers};
 use plan_compiler::input::{Input, Options};
 use plan_compiler::mission::{Goal, GoalAt, Mission};
 use plan_compiler::verify;
@@ -138,8 +138,8 @@ fn follow(map: &Map, source: Option<&Arc<Source>>) {
     };
     let blob = Blob::parse_exact(&blob).expect("what was written is read");
     accept(&verify(&blob, &|_, _| ()));
-    let blocked = blocked(&input, blob.grid(), &mut Vec::new()).expect("it was compiled already");
-    accept(&compare(&blob, &blocked));
+    let layers = layers(&input, blob.grid(), &mut Vec::new()).expect("it was compiled already");
+    accept(&compare(&blob, &layers));
 }
 
 fn accept(report: &verify::Report) {

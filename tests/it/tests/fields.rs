@@ -6,8 +6,9 @@ use maps::formats::{ReadOptions, read};
 use maps::problem::draw;
 use plan_compiler::field::{self, Field};
 use plan_compiler::search::{
-    Corners, MAX_COST, Method, Solver, Vectors, is_cut_short, solve, step,
+    Corners, MAX_COST, Method, Query, Solver, Vectors, is_cut_short, step,
 };
+use plan_compiler::terrain::Terrain;
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
 use proptest::prelude::*;
@@ -152,6 +153,16 @@ fn assert_right(blocked: &Bitmap, goal: Cell, corners: Corners, field: &Field) {
     }
 }
 
+/// The field of a goal among blocked cells.
+fn solve(blocked: &Bitmap, goal: Cell, corners: Corners) -> Field {
+    solve_by(&mut Solver::new(), blocked, goal, corners)
+}
+
+/// The same by a solver that may have solved others before.
+fn solve_by(solver: &mut Solver, blocked: &Bitmap, goal: Cell, corners: Corners) -> Field {
+    solver.solve(&Query { terrain: &Terrain::new(blocked.clone()), goal, corners })
+}
+
 /// Compares what every method finds with the references.
 fn assert_solved(blocked: &Bitmap, goal: Cell, corners: Corners) {
     let field = solve(blocked, goal, corners);
@@ -159,7 +170,7 @@ fn assert_solved(blocked: &Bitmap, goal: Cell, corners: Corners) {
     for method in [Method::Tiles, Method::Buckets] {
         for vectors in Vectors::all() {
             let mut solver = Solver::with_method(method).with_vectors(vectors);
-            let other = solver.solve(blocked, goal, corners);
+            let other = solve_by(&mut solver, blocked, goal, corners);
             assert!(other == field, "{method:?} with {} differs", vectors.name());
         }
     }
@@ -280,7 +291,7 @@ fn a_solver_leaves_nothing_behind() {
             let map =
                 Bitmap::from_fn(columns, rows, |cell| (cell.column * 7 + cell.row * 13) % 11 == 0);
             let goal = Cell::new(columns / 2, rows / 3);
-            assert_eq!(solver.solve(&map, goal, corners), solve(&map, goal, corners));
+            assert_eq!(solve_by(&mut solver, &map, goal, corners), solve(&map, goal, corners));
         }
     }
 }
@@ -392,12 +403,14 @@ fn paths_that_are_too_long_are_told() {
         let map = folded_corridor(columns, rows);
         let goal = Cell::new(0, 0);
         let field = solve(&map, goal, Corners::Forbid);
-        let tiles = Solver::with_method(Method::Tiles).solve(&map, goal, Corners::Forbid);
+        let terrain = Terrain::new(map.clone());
+        let query = Query { terrain: &terrain, goal, corners: Corners::Forbid };
+        let tiles = solve_by(&mut Solver::with_method(Method::Tiles), &map, goal, Corners::Forbid);
         assert!(tiles == field);
         let length = u64::from(rows.div_ceil(2)) * u64::from(columns + 1) - 2;
         let cost = length * u64::from(STRAIGHT_STEP);
         assert_eq!(cost > u64::from(MAX_COST), too_long);
-        assert_eq!(is_cut_short(&map, Corners::Forbid, &field), too_long);
+        assert_eq!(is_cut_short(&query, &field), too_long);
         assert_eq!(field.code.contains(&field::NO_ROUTE), too_long);
         let farthest = field.cost.iter().filter(|&&cost| cost != field::UNREACHED).max();
         let farthest = u64::from(*farthest.expect("the goal"));
@@ -468,8 +481,11 @@ fn every_published_movingai_length_is_reproduced() {
         let map = movingai_map(&folder.join(&entries[0].map));
         let cell = |[x, y]: [u32; 2]| Cell::new(x, map.rows() - 1 - y);
         let mut field = solve(&Bitmap::new(0, 0), Cell::new(0, 0), Corners::Forbid);
+        let terrain = Terrain::new(map.clone());
         for entry in entries {
-            solver.solve_into(&map, cell(entry.goal), Corners::Forbid, &mut field);
+            let goal = cell(entry.goal);
+            let query = Query { terrain: &terrain, goal, corners: Corners::Forbid };
+            solver.solve_into(&query, &mut field);
             let start = cell(entry.start);
             let cost = field.cost[(start.row * map.columns() + start.column) as usize];
             let got = f64::from(cost) / f64::from(STRAIGHT_STEP);
@@ -546,11 +562,12 @@ fn following_the_advice_spends_exactly_the_cost() {
     for corners in [Corners::Forbid, Corners::Allow] {
         let goal = cells((90, 75)).find(|&cell| !map.get(cell)).expect("a free cell");
         let field = solve(&map, goal, corners);
+        let terrain = Terrain::new(map.clone());
         let index = |cell: Cell| (cell.row * 90 + cell.column) as usize;
         for start in cells((90, 75)).filter(|&cell| field.cost[index(cell)] != field::UNREACHED) {
             let (mut cell, mut length) = (start, Length::default());
             while let Some(direction) = field::advised(field.code[index(cell)]) {
-                cell = step(&map, cell, direction, corners).expect("an allowed step");
+                cell = step(&terrain, cell, direction, corners).expect("an allowed step");
                 length = length.after(direction);
             }
             assert_eq!((cell, length.cost()), (goal, field.cost[index(start)]));

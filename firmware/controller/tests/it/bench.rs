@@ -4,7 +4,8 @@ use controller::{State, tick};
 use maps::Bitmap;
 use math::{GeoPoint, Vec2, vector};
 use plan_compiler::pack::pack;
-use plan_compiler::search::{Corners, solve};
+use plan_compiler::search::{Corners, Query, solve};
+use plan_compiler::terrain::Terrain;
 use plan_format::mission::MissionDraft;
 use plan_format::{Blob, Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, write};
 use robot_io::{Commands, Fix, Operator, Percepts, RangeReading};
@@ -73,7 +74,11 @@ fn blob_with(
         .expect("a goal is drawn");
     let layer = |(index, drawing): (usize, &Vec<&[u8]>)| {
         let blocked = Bitmap::from_fn(columns, rows, |cell| character(drawing, cell) == b'#');
-        let packed = pack(&solve(&blocked, goal, Corners::Forbid));
+        let packed = pack(&solve(&Query {
+            terrain: &Terrain::new(blocked),
+            goal,
+            corners: Corners::Forbid,
+        }));
         LayerDraft { name: format!("layer {index}"), packed }
     };
     let plan = PlanDraft {

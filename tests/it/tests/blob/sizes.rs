@@ -3,7 +3,8 @@
 use super::draft;
 use maps::Bitmap;
 use plan_compiler::field::Field;
-use plan_compiler::search::{Corners, Solver};
+use plan_compiler::search::{Corners, Query, Solver};
+use plan_compiler::terrain::Terrain;
 use plan_format::{Blob, Cell, write};
 
 /// Cells along a side of the cities.
@@ -65,7 +66,10 @@ fn size(name: &str, map: &Bitmap) -> Size {
         cells.find(|&cell| !map.get(cell)).expect("a free cell")
     };
     let mut solver = Solver::new();
-    let fields = goals.map(|goal| solver.solve(map, free(goal), Corners::Forbid));
+    let terrain = Terrain::new(map.clone());
+    let fields = goals.map(|goal| {
+        solver.solve(&Query { terrain: &terrain, goal: free(goal), corners: Corners::Forbid })
+    });
     let bytes = |fields: &[Field]| write(&draft(fields)).unwrap();
     let (one, two) = (bytes(&fields[..1]), bytes(&fields));
     let a_cell = |bytes: usize| bytes as f64 / (f64::from(columns) * f64::from(rows));

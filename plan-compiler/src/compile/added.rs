@@ -1,10 +1,10 @@
-//! The stack of layers and the blocked cells of each.
+//! What each layer adds: roles of features, areas that the mission names, masks.
 
 use super::MAX_SUGGESTIONS;
 use super::area::reach;
 use crate::input::Input;
+use crate::layers::Stack;
 use crate::mission::{COMMS, Mask, Named, PHYSICAL};
-use maps::Bitmap;
 use maps::names::nearest;
 use maps::numbers::pair;
 use maps::problem::Problem;
@@ -13,20 +13,14 @@ use maps::{Feature, Role};
 use plan_format::{Grid, limits};
 use std::collections::HashSet;
 
-/// A layer before any goal: its name and its blocked cells.
-pub(super) struct Level {
-    pub(super) name: String,
-    pub(super) blocked: Bitmap,
-}
-
-/// The layers from the least to the most constrained: `physical`, `comms` where the map has
+/// The stack from the least to the most constrained layer: `physical`, `comms` where the map has
 /// attenuating areas, and the mission's in its order; `None` after an error.
-pub(super) fn levels(
+pub(super) fn stack(
     input: &Input<'_>,
     grid: &Grid,
     robot_radius_m: f64,
     problems: &mut Vec<Problem>,
-) -> Option<Vec<Level>> {
+) -> Option<Stack> {
     let names = names(input);
     if names.len() > limits::MAX_LAYERS {
         let message = format!("{} layers, but a plan holds {}", names.len(), limits::MAX_LAYERS);
@@ -36,20 +30,17 @@ pub(super) fn levels(
     check_areas(input, problems);
     let fill_walls = input.options.fill_walls || input.mission.fill_walls.unwrap_or(false);
     let options = RasterOptions { robot_radius_m, fill_walls };
-    let own: Vec<Added<'_>> = names.iter().map(|name| Added::by(input, name)).collect();
-    let level = |(index, name): (usize, &&str)| {
-        let lower = own.get(..=index).unwrap_or_default();
-        // The first layer in which a feature is an obstacle; it is one in all that follow.
-        let is_obstacle = |feature: &Feature| lower.iter().any(|added| added.adds(feature));
-        let mut blocked = rasterise(input.map, grid, &is_obstacle, &options);
-        for mask in lower.iter().flat_map(|added| &added.masks) {
+    let mut stack = Stack::default();
+    for name in names {
+        let added = Added::by(input, name);
+        let mut blocked = rasterise(input.map, grid, &|feature| added.adds(feature), &options);
+        for mask in &added.masks {
             keep_out(&mask.cells, grid, robot_radius_m, &mut blocked);
         }
-        Level { name: (*name).to_owned(), blocked }
-    };
-    let levels = names.iter().enumerate().map(level).collect();
+        stack.push(name, blocked);
+    }
     problems.extend(input.mission.masks.iter().filter_map(|mask| beside(mask, grid)));
-    Some(levels)
+    Some(stack)
 }
 
 /// A warning about a mask that lies beside the map.
@@ -80,7 +71,7 @@ fn names<'a>(input: &Input<'a>) -> Vec<&'a str> {
         .collect()
 }
 
-/// What a layer makes an obstacle of that the layer before it may lack.
+/// What one layer makes an obstacle of.
 struct Added<'a> {
     role: Option<Role>,
     areas: HashSet<&'a str>,
