@@ -15,6 +15,7 @@ pub mod layers;
 pub mod mission;
 pub mod output;
 pub mod pack;
+pub mod project;
 pub mod recipe;
 pub mod render;
 pub mod route;

@@ -70,7 +70,7 @@ pub(super) fn compile(
         return Ok(None);
     };
     check_output(output, &project.inputs, problems);
-    project.limit_memory(args.max_memory);
+    project.options.max_memory_bytes = args.max_memory;
     let preparing = || prepare(&project.input(), problems);
     let Some(prepared) = with_patience(quiet, "drawing into cells", preparing) else {
         return Ok(None);

@@ -151,7 +151,7 @@ fn features(
     match project {
         Some(project) if !has_errors(&problems) => {
             tell(&problems, quiet);
-            Ok(project.features())
+            Ok(project.map.features)
         }
         _ => Err(Failure::Wrong(problems)),
     }

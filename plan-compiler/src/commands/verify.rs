@@ -1,13 +1,14 @@
 //! `verify`: every cell proved anew.
 
 use super::progress::{with_patience, with_progress};
-use super::project::{self, Project};
+use super::project;
 use super::{Failure, open, print, print_text, read_blob, tell};
 use crate::cli::Verify;
 use maps::numbers::{metres, pair};
 use maps::problem::Problem;
 use maps::problem::has_errors;
 use plan_compiler::compile::layers;
+use plan_compiler::project::Project;
 use plan_compiler::verify::{self, Report};
 use plan_format::{Blob, Origin};
 use serde::Serialize;

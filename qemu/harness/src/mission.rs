@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use maps::formats::{self, ReadOptions};
 use maps::problem::has_errors;
 use maps::problem::{self, Place, Problem, Source};
-use maps::source;
 use plan_compiler::compile::compile;
-use plan_compiler::input::{Input, Options};
-use plan_compiler::mission::{self, Goal, Mission, Named};
+use plan_compiler::input::Options;
+use plan_compiler::mission::{Goal, Named};
+use plan_compiler::project::{self, Request};
 use plan_format::parameters::Gains;
 use sim::{Scenario, Surroundings};
 
@@ -45,46 +44,21 @@ fn read_and_compile(
     changes: &Changes,
     problems: &mut Vec<Problem>,
 ) -> Option<Scenario> {
-    let is_mission = path.extension().is_some_and(|extension| extension == "toml");
-    let beside = path.with_extension("mission.toml");
-    let mut mission = match path {
-        path if is_mission => read_mission(path, problems)?,
-        _ if beside.exists() => read_mission(&beside, problems).unwrap_or_default(),
-        _ => Mission::default(),
-    };
-    let map_path = match (&mission.map, is_mission) {
-        (Some(map), true) => map.clone(),
-        (None, true) => {
-            let message = format!("{} does not name its map", path.display());
-            problems.push(Problem::error(message).help("give the map's file instead"));
-            return None;
-        }
-        (_, false) => path.to_owned(),
-    };
+    let options = Options { goals: changes.goals.clone(), ..Options::default() };
+    let request = Request { path: path.into(), options, ..Request::default() };
+    let mut project = project::load(request, problems)?;
     // Beside the mission, which may be one of several of its map; otherwise beside the map.
     let mut surroundings = Surroundings::beside(path, problems);
-    if surroundings.is_none() && is_mission && !has_errors(problems) {
-        surroundings = Surroundings::beside(&map_path, problems);
+    if surroundings.is_none() && !has_errors(problems) {
+        surroundings = Surroundings::beside(&project.inputs[0], problems);
     }
+    let mission = &mut project.mission;
     if let Some(name) = &changes.plan {
         mission.plan = Some(asked_for(name));
     }
     mission.parameters.gains = changes.gains.unwrap_or(mission.parameters.gains);
-    let (map, found) = formats::read(&map_path, &mission.reading(ReadOptions::default()));
-    let is_incomplete = has_errors(&found);
-    problems.extend(found);
-    let map = map.filter(|_| !is_incomplete)?;
-    let options = Options { goals: changes.goals.clone(), ..Options::default() };
-    let input = Input { map: &map, source: None, mission: &mission, options: &options };
-    let blob = compile(&input, &|_, _| (), problems)?;
-    Some(Scenario::new(map, blob, surroundings))
-}
-
-fn read_mission(path: &Path, problems: &mut Vec<Problem>) -> Option<Mission> {
-    let (text, found) = source::read_text(path).map_err(|problem| problems.push(problem)).ok()?;
-    let (mission, mistakes) = mission::parse(&text);
-    problems.extend(found.into_iter().chain(mistakes));
-    if has_errors(problems) { None } else { Some(mission) }
+    let blob = compile(&project.input(), &|_, _| (), problems)?;
+    Some(Scenario::new(project.map, blob, surroundings))
 }
 
 /// A name that stands in no file.
