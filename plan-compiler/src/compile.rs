@@ -1,13 +1,11 @@
 //! Map and mission in, blob out.
 //!
-//! Decides what the blob holds: the grid, the layers and what blocks them, the goals and
-//! what becomes of those that cannot be reached, the plan that the robot follows. A layer
-//! contains every obstacle of the layers before it by construction (W, section 2.3), so a
-//! robot that follows one is never led into an obstacle of a less constrained one.
+//! Decides what the blob contains: the grid, the layers and their obstacles, the goals, and the
+//! plan that the robot follows. Layers nest by construction (see [`crate::layers`]).
 //!
-//! What a person asked for by name is an error where it cannot be had; what only the map
-//! names is left out with a warning. Nothing is allocated before the numbers are known to
-//! be within [`plan_format::limits`].
+//! A goal that a person named must be reachable: otherwise it is an error. A goal that only the map
+//! names is left out with a warning. Nothing is allocated before all numbers are known to be within
+//! [`plan_format::limits`].
 //!
 //! Deliberately absent: files and the command line.
 
@@ -15,7 +13,6 @@ mod added;
 mod area;
 mod globe;
 mod goals;
-
 mod memory;
 mod warnings;
 
@@ -41,22 +38,21 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-/// Steps of the work on one layer that progress counts: searching it and packing it.
+/// Progress steps of one layer: the search and the packing.
 pub const STEPS_A_LAYER: usize = 2;
 
-/// Called with the steps done and the steps to do, [`STEPS_A_LAYER`] for each layer, from any
-/// thread.
+/// Reports progress as (steps done, steps in all), from any thread. A layer takes
+/// [`STEPS_A_LAYER`] steps.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// Problems beyond this number come without a suggestion, which takes time to find.
 const MAX_SUGGESTIONS: usize = 300;
 
-/// Packed layers beyond this cannot fit a blob even if equal ones are stored once.
+/// More packed bytes than this cannot fit a blob, even if equal layers are stored once.
 const PACKED_BUDGET_BYTES: usize = 16 * limits::MAX_BLOB_BYTES;
 
-/// The blob; `None` exactly if there is an error among the problems then. Problems are
-/// added to those that reading the input has found; after an error nothing is searched, but
-/// whatever else is wrong is still said.
+/// Compiles the input to a blob. Adds every problem it finds to `problems`; returns `None` if any of
+/// them is an error. Nothing is searched after an error.
 pub fn compile(
     input: &Input<'_>,
     progress: Progress<'_>,
@@ -81,7 +77,7 @@ pub fn layers(input: &Input<'_>, grid: &Grid, problems: &mut Vec<Problem>) -> Op
     added::stack(input, grid, radius, problems)
 }
 
-/// Everything decided, nothing searched.
+/// A build after all decisions and before any search.
 pub struct Prepared {
     grid: Grid,
     origin: Option<Origin>,
@@ -94,8 +90,8 @@ pub struct Prepared {
     need: Need,
 }
 
-/// The first, short half of [`compile`]; `None` exactly if there is an error among the problems
-/// then.
+/// The short first half of [`compile`]: all decisions. Returns `None` if there is an error among the
+/// problems.
 pub fn prepare(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     let prepared = decide(input, problems);
     prepared.filter(|_| !has_errors(problems))
@@ -147,18 +143,18 @@ fn plan_names(goals: &[Placed], all: &[Layer]) -> Plans {
     Plans::Known(plans.collect())
 }
 
-/// The mission's vehicle, whose body is the one that obstacles are grown by unless the
-/// mission says otherwise.
+/// The mission's vehicle. Its body has the radius that obstacles are grown by, unless the mission
+/// sets `vehicle.radius`.
 fn vehicle(input: &Input<'_>, radius: f64) -> Vehicle {
     let vehicle = input.mission.parameters.vehicle;
     let grown = radius > 0.0 && !input.mission.body_radius_given;
     Vehicle { radius_m: if grown { radius as f32 } else { vehicle.radius_m }, ..vehicle }
 }
 
-/// A body that is wider than what obstacles are grown by scrapes along them.
+/// Warns if the body is wider than the obstacles are grown: it would scrape along them.
 fn too_narrow(input: &Input<'_>, radius: f64) -> Option<Problem> {
     let body = input.mission.parameters.vehicle.radius_m;
-    // Half a millimetre is lost in single precision at most.
+    // Single precision loses at most half a millimetre.
     if !input.mission.body_radius_given || f64::from(body) <= radius + 5e-4 {
         return None;
     }
@@ -184,12 +180,12 @@ fn no_free_cell(grid: &Grid, radius: f64) -> Problem {
 }
 
 impl Prepared {
-    /// What memory the second half takes.
+    /// The memory that the second half needs.
     pub fn need(&self) -> Need {
         self.need
     }
 
-    /// The second, long half of [`compile`]: searches, packs and writes.
+    /// The long second half of [`compile`]: searches, packs and writes.
     pub fn finish(&self, progress: Progress<'_>, problems: &mut Vec<Problem>) -> Option<Vec<u8>> {
         let plans = self.search(progress, problems).or_else(|| {
             problems.push(too_large(None));
@@ -215,7 +211,7 @@ impl Prepared {
         }
     }
 
-    /// Every plan with its packed layers; `None` where they exceed what any blob holds.
+    /// Every plan with its packed layers; `None` if they exceed what any blob can hold.
     fn search(
         &self,
         progress: Progress<'_>,
@@ -245,7 +241,7 @@ impl Prepared {
             Some((LayerDraft { name: layer.name.clone(), packed }, is_cut_short))
         };
         let solve_all = || jobs.par_iter().map_init(Solver::new, solve).collect::<Option<Vec<_>>>();
-        // Without threads of its own (a machine that refuses them) rayon's shared ones serve.
+        // A machine may refuse new threads: then use rayon's shared pool.
         let solved = match rayon::ThreadPoolBuilder::new().num_threads(self.need.in_flight).build()
         {
             Ok(pool) => pool.install(solve_all),
@@ -272,14 +268,14 @@ impl Prepared {
     }
 }
 
-/// Some cells have a way to the goal that no cost can say.
+/// Warns that some cells are farther from the goal than the largest representable cost.
 fn too_far(plan: &str, layer: &str, grid: &Grid) -> Problem {
     let farthest = metres(cost_metres(MAX_COST, grid.resolution_m).floor());
     Problem::warning(format!(
-        "layer `{plan}/{layer}` leaves cells without a route whose way to the goal is longer than \
-         {farthest} m, the most that a cost can say"
+        "layer `{plan}/{layer}` marks cells unreachable that are farther than {farthest} m from the \
+         goal, the largest representable cost"
     ))
-    .help("use a coarser --resolution: a way may have some 700,000 cells")
+    .help("use a coarser --resolution: a route can have about 700,000 cells")
 }
 
 fn too_large(bytes: Option<usize>) -> Problem {

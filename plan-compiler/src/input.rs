@@ -6,10 +6,10 @@ use maps::formats::ReadOptions;
 use maps::{Map, Source};
 use std::sync::Arc;
 
-/// What the command line sets; each option outranks the mission.
+/// What the command line sets. Each option outranks the mission.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Goals; where there are any, those of mission and map are not used.
+    /// Goals. If there are any, those of mission and map are not used.
     pub goals: Vec<Goal>,
     /// Side of a cell, metres.
     pub resolution_m: Option<f64>,
@@ -19,9 +19,9 @@ pub struct Options {
     pub corners: Option<Corners>,
     /// Whether closed walls are solid.
     pub fill_walls: bool,
-    /// How the map was read: kept in the blob, so that it can be compared with its map again.
+    /// How the map was read. The blob keeps it, so that it can be compared with its map later.
     pub reading: ReadOptions,
-    /// Bytes of memory that searches may take; 4 GiB where nothing is said.
+    /// Limit of the searches' memory, bytes; 4 GiB by default.
     pub max_memory_bytes: Option<u64>,
 }
 
@@ -34,6 +34,6 @@ pub struct Input<'a> {
     pub source: Option<&'a Arc<Source>>,
     /// The mission; the default one where there is none.
     pub mission: &'a Mission,
-    /// The command line's.
+    /// The options of the command line.
     pub options: &'a Options,
 }

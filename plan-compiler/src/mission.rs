@@ -1,11 +1,11 @@
 //! The mission file: what a map cannot say.
 //!
-//! `NAME.mission.toml` lies beside the map `NAME.opar` or `NAME.ovl`. It names goals, adds
-//! areas to layers and sets the robot's parameters; every key is in [`keys::KEYS`] and in
-//! `MISSION.md`. Reading never stops at the first mistake, and a key that is not known is a
-//! mistake too: a misspelt limit must not silently keep its default.
+//! `NAME.mission.toml` lies beside the map `NAME.opar` or `NAME.ovl`. It names goals, adds areas to
+//! layers and sets the robot's parameters. [`keys::KEYS`] and `MISSION.md` list every key. Reading
+//! never stops at the first mistake. An unknown key is a mistake: a misspelt limit must not silently
+//! keep its default.
 //!
-//! What it says about behaviours is read by [`crate::behaviours`].
+//! [`crate::behaviours`] reads the tables of behaviours.
 
 pub mod keys;
 mod masks;
@@ -41,7 +41,7 @@ pub const COMMS: &str = "comms";
 pub struct Mission {
     /// The map, relative to the current folder.
     pub map: Option<PathBuf>,
-    /// Where the file names it.
+    /// Where the file names the map.
     pub map_place: Option<Place>,
     /// Side of a cell, metres.
     pub resolution_m: Option<f64>,
@@ -51,19 +51,19 @@ pub struct Mission {
     pub corners: Option<Corners>,
     /// Whether closed walls are solid.
     pub fill_walls: Option<bool>,
-    /// What tags of the map mean, beyond what they mean by themselves.
+    /// What the mission changes about the meaning of tags.
     pub tags: TagRules,
-    /// Where 0,0 of the map is, for formats that give degrees and nothing else.
+    /// The place of 0,0 of the map, for formats that have degrees only.
     pub origin: Option<GeoPoint>,
     /// The goals, in the file's order; `None` without a table `[goals]`.
     pub goals: Option<Vec<Goal>>,
     /// Areas that become obstacles, layer by layer, in the file's order.
     pub layers: Vec<LayerRule>,
-    /// Maps of where the robot must not be.
+    /// Maps of where the robot must not go.
     pub masks: Vec<Mask>,
-    /// The parallel plan that the robot follows; otherwise the first.
+    /// The parallel plan that the robot follows; `None` for the first.
     pub plan: Option<Named>,
-    /// What the robot is told.
+    /// The robot's parameters.
     pub parameters: Parameters,
     /// Whether the file sets `vehicle.radius` itself.
     pub body_radius_given: bool,
@@ -76,35 +76,35 @@ pub struct Mission {
 pub struct Named {
     /// The name.
     pub name: String,
-    /// Where it stands in the mission file.
+    /// Its place in the mission file.
     pub place: Place,
 }
 
-/// A goal that somebody asked for.
+/// A goal that a person asked for.
 #[derive(Clone, Debug)]
 pub struct Goal {
     /// The name of its parallel plan.
     pub name: String,
     /// Where it is.
     pub at: GoalAt,
-    /// The layers its plan shall have; `None` for all that the mission has.
+    /// The layers of its plan; `None` for all layers of the mission.
     pub layers: Option<Vec<Named>>,
-    /// Where it stands in the mission file; `None` for one of the command line.
+    /// Its place in the mission file; `None` for a goal of the command line.
     pub place: Option<Place>,
 }
 
 /// How a goal's position was given.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GoalAt {
-    /// By coordinates of the map, metres.
+    /// Coordinates of the map, metres.
     Position(Point),
-    /// By the name of a point of the map.
+    /// The name of a point of the map.
     PointOfMap(String),
-    /// By a place on the globe, WGS-84.
+    /// A place on the globe, WGS-84.
     Globe(GeoPoint),
 }
 
-/// Areas of the map that are obstacles in one layer and in all that follow it.
+/// Areas of the map that are obstacles in one layer and all layers above it.
 #[derive(Clone, Debug)]
 pub struct LayerRule {
     /// The layer.
@@ -113,7 +113,7 @@ pub struct LayerRule {
     pub areas: Vec<Named>,
 }
 
-/// Reads a mission file's text. The mission holds whatever was understood.
+/// Reads the text of a mission file. The mission contains whatever was understood.
 pub fn parse(source: &Arc<Source>) -> (Mission, Vec<Problem>) {
     let mut problems = Vec::new();
     let mission = read(&mut Report { source, problems: &mut problems });
@@ -133,7 +133,7 @@ fn read(report: &mut Report<'_>) -> Mission {
     let mut reader = Reader { report, mission: Mission::default() };
     reader.section("", document.as_table());
     speeds::settle(&mut reader.report, document.as_table(), &mut reader.mission.parameters);
-    // Last, since they may add layers to those that the file lists.
+    // Last, because masks may add layers to those that the file lists.
     if let Some(masks) = document.get("masks").and_then(Item::as_table_like) {
         reader.masks(masks);
     }
@@ -142,8 +142,8 @@ fn read(report: &mut Report<'_>) -> Mission {
     mission
 }
 
-/// The name of a plan or a layer, trimmed and without an overlay's trailing `*`; otherwise
-/// why it cannot be one.
+/// The name of a plan or a layer, trimmed and without an overlay's trailing `*`; otherwise the
+/// reason why it cannot be one.
 pub fn tidy_name(raw: &str) -> Result<&str, String> {
     let name = raw.trim();
     let name = name.strip_suffix('*').unwrap_or(name).trim_end();
@@ -154,16 +154,16 @@ pub fn tidy_name(raw: &str) -> Result<&str, String> {
     } else if name.len() > limits::MAX_NAME_BYTES {
         Err(format!("a name has at most {} bytes, this one {}", limits::MAX_NAME_BYTES, name.len()))
     } else if name.contains('/') {
-        Err("a name must not contain `/`, which parts plan from layer".into())
+        Err("a name must not contain `/`, which separates plan and layer".into())
     } else {
         Err("a name must not contain control characters".into())
     }
 }
 
-/// Keys of a goal that is a table.
+/// The keys of a goal's table.
 const GOAL_KEYS: [&str; 4] = ["at", "lat", "lon", "layers"];
 
-/// Walks the document and gathers.
+/// Walks the document and fills in the mission.
 struct Reader<'r> {
     report: Report<'r>,
     mission: Mission,
@@ -171,7 +171,7 @@ struct Reader<'r> {
 
 impl Reader<'_> {
     fn section(&mut self, section: &str, table: &dyn TableLike) {
-        // A preset comes first, so that it never undoes what stands beside it.
+        // A preset comes first, so that it never overwrites the keys beside it.
         let mut items: Vec<(&str, &Item)> = table.iter().collect();
         items.sort_by_key(|(name, _)| *name != "preset");
         for (name, item) in items {
@@ -185,7 +185,7 @@ impl Reader<'_> {
                     }
                 }
             } else if section.is_empty() && behaviours::TABLES.contains(&name) {
-                // Read by their own reader, since they may refer to each other.
+                // `behaviours` reads these together, because they refer to each other.
             } else if let Some(key) = KEYS.iter().find(|key| key.is(section, name)) {
                 self.value(key, item, span);
             } else {
@@ -210,7 +210,7 @@ impl Reader<'_> {
                     self.layer(name, item, span);
                 }
             }
-            // Read when the layers are known.
+            // Read once the layers are known.
             "masks" => {}
             parameters => self.section(parameters, table),
         }

@@ -1,8 +1,8 @@
-//! How a map was made into cells: what a blob says of its own making, so that it can be compared
-//! with its map again without the options of the build being repeated.
+//! The recipe: how a map was made into cells. The blob carries it, so that `verify --map` needs no
+//! build options.
 //!
-//! Kept is what decides which cells are blocked: the radius, walls that are filled, what the map
-//! leaves open, the areas of each layer. The resolution is in the grid, and goals do not matter.
+//! It contains what decides which cells are blocked: the robot's radius, filled walls, how the map
+//! was read, the areas of each layer. The grid has the resolution; goals do not matter.
 
 use crate::input::{Input, Options};
 use crate::mission::{self, LayerRule, Mission};
@@ -27,7 +27,7 @@ pub struct Recipe {
     pub layers: Vec<LayerRule>,
 }
 
-/// The recipe of what is compiled, as text.
+/// Writes the recipe of an input as text.
 pub(crate) fn write(input: &Input<'_>, robot_radius_m: f64) -> String {
     let mut document = DocumentMut::new();
     let mut put = |key: &str, value: Value| document[key] = Item::Value(value);
@@ -75,13 +75,13 @@ pub(crate) fn write(input: &Input<'_>, robot_radius_m: f64) -> String {
     document.to_string()
 }
 
-/// The recipe of a blob; `None` where it has none.
+/// Reads the recipe of a blob; `None` if it has none.
 pub fn of_blob(blob: &[u8]) -> Option<Recipe> {
     let text = plan_format::recipe(blob).filter(|text| !text.is_empty())?;
     parse(text)
 }
 
-/// What a text says; what is not known is left out, since a later compiler may say more.
+/// Parses a recipe. Unknown keys are ignored: a later compiler may write more.
 fn parse(text: &str) -> Option<Recipe> {
     let document: DocumentMut = text.parse().ok()?;
     let text_of = |key: &str| document.get(key).and_then(Item::as_str);
@@ -95,8 +95,8 @@ fn parse(text: &str) -> Option<Recipe> {
     let types = document.get("opar_type").and_then(Item::as_array);
     let types = types.into_iter().flatten().filter_map(Value::as_str);
     reading.opar.types = types.filter_map(|kind| kind.parse::<ObstructionType>().ok()).collect();
-    // Tags, origin and layers are written as a mission writes them; what else is here is no
-    // mistake.
+    // Tags, origin and layers are written as in a mission. The other keys of a recipe are not
+    // mistakes.
     let source = Source { name: "the recipe of the plans".into(), text: text.into() };
     let (Mission { layers, tags, origin, .. }, _) = mission::parse(&Arc::new(source));
     reading.tags = tags;
@@ -113,8 +113,8 @@ fn parse(text: &str) -> Option<Recipe> {
 }
 
 impl Recipe {
-    /// Says what neither the command line nor a mission that was asked for says; `is_asked` is
-    /// whether the mission was.
+    /// Fills in what neither the command line nor a requested mission sets. `is_asked`: whether the
+    /// mission was requested.
     pub fn complete(&self, options: &mut Options, mission: &mut Mission, is_asked: bool) {
         let of_mission = mission.robot_radius_m.filter(|_| is_asked);
         options.robot_radius_m = options.robot_radius_m.or(of_mission).or(self.robot_radius_m);
@@ -124,8 +124,7 @@ impl Recipe {
         }
     }
 
-    /// How to read the map: as it was read for the build, each option for itself, unless the
-    /// command line says otherwise.
+    /// How to read the map: each option as in the build, unless the command line sets it.
     pub fn reading(&self, asked: &ReadOptions) -> ReadOptions {
         let own = &self.reading;
         ReadOptions {
@@ -142,7 +141,7 @@ impl Recipe {
     }
 }
 
-/// What was asked for if that says anything, otherwise the blob's own.
+/// The requested value unless it is the default; then the blob's own.
 fn given<T: Clone + Default + PartialEq>(asked: &T, own: &T) -> T {
     if *asked == T::default() { own.clone() } else { asked.clone() }
 }

@@ -1,25 +1,25 @@
 //! The search: from one goal to every cell, the exact cost and the best first move.
 //!
-//! Uniform-cost search over the eight neighbours (Wagner and Arkin, internalized plans,
-//! section 2.1). Costs are integers, [`STRAIGHT_STEP`] and [`DIAGONAL_STEP`] for a step, so
-//! that ties are exact and every correct order of relaxation gives the same field; that is
-//! what lets the fast methods be compared bit by bit with a plain Dijkstra search.
+//! Uniform-cost search over the eight neighbours (W, section 2.1). Costs are integers,
+//! [`STRAIGHT_STEP`] and [`DIAGONAL_STEP`] for a step. So ties are exact, every correct order of
+//! relaxation gives the same field, and tests compare the fast methods bit by bit with a plain
+//! Dijkstra search.
 //!
-//! There are two methods, and a [`Solver`] takes the one that suits the map:
+//! There are two methods; a [`Solver`] chooses the one that suits the map:
 //!
-//! - `tiles`: squares of 64 x 64 cells in a priority queue, inside them whole rows at a time
-//!   in vector instructions. Faster by far wherever there is room.
-//! - `buckets`: cell by cell in the order of costs, in buckets one step wide. For mazes of
-//!   narrow corridors, where tiles would be visited again and again for a single cell.
+//! - `tiles`: tiles of 64 x 64 cells in a priority queue; inside a tile, whole rows at a time in
+//!   vector instructions. By far the faster on open maps.
+//! - `buckets`: cell by cell in the order of costs, in buckets one step wide. For mazes of narrow
+//!   corridors, where a tile would be visited repeatedly for a single cell.
 //!
-//! Each is one file that says how it works and why it is exact. `advice` then finds the moves
-//! in one pass over the costs, and `escape` the ways out of blocked cells.
+//! Each method is one file that explains how it works and why it is exact. `advice` then finds the
+//! moves in one pass over the costs, and `escape` finds the ways out of blocked cells.
 //!
-//! A cost needs 32 bits, which is enough for [`MAX_COST`]: some 700,000 cells of path. Cells
-//! farther away than that are left without a route; [`is_cut_short`] tells whether any was.
+//! A cost has 32 bits. The largest, [`MAX_COST`], is a path of about 700,000 cells. Cells farther
+//! away are marked unreachable; [`is_cut_short`] reports whether there are any.
 //!
-//! Deliberately absent: the choice among equally good moves by what packs best. Here it is
-//! fixed (see `advice`); a packer that knows the field may choose anew.
+//! Deliberately absent: choosing among equally good moves the one that packs best. Here the choice
+//! is fixed (see `advice`); the packer, which knows the whole field, may choose again.
 //!
 //! [`STRAIGHT_STEP`]: plan_format::grid::STRAIGHT_STEP
 //! [`DIAGONAL_STEP`]: plan_format::grid::DIAGONAL_STEP
@@ -39,17 +39,17 @@ use plan_format::grid::DIAGONAL_STEP;
 use plan_format::{Cell, Direction};
 pub use vectors::Vectors;
 
-/// Whether a diagonal step may pass between or beside blocked cells.
+/// Whether a diagonal step may pass beside blocked cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Corners {
-    /// A diagonal step needs both cells that it passes between free.
+    /// Both cells beside a diagonal step must be free.
     #[default]
     Forbid,
-    /// A diagonal step needs only its end free (the papers' behaviour).
+    /// Only the end of a diagonal step must be free, as in the papers.
     Allow,
 }
 
-/// How a field is found. The field is the same.
+/// How a field is computed. Both methods give the same field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
     /// Tiles of 64 x 64 cells, a row at a time.
@@ -59,37 +59,36 @@ pub enum Method {
     Buckets,
 }
 
-/// The highest cost of a field. What lies above is room for the fast methods to add steps
-/// without overflow.
+/// The largest cost of a field. The range above lets the fast methods add steps without overflow.
 pub const MAX_COST: u32 = 0xF000_0000;
 
-/// Corridors are narrow where fewer than one in so many free cells begins a square of four
-/// that are free. Noise of 45 % obstacles still has one in 6; a maze of corridors one cell
-/// wide has none.
+/// A map has narrow corridors if fewer than one in NARROW free cells is the corner of a free square
+/// of 2 x 2 cells. In noise of 45 % obstacles it is one in 6; in a maze of corridors one cell wide
+/// it is none.
 const NARROW: u64 = 12;
 
-/// What is searched for: every way to one goal over one terrain.
+/// What to search for: the routes to one goal over one terrain.
 #[derive(Clone, Copy, Debug)]
 pub struct Query<'t> {
     /// The ground.
     pub terrain: &'t Terrain,
-    /// Where every route ends. Where it is blocked or off the grid, no cell has a route.
+    /// The end of every route. If it is blocked or off the grid, no cell has a route.
     pub goal: Cell,
     /// Whether diagonal steps may cut corners.
     pub corners: Corners,
 }
 
-/// The field of one goal: the cost and the best first move of every free cell, and the way out of
-/// every blocked one.
+/// Computes the field of a query: the cost and the best first move of every free cell, and the way
+/// out of every blocked cell.
 pub fn solve(query: &Query<'_>) -> Field {
     Solver::new().solve(query)
 }
 
-/// Solves for one goal after another and keeps its buffers in between: on large maps fresh
-/// memory costs more than the search.
+/// Solves one query after another and keeps its buffers between them: on large maps, allocating
+/// costs more than searching.
 #[derive(Debug, Default)]
 pub struct Solver {
-    /// The last terrain, and what is known of it: it may have several goals.
+    /// The last terrain, kept with what was derived from it: several goals may share it.
     terrain: Terrain,
     open: Passable,
     suitable: Method,
@@ -105,12 +104,12 @@ impl Solver {
         Self::default()
     }
 
-    /// A solver that uses one method whatever the map.
+    /// A solver that uses one method on every map.
     pub fn with_method(method: Method) -> Self {
         Self { method: Some(method), ..Self::default() }
     }
 
-    /// The same solver with a kind of vector unit that need not be the best.
+    /// The same solver with the given kind of vector unit instead of the best.
     pub fn with_vectors(self, vectors: Vectors) -> Self {
         Self { vectors, ..self }
     }

@@ -1,18 +1,21 @@
-//! Proves a blob anew, cell by cell, without trusting whatever made it.
+//! Proves a blob again, cell by cell, without trusting the program that made it.
 //!
-//! For every layer: the goal, and no other cell, costs nothing. Every other free cell with a
-//! route advises a step to a free cell, by the corner rule, whose cost is lower by exactly
-//! that step; so following the advice reaches the goal at the stated cost. No legal step
-//! leads to a cell from which the goal would be cheaper; so, by induction along a best path,
-//! the stated cost is the least. Among equal steps a diagonal goes before a straight one. A
-//! free cell without a route has no legal step to a cell with one. A blocked cell's escape is
-//! a first step of a shortest way out, found here by a plain Dijkstra search. A layer blocks
-//! every cell that the layers before it block.
+//! It proves for every layer:
+//! - The goal, and no other cell, costs nothing.
+//! - Every other free cell with a route advises a legal step to a free cell whose cost is lower by
+//!   exactly that step. So following the advice reaches the goal at the stated cost.
+//! - No legal step leads to a cell from which the goal would be cheaper. So, by induction along a
+//!   best path, the stated cost is the least.
+//! - Among equal steps, a diagonal comes before a straight one.
+//! - A free cell without a route has no legal step to a cell with a route.
+//! - A blocked cell's escape is the first step of a shortest way out, found here by a plain Dijkstra
+//!   search.
+//! - The layer blocks every cell that the layer below it blocks.
 //!
-//! The corner rule needs no record: if any advised step cuts a corner it is `allow`. If none
-//! does, the field is the same under both rules: no cell of it has a best step that cuts a
-//! corner, because such a step is diagonal and would have gone before a straight one, and a
-//! diagonal that is cut has a cost that the proof has compared.
+//! The blob does not record the corner rule. If any advised step cuts a corner, the rule is `allow`.
+//! If none does, the field is the same under both rules: a best step that cuts a corner would be
+//! diagonal, so it would have come before a straight one, and the proof has compared the cost of
+//! every diagonal.
 //!
 //! Deliberately absent: the compiler's search.
 
@@ -30,19 +33,19 @@ use std::collections::BinaryHeap;
 /// What a proof covered, and what it found wrong.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// Layers looked at.
+    /// Number of layers checked.
     pub layers: usize,
-    /// Cells looked at, all layers together.
+    /// Number of cells checked, all layers together.
     pub cells: usize,
-    /// Whether an advised step cuts a corner; then all layers were proved for that rule.
+    /// Whether any advised step cuts a corner; if so, all layers were proved under that rule.
     pub cuts_corners: bool,
-    /// The first wrong cells of every layer.
+    /// The first violations of every layer.
     pub violations: Vec<Violation>,
-    /// All wrong cells, those that are not listed too.
+    /// Number of all violations, listed or not.
     pub count: usize,
 }
 
-/// A cell that is not as it should be.
+/// A cell that breaks a rule of the proof.
 #[derive(Clone, Debug)]
 pub struct Violation {
     /// `PLAN/LAYER`.
@@ -55,10 +58,10 @@ pub struct Violation {
     pub what: String,
 }
 
-/// Violations of one layer that are listed.
+/// Number of violations that are listed for each layer.
 const LISTED: usize = 3;
 
-/// Proves every cell of every layer; `progress` hears of layers done and layers to do.
+/// Proves every cell of every layer. `progress` gets the layers done and the layers in all.
 pub fn verify(blob: &Blob<'_>, progress: Progress<'_>) -> Report {
     let grid = blob.grid();
     let all = blob.parallel_plans().map(|parallel| parallel.layer_count()).sum();
@@ -85,7 +88,7 @@ pub fn verify(blob: &Blob<'_>, progress: Progress<'_>) -> Report {
     report
 }
 
-/// Compares the blocked cells of every layer with those that a map gives, by layer name.
+/// Compares the blocked cells of every layer with those of a map's layer of the same name.
 pub fn compare(blob: &Blob<'_>, expected: &Stack) -> Report {
     let grid = blob.grid();
     let mut report = Report::default();
@@ -101,8 +104,8 @@ pub fn compare(blob: &Blob<'_>, expected: &Stack) -> Report {
             for cell in cells(grid) {
                 let blocked = matches!(layer.look_up(cell), Answer::Blocked { .. });
                 match (blocked, expected.terrain.blocked.get(cell)) {
-                    (true, false) => found.add(cell, "blocked, but free by the map"),
-                    (false, true) => found.add(cell, "free, but blocked by the map"),
+                    (true, false) => found.add(cell, "blocked, but free in the map"),
+                    (false, true) => found.add(cell, "free, but blocked in the map"),
                     _ => {}
                 }
             }
@@ -138,7 +141,7 @@ fn cells(grid: &Grid) -> impl Iterator<Item = Cell> + use<> {
     (0..grid.rows).flat_map(move |row| (0..columns).map(move |column| Cell::new(column, row)))
 }
 
-/// A layer as the arrays that the proof walks.
+/// Decodes a layer into the arrays that the proof walks.
 fn decode(grid: &Grid, layer: &Layer<'_>) -> Field {
     let (mut cost, mut code) = (Vec::with_capacity(grid.cells()), Vec::with_capacity(grid.cells()));
     for cell in cells(grid) {
@@ -185,7 +188,7 @@ fn beside(diagonal: Direction) -> [Direction; 2] {
 fn check_nesting(below: Option<&Terrain>, terrain: &Terrain, found: &mut Findings<'_>) {
     let Some(below) = below.filter(|below| !terrain.nests_in(below)) else { return };
     for cell in terrain.gaps(below) {
-        found.add(cell, "free, but blocked in the layer before");
+        found.add(cell, "free, but blocked in the layer below");
     }
 }
 
@@ -226,7 +229,7 @@ impl Proof<'_> {
             let is_advised_diagonal = advised(code).is_none_or(Direction::is_diagonal);
             if through < cost {
                 let name = direction.name();
-                return Err(format!("costs {cost}, but {through} by a step {name}"));
+                return Err(format!("costs {cost}, but a step {name} would cost {through}"));
             } else if through == cost && direction.is_diagonal() && !is_advised_diagonal {
                 return Err(format!("a diagonal step {} is as good", direction.name()));
             }
@@ -236,7 +239,7 @@ impl Proof<'_> {
         let next = self.step(cell, direction).ok_or_else(|| format!("no step {name} is legal"))?;
         match self.cost(next).checked_add(direction.step_cost()) {
             Some(through) if through == cost => Ok(()),
-            _ => Err(format!("a step {name} does not lower the cost {cost} by its own")),
+            _ => Err(format!("a step {name} does not lower the cost {cost} by its own cost")),
         }
     }
 
@@ -265,7 +268,7 @@ impl Proof<'_> {
         let mut least: Vec<u32> = self.field.cost.iter().map(has_route).collect();
         let mut queue = BinaryHeap::new();
         let all = (0..rows).flat_map(|row| (0..columns).map(move |c| Cell::new(c, row)));
-        // Only cells beside a blocked one can start a way.
+        // Only cells beside a blocked one can be the end of a way out.
         let starts = all.filter(|&cell| self.at(&least, cell) == 0).filter(|cell| {
             let mut around = Direction::ALL.iter();
             around.any(|&d| cell.neighbour(d, columns, rows).is_some_and(|n| self.blocks(n)))

@@ -43,7 +43,7 @@ pub(super) fn stack(
     Some(stack)
 }
 
-/// A warning about a mask that lies beside the map.
+/// Warns about a mask that does not overlap the map.
 fn beside(mask: &Mask, grid: &Grid) -> Option<Problem> {
     let theirs = mask.cells.extent();
     let ours = [grid.columns, grid.rows].map(|cells| f64::from(cells) * grid.resolution_m);
@@ -52,8 +52,8 @@ fn beside(mask: &Mask, grid: &Grid) -> Option<Problem> {
         high <= grid.corner_m[axis] || low >= grid.corner_m[axis] + ours[axis]
     });
     let end = [0, 1].map(|axis| theirs.corner[axis] + theirs.size[axis]);
-    let message = format!("the mask {} lies beside the map", mask.path.display());
-    let label = format!("it reaches from {} to {}", pair(theirs.corner), pair(end));
+    let message = format!("the mask {} does not overlap the map", mask.path.display());
+    let label = format!("it extends from {} to {}", pair(theirs.corner), pair(end));
     is_beside.then(|| {
         Problem::warning(message)
             .at(&mask.place.source, mask.place.span.clone(), label)
@@ -71,7 +71,7 @@ fn names<'a>(input: &Input<'a>) -> Vec<&'a str> {
         .collect()
 }
 
-/// What one layer makes an obstacle of.
+/// What one layer adds as obstacles.
 struct Added<'a> {
     role: Option<Role>,
     areas: HashSet<&'a str>,
@@ -96,7 +96,7 @@ impl<'a> Added<'a> {
     }
 }
 
-/// Every area that the mission names must be in the map.
+/// Reports every area that the mission names and the map lacks.
 fn check_areas(input: &Input<'_>, problems: &mut Vec<Problem>) {
     let features = input.map.features.iter().map(|feature| feature.name.as_str());
     let known: HashSet<&str> = features.filter(|name| !name.is_empty()).collect();
@@ -109,7 +109,7 @@ fn check_areas(input: &Input<'_>, problems: &mut Vec<Problem>) {
                 area.place.span.clone(),
                 "asked for here",
             );
-            // Of a flood of mistakes only the first need advice.
+            // Of many mistakes, only the first need a suggestion.
             let needs_advice = problems.len() < MAX_SUGGESTIONS;
             problems.push(if needs_advice {
                 error.help(other_areas(area, &sorted))
@@ -121,7 +121,7 @@ fn check_areas(input: &Input<'_>, problems: &mut Vec<Problem>) {
 }
 
 fn other_areas(area: &Named, sorted: &[&str]) -> String {
-    /// More names than this help nobody.
+    /// Listing more names than this does not help.
     const LISTED: usize = 12;
     match nearest(&area.name, sorted.iter().copied()) {
         Some(meant) => format!("did you mean `{meant}`?"),

@@ -6,10 +6,10 @@ use maps::problem::Problem;
 use math::scalar::wide;
 use plan_format::{Grid, Origin, limits};
 
-/// A quotient this near to a whole number of cells is that number: 0.3 / 0.1 is 2.999... in
-/// doubles, and 0.7 / 0.1 is 6.999....
+/// A quotient this close to a whole number of cells counts as that number: in doubles 0.3 / 0.1 is
+/// 2.999... and 0.7 / 0.1 is 6.999....
 const WHOLE: f64 = 1e-9;
-/// Largest radius that a robot may have, metres; the parameters' own limit.
+/// Largest robot radius, metres; the same limit as in the parameters.
 const MAX_RADIUS_M: f64 = 100.0;
 
 /// The grid; `None` after an error.
@@ -40,7 +40,7 @@ pub(super) fn grid(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Gri
         let ([x, y], limit) = (extent.corner, metres(limits::MAX_COORDINATE_M));
         problems.push(
             Problem::error(format!(
-                "the map reaches farther than {limit} m from its origin: its south-west corner \
+                "the map extends farther than {limit} m from its origin: its south-west corner \
                  is ({}, {})",
                 metres(x),
                 metres(y)
@@ -52,7 +52,7 @@ pub(super) fn grid(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Gri
     Some(grid)
 }
 
-/// Side of a cell: option, else mission, else the map, else 1 m.
+/// Side of a cell, metres: from the option, else the mission, else the map, else 1 m.
 fn resolution(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<f64> {
     let (low, high) = limits::RESOLUTION_RANGE_M;
     let asked = [
@@ -72,12 +72,12 @@ fn resolution(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<f64> {
     None
 }
 
-/// How far obstacles are grown, metres: option, else mission, else the vehicle's radius, which
-/// is none in a map whose robots are points; `None` after an error.
+/// How far obstacles are grown, metres: from the option, else the mission, else the vehicle's radius
+/// (0 for formats whose robots are points). `None` after an error.
 pub(super) fn robot_radius(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<f64> {
     let of_vehicle = match input.map.is_for_points && !input.mission.body_radius_given {
         true => 0.0,
-        // By its decimal digits: 0.3 in single precision is a little more than 0.3 m.
+        // Through decimal digits: 0.3 in single precision is slightly more than 0.3 m.
         false => decimal(input.mission.parameters.vehicle.radius_m),
     };
     let asked = input.options.robot_radius_m.or(input.mission.robot_radius_m);
@@ -104,18 +104,18 @@ pub(super) fn origin(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<O
         return Some(origin);
     }
     problems.push(
-        Problem::warning("the map's place on the globe is too far from the map to be of use")
+        Problem::warning("the map's reference point is too far from the map to be useful")
             .help("a robot with GPS needs a reference point in or near the area"),
     );
     None
 }
 
-/// The number that a person wrote.
+/// The number as a person wrote it.
 fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
 
-/// Extents round up.
+/// Rounds an extent up to whole cells.
 fn whole_cells(cells: f64) -> f64 {
     let nearest = cells.round();
     let whole = (cells - nearest).abs() <= WHOLE * nearest.max(1.0);
@@ -152,7 +152,7 @@ pub(super) fn reach(grid: &Grid) -> String {
     let [x, y] = grid.corner_m;
     let far = |from: f64, cells: u32| from + f64::from(cells) * grid.resolution_m;
     let corner = [far(x, grid.columns), far(y, grid.rows)];
-    format!("the map reaches from {} to {}, metres east and north", pair([x, y]), pair(corner))
+    format!("the map extends from {} to {}, metres east and north", pair([x, y]), pair(corner))
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Goals that are places on the globe, and positions that look as if they were.
+//! Goals given by latitude and longitude, and positions that look like latitude and longitude.
 
 use crate::input::Input;
 use maps::Point;
@@ -8,13 +8,13 @@ use math::geodetic::SEMI_MAJOR_M;
 use math::scalar::wide;
 use math::{GeoPoint, MapFrame};
 
-/// Where a place lies in the map, metres; otherwise what is wrong with it. The goal's name is
+/// The position of a place in the map, metres; otherwise what is wrong with it. `name` is the goal's,
 /// for the message.
 pub(super) fn position(input: &Input<'_>, name: &str, place: GeoPoint) -> Result<Point, Problem> {
     let Some(frame) = frame(input) else {
         let message = format!(
-            "goal `{name}` is a place on the globe, but the map does not say where on the globe \
-             it lies"
+            "goal `{name}` is given by latitude and longitude, but the map has no place on the \
+             globe"
         );
         return Err(Problem::error(message).help(format!(
             "give the goal in the map's metres: {name}=X,Y; or give the map a reference: \
@@ -40,8 +40,8 @@ pub(super) fn position(input: &Input<'_>, name: &str, place: GeoPoint) -> Result
     }))
 }
 
-/// What a position in metres was probably meant to be, if it reads as the latitude and longitude
-/// (or the reverse) of a place in or near the map: that place as a goal.
+/// The goal that was probably meant by a position in metres: a place in or near the map, if the
+/// position reads as its latitude and longitude (in either order).
 pub(super) fn meant_as_degrees(input: &Input<'_>, at: Point) -> Option<String> {
     let frame = frame(input)?;
     let is_near = |place: &GeoPoint| frame.to_local(*place).is_some();

@@ -1,4 +1,4 @@
-//! Which goals there are, where they lie, and the layers that each can have.
+//! The goals: which there are, their cells, and the layers of each.
 
 use super::area::reach;
 use super::{MAX_SUGGESTIONS, globe};
@@ -25,18 +25,18 @@ pub(super) struct Placed {
     pub(super) layers: Vec<usize>,
 }
 
-/// A goal that is looked for a place.
+/// A goal not yet placed on the grid.
 struct Candidate<'a> {
     name: String,
     at: Point,
     layers: Option<&'a [Named]>,
     place: Option<Place>,
-    /// Whether a person asked for it, rather than the map.
+    /// Whether a person asked for it; otherwise only the map names it.
     asked: bool,
 }
 
 impl Candidate<'_> {
-    /// An error if it was asked for; otherwise a warning that it is left out.
+    /// An error if a person asked for it; otherwise a warning that it is left out.
     fn problem(&self, message: String, label: &str) -> Problem {
         let problem = if self.asked {
             Problem::error(message)
@@ -47,7 +47,7 @@ impl Candidate<'_> {
     }
 }
 
-/// All goals that can be planned for, in order; at least one unless there is an error.
+/// All goals that can be planned for, in order: at least one, unless there is an error.
 pub(super) fn place(
     input: &Input<'_>,
     grid: &Grid,
@@ -74,8 +74,7 @@ pub(super) fn place(
     placed
 }
 
-/// Says of every goal that was asked for whether its name is used twice. Needs no grid, so
-/// it is said whatever else is wrong.
+/// Reports duplicate goal names. Needs no grid, so it is reported whatever else is wrong.
 pub(super) fn check_names(input: &Input<'_>, problems: &mut Vec<Problem>) {
     let mut seen = HashSet::new();
     for goal in asked(input) {
@@ -96,7 +95,7 @@ pub(super) fn followed(input: &Input<'_>, goals: &[Placed], problems: &mut Vec<P
         return index as u16;
     }
     if goals.is_empty() {
-        // The reason why there is no goal has been said.
+        // The reason for having no goal has been reported.
         return 0;
     }
     let first = goals.first().map(|goal| goal.name.as_str()).unwrap_or_default();
@@ -120,7 +119,7 @@ pub(super) fn followed(input: &Input<'_>, goals: &[Placed], problems: &mut Vec<P
     0
 }
 
-/// The goals of the command line, otherwise the mission's.
+/// The goals of the command line; without any, those of the mission.
 fn asked<'a>(input: &Input<'a>) -> &'a [Goal] {
     if input.options.goals.is_empty() {
         input.mission.goals.as_deref().unwrap_or_default()
@@ -129,7 +128,7 @@ fn asked<'a>(input: &Input<'a>) -> &'a [Goal] {
     }
 }
 
-/// Where the map's points are; of those alike the first counts.
+/// The positions of the map's points by name; the first of equal names counts.
 fn points_by_name<'a>(input: &Input<'a>) -> BTreeMap<&'a str, Point> {
     let mut points = BTreeMap::new();
     for point in input.map.points.iter().chain(&input.map.start) {
@@ -173,7 +172,7 @@ fn candidate<'a>(
     Some(Candidate { name, at, layers, place: goal.place.clone(), asked: true })
 }
 
-/// The map's named points; those alike and those with impossible names are left out.
+/// The map's named points, without duplicates and impossible names.
 fn points_of_map<'a>(input: &Input<'a>, problems: &mut Vec<Problem>) -> Vec<Candidate<'a>> {
     let mut seen = HashSet::new();
     let mut candidates = Vec::new();
@@ -241,7 +240,7 @@ fn place_one(
     Some(Placed { name: name.clone(), at, cell, layers })
 }
 
-/// The layers of one goal: those it names, otherwise all in which its cell is free.
+/// The layers of one goal: those that it names; without names, all in which its cell is free.
 fn own_layers(
     goal: &Candidate<'_>,
     cell: Cell,
@@ -296,7 +295,7 @@ fn own_layers(
     (!own.is_empty()).then_some(own)
 }
 
-/// The plan of a map without a goal: to where the robots start.
+/// The plan `home` of a map without goals: it leads to the robots' start.
 fn home(
     input: &Input<'_>,
     grid: &Grid,
@@ -321,7 +320,7 @@ fn home(
     Some(Placed { name: "home".into(), at, cell, layers: free })
 }
 
-/// The free cell whose centre is nearest to a point; the first from the south-west among equals.
+/// The free cell whose centre is nearest to a point; of equals, the first from the south-west.
 fn nearest_free(grid: &Grid, blocked: &Bitmap, to: Point) -> Option<Cell> {
     let squared = |cell: Cell| {
         let [x, y] = grid.centre(cell);
@@ -338,7 +337,7 @@ fn nearest_free(grid: &Grid, blocked: &Bitmap, to: Point) -> Option<Cell> {
     };
     let (column, row) = (index(0, grid.columns), index(1, grid.rows));
     let mut best: Option<(f64, Cell)> = None;
-    // Rows from the nearest outwards, as long as they can hold a nearer cell.
+    // Rows from the nearest outwards, as long as they can contain a nearer cell.
     for away in 0..grid.rows {
         let near = [row.checked_sub(away), row.checked_add(away).filter(|row| *row < grid.rows)];
         let in_reach = |row: &u32| {
@@ -351,7 +350,7 @@ fn nearest_free(grid: &Grid, blocked: &Bitmap, to: Point) -> Option<Cell> {
         }
         for row in rows {
             let is_free = |column: &u32| !blocked.get(Cell::new(*column, row));
-            // To either side only the first free cell can be the nearest.
+            // On either side, only the first free cell can be the nearest.
             let west = (0..column).rev().find(is_free);
             let east = (column..grid.columns).find(is_free);
             for cell in [west, east].into_iter().flatten().map(|column| Cell::new(column, row)) {

@@ -1,8 +1,8 @@
-//! How much memory a build takes, known before it takes it.
+//! The memory that a build needs, computed before the build starts.
 //!
-//! Nearly all of it are the searches in flight and the packing of what they found, a number of
-//! bytes for each cell. As many run at once as there is room for; where there is no room for
-//! one, the build is refused.
+//! The searches in flight and the packing of their fields need nearly all of it: a fixed number of
+//! bytes a cell. As many searches run at once as fit the limit. If not even one fits, the build is
+//! refused.
 
 use super::area::two_digits_up;
 use maps::numbers::metres;
@@ -10,26 +10,26 @@ use maps::problem::Problem;
 use math::scalar::wide;
 use plan_format::{Grid, limits};
 
-/// Bytes that a build may take unless its options say otherwise.
+/// Default limit of a build's memory, bytes.
 pub(super) const DEFAULT_LIMIT_BYTES: u64 = 4 << 30;
-/// Bytes of a cell in one search and the packing after it, at most: 27 were measured where there
-/// is room, 45 in mazes of narrow corridors.
+/// Upper bound of the bytes a cell for one search and its packing: measured 27 on open maps and 45
+/// in mazes of narrow corridors.
 const SEARCH_BYTES_PER_CELL: u64 = 48;
-/// Bytes that everything else takes at most, packed layers of common maps among it.
+/// Upper bound of the bytes for everything else, packed layers of common maps included.
 const BASE_BYTES: u64 = 64 << 20;
 
-/// What a build would take.
+/// What a build needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Need {
-    /// Searches that run at once.
+    /// Number of searches that run at once.
     pub in_flight: usize,
-    /// Bytes in all.
+    /// Bytes in total.
     pub bytes: u64,
 }
 
 impl Need {
-    /// For so many jobs on a grid with so many sets of blocked cells; `None` where even one
-    /// search at a time takes more than the limit.
+    /// The need of `jobs` searches over `layers` terrains of a grid; `None` if even one search at a
+    /// time exceeds the limit.
     pub(super) fn within(
         limit_bytes: u64,
         grid: &Grid,
@@ -45,13 +45,13 @@ impl Need {
     }
 }
 
-/// Bytes that a build takes anyhow, and for each search in flight.
+/// The fixed bytes of a build, and the bytes of each search in flight.
 fn parts(grid: &Grid, levels: usize) -> (u64, u64) {
     let cells = grid.cells() as u64;
     (BASE_BYTES + levels as u64 * cells.div_ceil(8), cells * SEARCH_BYTES_PER_CELL)
 }
 
-/// An error if not even one search at a time fits the limit.
+/// Returns an error if not even one search at a time fits the limit.
 pub(super) fn check(limit_bytes: u64, grid: &Grid, levels: usize) -> Option<Problem> {
     if Need::within(limit_bytes, grid, levels, 1, 1).is_some() {
         return None;
@@ -59,12 +59,12 @@ pub(super) fn check(limit_bytes: u64, grid: &Grid, levels: usize) -> Option<Prob
     let (fixed, search) = parts(grid, levels);
     let (columns, rows, needed) = (grid.columns, grid.rows, fixed + search);
     let message = format!(
-        "{columns} x {rows} cells take up to {} of memory to search, but a build is allowed {}",
+        "{columns} x {rows} cells need up to {} of memory to search, but a build may use {}",
         gib(needed),
         gib(limit_bytes)
     );
     let tenths = wide::ceil(10.0 * needed as f64 / GIB) / 10.0;
-    // As many cells as there is room for.
+    // The number of cells that fit.
     let room = limit_bytes.saturating_sub(BASE_BYTES) / (SEARCH_BYTES_PER_CELL + 1);
     let coarser = grid.resolution_m * wide::sqrt(grid.cells() as f64 / room as f64);
     let coarser = if coarser <= limits::RESOLUTION_RANGE_M.1 {
@@ -73,13 +73,13 @@ pub(super) fn check(limit_bytes: u64, grid: &Grid, levels: usize) -> Option<Prob
         String::new()
     };
     Some(Problem::error(message).help(format!(
-        "--max-memory {tenths} if the machine has as much{coarser}, or a smaller area"
+        "--max-memory {tenths} if the machine has that much{coarser}, or a smaller area"
     )))
 }
 
 const GIB: f64 = (1u64 << 30) as f64;
 
-/// An amount of memory for a person.
+/// An amount of memory as text.
 pub fn gib(bytes: u64) -> String {
     let gib = bytes as f64 / GIB;
     if gib < 1.0 { format!("{:.0} MiB", gib * 1024.0) } else { format!("{gib:.1} GiB") }

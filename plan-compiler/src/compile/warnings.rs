@@ -1,4 +1,4 @@
-//! What a build allows and its user probably did not mean.
+//! Warnings about what is allowed but was probably not meant.
 
 use crate::input::Input;
 use maps::Bitmap;
@@ -7,18 +7,18 @@ use maps::numbers::metres;
 use maps::problem::Problem;
 use plan_format::{Counts, Grid};
 
-/// Cells of another size than the file's own by this factor are worth a word.
+/// Cells that differ from the file's own size by this factor get a warning.
 const FAR_FROM_OWN: f64 = 10.0;
-/// On so few cells along the longer side no robot finds a way.
+/// With fewer cells than this along the longer side, a map is too coarse to drive by.
 const FEW_CELLS: u32 = 8;
-/// Where obstacles leave less than this share free, there is hardly a map.
+/// A map with a smaller share of free cells than this gets a warning.
 const HARDLY_FREE: f64 = 0.1;
-/// Where less than this share of what the file says is free stays so, ways have closed.
+/// If less than this share of the file's free area stays free, passages have probably closed.
 const LITTLE_LEFT: f64 = 1.0 / 3.0;
-/// A goal that a smaller share of the free cells has a route to is probably shut in.
+/// A goal that a smaller share of the free cells can reach is probably enclosed.
 const FEW_REACH: f64 = 0.1;
 
-/// A warning about cells that are far coarser or finer than the map, where somebody asked for them.
+/// Warns about a requested cell size that is far coarser or finer than the map.
 pub(super) fn of_cells(input: &Input<'_>, grid: &Grid) -> Option<Problem> {
     let asked = input.options.resolution_m.or(input.mission.resolution_m)?;
     let own = input.map.resolution_m.filter(|own| *own > 0.0);
@@ -27,8 +27,8 @@ pub(super) fn of_cells(input: &Input<'_>, grid: &Grid) -> Option<Problem> {
     if ratio * FAR_FROM_OWN <= 1.0 {
         let own = metres(own.unwrap_or_default());
         let message = format!("cells of {side} m are far finer than the map's own, {own} m");
-        let help = "nothing more is known in them, and plans take the more memory; leave the \
-                    resolution out for the map's own";
+        let help = "finer cells add no knowledge and need more memory; leave the \
+                    resolution out to use the map's own";
         return Some(Problem::warning(message).help(help));
     }
     let is_coarse =
@@ -41,13 +41,13 @@ pub(super) fn of_cells(input: &Input<'_>, grid: &Grid) -> Option<Problem> {
             "cells of {side} m are coarse for this map{of_own}: {width} m x {height} m are \
              {columns} x {rows} cells"
         );
-        let help = "an obstacle blocks every cell that it touches, so narrow ways close; choose a \
+        let help = "an obstacle blocks every cell that it touches, so narrow passages close; choose a \
                     finer --resolution";
         Problem::warning(message).help(help)
     })
 }
 
-/// A warning where obstacles take nearly everything, or most of what the file says is free.
+/// Warns if obstacles cover nearly everything, or most of the file's free area.
 pub(super) fn nearly_blocked(
     input: &Input<'_>,
     grid: &Grid,
@@ -63,9 +63,9 @@ pub(super) fn nearly_blocked(
         _ => String::new(),
     };
     let message = match &input.map.cells {
-        // Of such a file it is known how much was free before.
+        // A file with cells tells how much was free before.
         Some(cells) => {
-            // Beside a turned image there is nothing that the file says.
+            // The file says nothing about the area beside a turned image.
             let counts = cells.turned_from.unwrap_or_else(|| cells.counts());
             let unknown = if cells.unknown_as == Unknown::Free { counts.unknown } else { 0 };
             let own = (counts.free + unknown) as f64;
@@ -73,8 +73,8 @@ pub(super) fn nearly_blocked(
             let share = free * sides * sides / own;
             (own > 0.0 && share < LITTLE_LEFT).then(|| {
                 format!(
-                    "of the area that the map says is free {} is left: obstacles{grown} block every \
-                     cell of {side} m that they touch",
+                    "only {} of the map's free area is left: obstacles{grown} block every cell of \
+                     {side} m that they touch",
                     percent(share)
                 )
             })
@@ -94,8 +94,7 @@ pub(super) fn nearly_blocked(
     message.map(|message| Problem::warning(message).help(help))
 }
 
-/// A warning about a goal that hardly any free cell has a route to, in the first layer of its plan
-/// where that is so.
+/// Warns about a goal that hardly any free cell can reach, for the first such layer of its plan.
 pub(super) fn few_reach<'a>(
     goal: &str,
     mut layers: impl Iterator<Item = (&'a str, Counts)>,
@@ -109,7 +108,7 @@ pub(super) fn few_reach<'a>(
             "only {with} of {free} free cells have a route to goal `{goal}` in layer `{layer}`"
         ))
         .help(
-            "it is shut in, perhaps by a door that the robot's radius or coarse cells close; \
+            "it is enclosed, perhaps because the robot's radius or coarse cells close a door; \
              `plan-compiler render` shows where",
         ),
     )

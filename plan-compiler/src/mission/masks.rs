@@ -1,10 +1,10 @@
-//! Masks: further maps whose occupied cells keep the robot out, as Nav2's keep-out filter has them.
+//! Masks: further maps whose occupied cells keep the robot out, like Nav2's keep-out filter.
 //!
-//! A mask is read like any map of cells and may have a resolution, an origin and a yaw of its own:
-//! its cells are squares on the plane, and a cell of the plan is blocked if one of them, grown by
-//! the robot's radius, touches it. Only what the mask says is occupied keeps out; where it says
-//! nothing is known, it says nothing. Deliberately absent: speed masks. A plan knows cells that are
-//! blocked and cells that are not, and nothing between.
+//! A mask is read like any map of cells. It may have its own resolution, origin and yaw: its cells
+//! are squares on the plane. A cell of the plan is blocked if such a square, grown by the robot's
+//! radius, touches it. Only occupied cells of the mask keep out; its unknown cells do nothing.
+//!
+//! Deliberately absent: speed masks. The cells of a plan are blocked or free, nothing between.
 
 use super::{LayerRule, Named, PHYSICAL, Reader};
 use crate::toml::{Span, key_span};
@@ -14,25 +14,25 @@ use maps::{CellMap, Unknown};
 use std::path::{Path, PathBuf};
 use toml_edit::{Item, TableLike, Value};
 
-/// A map of where the robot must not be.
+/// A map of where the robot must not go.
 #[derive(Clone, Debug)]
 pub struct Mask {
-    /// The first layer that it is an obstacle in; all that follow have it too.
+    /// The first layer in which it is an obstacle; the layers above have it too.
     pub layer: String,
     /// Its file, relative to the current folder.
     pub path: PathBuf,
-    /// Where the mission names it.
+    /// Its place in the mission file.
     pub place: Place,
-    /// What it says.
+    /// Its cells.
     pub cells: CellMap,
 }
 
-/// How masks are written.
+/// Example of how masks are written.
 const EXAMPLE: &str =
     "keepout = \"keepout.yaml\", a list of such names, or { LAYER = \"keepout.yaml\" }";
 
 impl Reader<'_> {
-    /// The table `[masks]`.
+    /// Reads the table `[masks]`.
     pub(super) fn masks(&mut self, table: &dyn TableLike) {
         for (name, item) in table.iter() {
             let key_span = key_span(table, name);
@@ -41,7 +41,7 @@ impl Reader<'_> {
                 "speed" => self.report.error(
                     "speed masks cannot be used yet",
                     &key_span,
-                    "a plan has no costs between free and blocked",
+                    "the cells of a plan are free or blocked, nothing between",
                     "leave it out, or name it as `keepout` if the robot must not drive there at all",
                 ),
                 other => self.report.error(
@@ -71,7 +71,7 @@ impl Reader<'_> {
         }
     }
 
-    /// One file's name or a list of them.
+    /// Reads the name of one file or a list of names.
     fn masks_of(&mut self, layer: &str, path: &str, item: &Item) {
         let whole = item.span().unwrap_or(0..0);
         let values: Option<Vec<&Value>> = match item.as_value() {
@@ -115,7 +115,7 @@ impl Reader<'_> {
                 format!("{} is not a mask", path.display()),
                 &span,
                 "a map without cells",
-                "a mask is a ROS map, a YAML file with its image; areas that a map draws stand in \
+                "a mask is a ROS map, a YAML file with its image; areas that a map draws belong in \
                  [layers]",
             );
         };

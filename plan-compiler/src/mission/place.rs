@@ -5,19 +5,19 @@ use crate::toml::{Span, number};
 use math::GeoPoint;
 use toml_edit::TableLike;
 
-/// How a place is written.
+/// Example of how a place is written.
 const EXAMPLE: &str = "write geo:LAT,LON in degrees, for example geo:51.5,-0.1";
 
-/// Whether a text is meant as a place on the globe.
+/// Whether a text is meant to be a place on the globe.
 pub fn is_geo_uri(text: &str) -> bool {
     text.trim().get(..4).is_some_and(|scheme| scheme.eq_ignore_ascii_case("geo:"))
 }
 
-/// The place of `geo:LAT,LON`, a URI of RFC 5870; otherwise why it is none. An altitude and the
-/// parameters `crs=wgs84` and `u=METRES` may follow and say nothing that a goal needs.
+/// Reads `geo:LAT,LON`, a URI of RFC 5870; otherwise returns the reason why it is not one. An
+/// altitude and the parameters `crs=wgs84` and `u=METRES` are accepted and ignored.
 pub fn geo_uri(text: &str) -> Result<GeoPoint, String> {
     let rest = text.trim().get(4..).filter(|_| is_geo_uri(text)).ok_or(EXAMPLE)?;
-    // What map applications append, such as `?z=17` or `?q=...`.
+    // Map applications append a query such as `?z=17`.
     let rest = rest.split('?').next().unwrap_or(rest);
     let mut parts = rest.split(';');
     let mut numbers = parts.next().unwrap_or_default().split(',');
@@ -38,7 +38,7 @@ pub fn geo_uri(text: &str) -> Result<GeoPoint, String> {
     place_of(lat, lon)
 }
 
-/// The place of a latitude and a longitude in degrees; otherwise why there is none.
+/// The place of a latitude and a longitude in degrees; otherwise the reason why there is none.
 pub fn place_of(lat: f64, lon: f64) -> Result<GeoPoint, String> {
     GeoPoint::from_degrees(lat, lon).ok_or_else(|| {
         let swapped = match GeoPoint::from_degrees(lon, lat) {
@@ -53,7 +53,7 @@ pub fn place_of(lat: f64, lon: f64) -> Result<GeoPoint, String> {
 }
 
 impl Reader<'_> {
-    /// Where a goal lies that is a table: `at`, or `lat` and `lon`.
+    /// Reads the position of a goal's table: `at`, or `lat` and `lon`.
     pub(super) fn goal_table(
         &mut self,
         name: &str,
@@ -87,7 +87,7 @@ impl Reader<'_> {
                 self.report.error(format!("goal `{name}` has no `at`"), &span, "this goal", &help);
                 None
             }
-            // A key that was misspelt has been reported.
+            // A misspelt key has been reported.
             _ if table.iter().any(|(key, _)| !super::GOAL_KEYS.contains(&key)) => None,
             _ => {
                 let help = format!(

@@ -1,4 +1,4 @@
-//! What a mission says about how its map is read.
+//! How a mission says its map is to be read.
 
 use super::{Mission, Reader};
 use crate::toml::{Span, number};
@@ -7,8 +7,8 @@ use math::GeoPoint;
 use toml_edit::{Item, Value};
 
 impl Mission {
-    /// The options of a command line, completed by the mission: what is given there comes first,
-    /// list by list.
+    /// The options of the command line, completed by the mission. Each option and each list of the
+    /// command line replaces the mission's.
     pub fn reading(&self, given: ReadOptions) -> ReadOptions {
         let or = |given: Vec<TagRule>, own: &Vec<TagRule>| {
             if given.is_empty() { own.clone() } else { given }
@@ -23,7 +23,7 @@ impl Mission {
 }
 
 impl Reader<'_> {
-    /// A list of tags; `None` where the value is none.
+    /// Reads a list of tags; `None` if the value is not a list of texts.
     pub(super) fn tags(&mut self, item: &Item) -> Option<Vec<TagRule>> {
         let span = item.span().unwrap_or(0..0);
         let array = item.as_array()?;
@@ -46,7 +46,7 @@ impl Reader<'_> {
         Some(rules)
     }
 
-    /// A latitude and a longitude; `None` where the value is no pair of numbers.
+    /// Reads a latitude and a longitude; `None` if the value is not a pair of numbers.
     pub(super) fn place_on_globe(&mut self, item: &Item) -> Option<Option<GeoPoint>> {
         let array = item.as_value().and_then(Value::as_array)?;
         let numbers: Vec<f64> = array.iter().filter_map(number).collect();

@@ -12,7 +12,7 @@ use plan_format::parameters::{Steering, Vehicle};
 use std::ops::Range;
 use toml_edit::{Item, TableLike};
 
-/// Makes the speeds that a file leaves out follow the others, and reports contradictions.
+/// Derives the speeds that a file leaves out from the others, and reports contradictions.
 pub(super) fn settle(report: &mut Report<'_>, root: &dyn TableLike, parameters: &mut Parameters) {
     let Some(table) = root.get("vehicle").and_then(Item::as_table_like) else { return };
     let given = |key: &str| {
@@ -39,7 +39,7 @@ pub(super) fn settle(report: &mut Report<'_>, root: &dyn TableLike, parameters: 
     for (name, speed, at) in
         [("max_speed", vehicle.max_speed_mps, &max), ("base_speed", vehicle.base_speed_mps, &base)]
     {
-        // A speed that only follows another is not reported beside it.
+        // A derived speed is not reported beside the speed that it derives from.
         if speed == 0.0 && at.is_some() {
             let help = format!("write a speed above 0 m/s, for example {name} = 0.5");
             error(format!("`vehicle.{name}` is 0: the robot would never move"), at.clone(), help);
@@ -62,13 +62,13 @@ pub(super) fn settle(report: &mut Report<'_>, root: &dyn TableLike, parameters: 
     turning(report, table, &vehicle);
 }
 
-/// A speed with where it comes from.
+/// A speed and whether it is a default.
 fn said(name: &str, speed: f32, at: &Option<Range<usize>>) -> String {
     let whose = if at.is_some() { "" } else { ", the default" };
     format!("`vehicle.{name}` ({speed} m/s{whose})")
 }
 
-/// What a file says about turning that its steering cannot do.
+/// Warns about turning limits that do not fit the steering.
 fn turning(report: &mut Report<'_>, table: &dyn TableLike, vehicle: &Vehicle) {
     let radius = table.get("min_turn_radius");
     let place = |item: Option<&Item>| item.and_then(Item::span);
@@ -86,7 +86,7 @@ fn turning(report: &mut Report<'_>, table: &dyn TableLike, vehicle: &Vehicle) {
     } else {
         None
     };
-    let problem = problem.map(|(problem, span)| problem.at(report.source, span, "said here"));
+    let problem = problem.map(|(problem, span)| problem.at(report.source, span, "given here"));
     report.problems.extend(problem);
 }
 

@@ -1,13 +1,13 @@
 //! From costs to directions: for every cell an optimal first move.
 //!
-//! A neighbour is a good first move if its cost and the step to it make the cell's own cost.
-//! Costs are integers, so that is a comparison for equality, and every cell is decided by its
-//! eight neighbours alone: one pass over the field, row by row, many columns at once.
+//! A neighbour is a good first move if its cost plus the step to it equals the cell's own cost.
+//! Costs are integers, so the comparison is exact, and the eight neighbours of a cell decide it
+//! alone: one pass over the field, row by row, many columns at once.
 //!
-//! Sixteen bits of a cost are enough for that, and twice as many columns fit in a vector.
-//! The costs of two cells with a route, one step apart, differ by that step at most; so if they
-//! differ by a step modulo 2^15, which is more than twice the longest, they do so in truth. The
-//! sixteenth bit says that there is no route ([`NOWHERE`]).
+//! Sixteen bits of a cost are enough, so that twice as many columns fit in a vector. The costs of two
+//! neighbours with a route differ by at most one step. 2^15 is more than twice the longest step, so
+//! costs that differ by a step modulo 2^15 really differ by that step. The sixteenth bit marks cells
+//! without a route ([`NOWHERE`]).
 //!
 //! Among equally good moves a diagonal is preferred to a straight one (the paper's "minimal
 //! adjacent cell"), else NE, NW, SW, SE, E, N, W, S in this order.
@@ -19,15 +19,14 @@ use maps::Bitmap;
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
 
-/// Where the costs of a search come from.
+/// A source of the costs of a search.
 pub(crate) trait Rows {
-    /// Reads the costs of 64 columns of a row, by the number of the word that they would be in a
-    /// [`Bitmap`]; [`UNREACHED`] where there is none and beyond the map.
+    /// Reads the costs of 64 columns of a row: those of word `word` of a [`Bitmap`]'s row.
+    /// [`UNREACHED`] for cells without a route and beyond the map.
     fn read(&self, row: usize, word: usize, costs: &mut [u32; SIDE]);
 }
 
-/// Fills in a field that knows its size: the costs, and the codes of all cells, blocked ones being
-/// left without an escape.
+/// Fills in the costs and codes of a field whose size is set. Blocked cells get no escape yet.
 pub(super) fn advise(
     costs: &impl Rows,
     blocked: &Bitmap,
@@ -36,8 +35,8 @@ pub(super) fn advise(
     vectors: Vectors,
     field: &mut Field,
 ) {
-    // Whole words are written, in the order of rows. What lies beyond the end of a row is in the
-    // next one, which is written later, or behind the last.
+    // Whole words are written, row after row. What is written beyond the end of a row lies in the
+    // next row, which is overwritten later, or behind the last row.
     let cells = field.columns as usize * field.rows as usize;
     field.cost.resize(cells + SIDE, UNREACHED);
     field.code.resize(cells + SIDE, field::NO_ROUTE);
@@ -96,27 +95,27 @@ impl<R: Rows> pulp::WithSimd for Advise<'_, R> {
 
 /// A cell without a route, or beyond the map.
 const NOWHERE: u16 = 1 << 15;
-/// The bits that costs are compared by.
+/// The bits of a cost that are compared.
 const KEPT: u16 = NOWHERE - 1;
 
 const _: () = assert!(2 * DIAGONAL_STEP < KEPT as u32, "steps are told apart");
 
-/// The shortened costs of a word's columns and of one beside it at either end.
+/// The shortened costs of a word's columns and of one column beyond either end.
 type Line = [u16; SIDE + 2];
 
-/// A row's costs and those of the rows south and north of it, shortened, with a column beyond the
-/// map before them and as many after them as make whole words.
+/// The shortened costs of a row and of the rows south and north of it, with one column before the
+/// map and enough columns after it to fill whole words.
 pub(crate) struct Near {
     lines: [Vec<u16>; 3],
 }
 
 impl Near {
-    /// South of all rows of a map.
+    /// Starts south of the first row.
     pub(crate) fn new(columns: usize) -> Self {
         Self { lines: [(); 3].map(|()| vec![NOWHERE; columns.next_multiple_of(SIDE) + 2]) }
     }
 
-    /// Goes on to the next row; the costs of the one north of it are to be set anew.
+    /// Advances to the next row; then the costs of the row north of it must be set.
     #[inline(always)]
     pub(crate) fn go_north(&mut self) {
         let [south, here, north] = &mut self.lines;
@@ -124,13 +123,13 @@ impl Near {
         std::mem::swap(here, north);
     }
 
-    /// There is no row north.
+    /// Marks that there is no row to the north.
     #[inline(always)]
     pub(crate) fn end(&mut self) {
         self.lines[2].fill(NOWHERE);
     }
 
-    /// Sets the costs of a word of the row north.
+    /// Sets the costs of a word of the row to the north.
     #[inline(always)]
     pub(crate) fn set(&mut self, word: usize, costs: &[u32; SIDE]) {
         let line = &mut self.lines[2][1 + word * SIDE..][..SIDE];
@@ -139,8 +138,8 @@ impl Near {
         }
     }
 
-    /// The codes of a word of the row; those beyond the map mean nothing. Of the cells that are not
-    /// `blocked` one without a move has no route, be it the goal.
+    /// The codes of a word of the row; those beyond the map mean nothing. A free cell without a move
+    /// is coded as without a route, the goal too.
     #[inline(always)]
     pub(crate) fn codes(
         &self,
@@ -165,15 +164,15 @@ impl Near {
     }
 }
 
-/// The codes of a word's columns, from the lines south of them, through them and north of them,
-/// which begin a column before and end a column after.
+/// The codes of a word's columns, from the costs of the rows south of it, of its own row and north of
+/// it. Each row begins one column before the word and ends one column after.
 #[inline(always)]
 fn codes<const ALLOW: bool>(
     [south, here, north]: [&Line; 3],
     blocked: u64,
     codes: &mut [u8; SIDE],
 ) {
-    // Sixteen bits at a time, so that a vector holds as many to be tested as costs.
+    // Sixteen bits at a time, so that a vector has as many test bits as costs.
     for (word, first) in [0, 32].map(|first| ((blocked >> first) as u32, first)) {
         for lane in 0..32 {
             let x = first + lane;
@@ -196,15 +195,15 @@ fn codes<const ALLOW: bool>(
 
 /// The code of a free cell from its cost and those around it, in the order of directions.
 ///
-/// A blocked neighbour is told by its cost: neighbours of a cell with a route have a route, if
-/// they are free.
+/// The cost shows whether a neighbour is blocked: a free neighbour of a cell with a route has a
+/// route.
 #[inline(always)]
 fn best<const ALLOW: bool>(cost: u16, around: [u16; 8]) -> u16 {
     let straight = cost.wrapping_sub(STRAIGHT_STEP as u16) & KEPT;
     let diagonal = cost.wrapping_sub(DIAGONAL_STEP as u16) & KEPT;
     let [e, ne, n, nw, w, sw, s, se] = around;
     let passes = |a: u16, b: u16| ALLOW || (a < NOWHERE) & (b < NOWHERE);
-    // From the least preferred to the most, each overriding the one before.
+    // From the least to the most preferred; each overrides the one before.
     let mut code = u16::from(field::NO_ROUTE);
     let mut offer = |good: bool, direction: Direction| {
         code = if good { direction as u16 } else { code };

@@ -1,14 +1,14 @@
 //! Uniform-cost search with buckets one step wide (Dial 1969; Denardo and Fox 1979).
 //!
-//! Why it is exact: a bucket holds the cells whose cost lies in one interval as wide as the
-//! shortest step. No step from a cell of the bucket can lead to a cost inside it, so every
-//! cost found when the bucket is opened is final, whatever the order within. The longest
-//! step is shorter than two widths, so three buckets are enough at any time.
+//! Why it is exact: a bucket contains the cells whose costs lie in one interval as wide as the
+//! shortest step. No step from a cell of the bucket leads to a cost inside that interval, so every
+//! cost is final when its bucket is opened, in whatever order its cells are taken. The longest step
+//! is shorter than two intervals, so three buckets are enough at any time.
 //!
-//! Most moves need not be tried: a move is useless if the cell that the search came from
-//! leads to the same place more cheaply, which depends on the move it came by and on the
-//! moves that are open here ([`Pruning`]). Only strictly dearer ways are left out, so this
-//! holds whatever way a cell was reached first among equals.
+//! Most moves need not be tried. A move is useless if the previous cell leads to the same place at a
+//! lower cost, which depends on the move that led here and on the moves that are open here
+//! ([`Pruning`]). Only strictly dearer ways are left out, so the result does not depend on which of
+//! several equal ways reached a cell first.
 
 use super::advice::Rows;
 use super::open::{Passable, SIDE, moves};
@@ -20,17 +20,17 @@ use plan_format::{Cell, Direction};
 const WIDTH: u32 = STRAIGHT_STEP;
 const _: () = assert!(DIAGONAL_STEP < 2 * WIDTH, "three buckets are enough");
 
-/// A way to a cell.
+/// A route to a cell.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
-    /// The cell's place in row-major order.
+    /// The cell's index in row-major order.
     at: u32,
     cost: u32,
     /// The code of the last move, or [`START`].
     by: u8,
 }
 
-/// The search came here by no move.
+/// Stands for the move that led to the goal: none.
 const START: u8 = 8;
 
 /// Reusable buffers of the search.
@@ -38,13 +38,13 @@ const START: u8 = 8;
 pub(crate) struct Queue {
     columns: usize,
     buckets: [Vec<Entry>; 3],
-    /// For each cell a bit for each move that is open there.
+    /// For each cell, one bit for each open move.
     moves: Vec<u8>,
     cost: Vec<u32>,
 }
 
 impl Queue {
-    /// Finds the cheapest ways from the goal, an open cell if there is one.
+    /// Finds the cheapest routes to the goal, which is an open cell; `None` if there is no goal.
     pub(crate) fn search(
         &mut self,
         open: &Passable,
@@ -68,7 +68,7 @@ impl Queue {
         self.run(columns, corners);
     }
 
-    /// Empties the buckets in their order; the goal is in the first.
+    /// Empties the buckets in order, starting with the goal's.
     fn run(&mut self, columns: usize, corners: Corners) {
         let pruning = match corners {
             Corners::Forbid => &FORBID,
@@ -148,7 +148,7 @@ impl pulp::WithSimd for Enter<'_> {
     }
 }
 
-/// The moves worth trying by the move that led here ([`START`]: none) and the open moves.
+/// The moves worth trying, by the move that led here (or [`START`]) and the open moves.
 type Pruning = [[u8; 256]; 9];
 
 static FORBID: Pruning = pruning(false);

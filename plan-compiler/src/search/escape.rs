@@ -1,13 +1,12 @@
-//! The way out of blocked cells, so that a robot whose position falls into an obstacle (a
-//! poor fix, a coarse map) still gets an answer.
+//! The way out of blocked cells: a robot whose position falls into an obstacle, because of a poor fix
+//! or a coarse map, still gets an answer.
 //!
-//! The escape of a blocked cell is the first move of the cheapest way through blocked cells
-//! to a free cell with a route: the same steps and costs as the search, no rule about
-//! corners, ties as in the search. A blocked cell that cannot reach such a cell through
-//! blocked cells alone has none.
+//! The escape of a blocked cell is the first move of the cheapest way through blocked cells to a free
+//! cell with a route. Steps, costs and ties are those of the search; there is no corner rule. A
+//! blocked cell without such a way has no escape.
 //!
-//! Most blocked cells lie on a shore: beside a cell with a route, so that one step leads out.
-//! Those are found 64 at a time; only from there inward a search is needed.
+//! Most blocked cells lie on a shore: beside a cell with a route, so that one step leads out. Those
+//! are found 64 at a time; only the cells behind them need a search.
 
 use super::advice::{Near, Rows};
 use super::open::{Passable, SIDE};
@@ -17,7 +16,7 @@ use super::{Corners, Vectors};
 use crate::field::{ESCAPE, Field, MOVES, NO_ESCAPE};
 use maps::Bitmap;
 
-/// Fills in the codes of the blocked cells of a field whose free cells are done.
+/// Fills in the codes of a field's blocked cells, once its free cells are done.
 pub(crate) fn escape(tiles: &mut Tiles, vectors: Vectors, blocked: &Bitmap, field: &mut Field) {
     let shores = Shores::of(blocked, &field.cost);
     tiles.flood(&Passable::of(&shores.deep, true), &shores, vectors);

@@ -17,8 +17,8 @@ pub(crate) struct Open {
     pub(crate) east: u64,
 }
 
-/// The passable cells of a map, with a border that is not: a row south of the first and a word west
-/// of each, and at least as much in the north and east. So that every word has neighbours.
+/// The passable cells of a map with an impassable border, so that every word has neighbours: one row
+/// in the south, one word in the west, and at least as much in the north and east.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Passable {
     pub(crate) columns: usize,
@@ -26,25 +26,25 @@ pub(crate) struct Passable {
     /// Words from one row to the next.
     stride: usize,
     words: Vec<u64>,
-    /// Of each tile, by rows of tiles, the westernmost and the easternmost column as words: the
+    /// The westernmost and the easternmost column of each tile, by rows of tiles, as words with the
     /// southernmost cell in bit 0.
     sides: Vec<[u64; 2]>,
 }
 
 impl Passable {
-    /// The cells of a set, or all others.
+    /// The cells of a set if `through` is true, otherwise all others.
     pub(crate) fn of(map: &Bitmap, through: bool) -> Self {
         let mut this = Self::default();
         this.fill(map, through);
         this
     }
 
-    /// As [`Passable::of`], in memory that is there already.
+    /// As [`Passable::of`], reusing the memory.
     pub(crate) fn fill(&mut self, map: &Bitmap, through: bool) {
         (self.columns, self.rows) = (map.columns() as usize, map.rows() as usize);
         let across = self.columns.div_ceil(SIDE);
         self.stride = across + 2;
-        // Whole tiles, so that the last one has a border too.
+        // Whole tiles, so that the last tile has a border too.
         self.words.resize((self.rows.next_multiple_of(SIDE) + 2) * self.stride, 0);
         let flip = if through { 0 } else { u64::MAX };
         let outside = (across * SIDE - self.columns) as u32;
@@ -69,7 +69,7 @@ impl Passable {
         }
     }
 
-    /// Those of a row in a word. Rows and words may lie one beyond the map.
+    /// The passable cells of one word of a row. Both may lie one beyond the map.
     #[inline(always)]
     pub(crate) fn at(&self, word: usize, row: isize) -> Open {
         let start = (row + 1) as usize * self.stride + word;
@@ -86,7 +86,7 @@ impl Passable {
         Open { cells: sides[usize::from(dx > 0)], ..Open::default() }
     }
 
-    /// The part of the map that a tile lies in, by its place from the west and from the south.
+    /// The passable cells of a tile, counted from the west and from the south.
     #[inline(always)]
     pub(crate) fn tile(&self, across: usize, down: usize) -> TileOpen<'_> {
         TileOpen { map: self, word: across, row: (down * SIDE) as isize }
@@ -102,7 +102,7 @@ pub(crate) struct TileOpen<'a> {
 }
 
 impl TileOpen<'_> {
-    /// Those of a row of the tile, or of the row beside it: -1 to 64.
+    /// The passable cells of a row of the tile; rows -1 and 64 lie beside it.
     #[inline(always)]
     pub(crate) fn row(self, row: isize) -> Open {
         self.map.at(self.word, self.row + row)
@@ -122,10 +122,9 @@ impl Open {
         self.cells >> 1 | self.east
     }
 
-    /// The cells of this row that may be entered from the row `there` beside it: straight,
-    /// from the west and from the east. Steps being reversible, these are also the cells from
-    /// which that row may be entered. Whether the cell beyond a diagonal step is open is left
-    /// to its cost.
+    /// The cells of this row that may be entered from the neighbouring row `there`: straight, from
+    /// the west and from the east. Steps are reversible, so these are also the cells from which that
+    /// row may be entered. Whether the cell beyond a diagonal step is open shows in its cost.
     #[inline(always)]
     pub(super) fn passes(self, there: Self, corners: Corners) -> [u64; 3] {
         match corners {
@@ -138,7 +137,7 @@ impl Open {
     }
 }
 
-/// For each open cell of a word a byte with a bit for each direction that may be taken.
+/// For each open cell of a word, a byte with one bit for each open direction.
 #[inline(always)]
 pub(super) fn moves(south: Open, here: Open, north: Open, corners: Corners) -> [u8; SIDE] {
     let [_, south_west, south_east] = here.passes(south, corners);
@@ -164,8 +163,8 @@ pub(super) fn moves(south: Open, here: Open, north: Open, corners: Corners) -> [
     moves
 }
 
-/// How many passable cells there are, and how many of them are the south-western corner of four
-/// that are, in every fourth row.
+/// Counts, in every fourth row, the passable cells and those that are the south-west corner of a
+/// passable square of 2 x 2 cells.
 pub(super) struct Texture<'a>(pub(super) &'a Passable);
 
 impl pulp::WithSimd for Texture<'_> {

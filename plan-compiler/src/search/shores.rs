@@ -5,9 +5,9 @@ use crate::field::UNREACHED;
 use maps::Bitmap;
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 
-/// What is known of the costs of leaving blocked cells without a search.
+/// The costs of leaving blocked cells, as far as they are known without a search.
 pub(super) struct Shores {
-    /// Cells with a route, where the way out ends.
+    /// Cells with a route, where a way out ends.
     pub(super) routed: Bitmap,
     /// Blocked cells that one straight step leads out of.
     straight: Bitmap,
@@ -52,8 +52,7 @@ impl Shores {
         Self { routed, straight, diagonal, deep }
     }
 
-    /// The costs of a word of a row: 0 for cells with a route, [`UNREACHED`] where a search is
-    /// needed or there is no way.
+    /// The costs of a word of a row: 0 for cells with a route, [`UNREACHED`] if a search is needed.
     #[inline(always)]
     pub(super) fn word(&self, row: u32, word: usize) -> [u32; SIDE] {
         let [routed, straight, diagonal] = [&self.routed, &self.straight, &self.diagonal]

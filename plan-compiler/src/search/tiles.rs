@@ -1,14 +1,13 @@
 //! Uniform-cost search by tiles of 64 x 64 cells, a row of a tile at a time.
 //!
-//! A tile holds the best costs known so far. Visiting it lowers them to the cheapest ways
-//! that its own cells and a halo of one cell around allow; then the neighbouring tiles that
-//! these costs improve are put in a queue, ordered by the lowest cost that is waiting for
-//! them. When the queue is empty no step anywhere improves a cost, which is what makes a
-//! field of cheapest ways: the order of visits decides the time, never the result. It decides
-//! it well: in open country a tile is visited once, and a row of it relaxed 1.1 to 1.5 times.
+//! A tile holds the best costs known so far. A visit lowers them to the cheapest routes that its own
+//! cells and a halo of one cell around it allow. Then the neighbouring tiles that these costs improve
+//! are put in a queue, ordered by the lowest cost waiting for them. When the queue is empty, no step
+//! anywhere improves a cost: the field is exact. The order of visits decides the time, never the
+//! result. On open maps a tile is visited once, and each of its rows is relaxed 1.1 to 1.5 times.
 //!
-//! How a row is relaxed, and why it hardly ever needs a scan, is told in [`relax`]; what
-//! passes between tiles, in [`halo`].
+//! [`relax`] explains how a row is relaxed and why it hardly ever needs a scan; [`halo`] explains
+//! what passes between tiles.
 
 mod halo;
 mod relax;
@@ -32,23 +31,23 @@ const UNKNOWN: u32 = MAX_COST + 1;
 #[repr(C, align(64))]
 struct Tile {
     cost: [u32; CELLS],
-    /// The westernmost and the easternmost column once more, as they were after the last visit,
-    /// as if they were rows. A column of `cost` is a cache line a cell.
+    /// Copies of the westernmost and the easternmost column after the last visit, stored like rows:
+    /// reading a column of `cost` would touch a cache line for each cell.
     sides: [Row; 2],
 }
 
-/// What a tile waits to be visited for.
+/// Why a tile waits for a visit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pending {
-    /// Rows to relax from the row south of them, a bit each.
+    /// Rows to relax from the row south of them, one bit each.
     from_south: u64,
-    /// Rows to relax from the row north of them.
+    /// Rows to relax from the row north of them, one bit each.
     from_north: u64,
-    /// The lowest cost that waits, if the tile is in the queue.
+    /// The lowest waiting cost, if the tile is in the queue.
     key: Option<u32>,
 }
 
-/// The search and its buffers, which are kept from one search to the next.
+/// The search and its buffers, which are reused from search to search.
 #[derive(Debug, Default)]
 pub(crate) struct Tiles {
     /// Tiles from west to east and from south to north.
@@ -58,12 +57,12 @@ pub(crate) struct Tiles {
     /// Whether a tile still holds the costs of an earlier search.
     is_stale: Vec<bool>,
     pending: Vec<Pending>,
-    /// Tiles by their keys. One whose key was lowered later is passed over.
+    /// Tiles by their keys. An entry whose key was lowered later is skipped.
     queue: BinaryHeap<Reverse<(u32, u32)>>,
 }
 
 impl Tiles {
-    /// Finds the cheapest ways from the goal, an open cell if there is one.
+    /// Finds the cheapest routes to the goal, which is an open cell; `None` if there is no goal.
     pub(crate) fn search(
         &mut self,
         map: &Passable,
@@ -87,7 +86,7 @@ impl Tiles {
         vectors.run(Run { tiles: self, map, shores: None, corners });
     }
 
-    /// Finds the cheapest ways out of the deep cells, from what is known of the shores.
+    /// Finds the cheapest ways out of the deep cells, starting from the shores.
     pub(super) fn flood(&mut self, deep: &Passable, shores: &Shores, vectors: Vectors) {
         self.reset(deep);
         let corners = Corners::Allow;
@@ -108,8 +107,8 @@ impl Tiles {
         self.queue.clear();
     }
 
-    /// Forgets what an earlier search left in a tile. Left until a tile is needed, so that
-    /// what is written is in the cache when it is.
+    /// Clears what an earlier search left in a tile. Done when the tile is first needed, so that it
+    /// is then in the cache.
     #[inline(always)]
     fn freshen(&mut self, at: usize) {
         if std::mem::take(&mut self.is_stale[at]) {
@@ -117,7 +116,7 @@ impl Tiles {
         }
     }
 
-    /// Puts a tile in the queue, or moves it forward.
+    /// Puts a tile in the queue or moves it forward.
     #[inline(always)]
     fn wake(&mut self, at: usize, offer: Pending) {
         let pending = &mut self.pending[at];
@@ -181,8 +180,8 @@ impl Tiles {
         }
     }
 
-    /// Lowers the costs of a tile as far as it and its halo allow, going north and south over
-    /// the rows that wait until none does.
+    /// Lowers the costs of a tile as far as it and its halo allow, sweeping north and south until no
+    /// row waits.
     #[inline(always)]
     fn visit<S: Simd>(&mut self, simd: S, map: &Passable, at: usize, corners: Corners) {
         let Pending { mut from_south, mut from_north, .. } = std::mem::take(&mut self.pending[at]);
@@ -215,8 +214,8 @@ impl Tiles {
     }
 }
 
-/// The search itself, compiled once for each kind of vector unit; everything it calls is
-/// inlined, so that it is compiled along.
+/// The search itself, compiled once for each kind of vector unit. Everything that it calls is
+/// inlined, so that it is compiled for the same unit.
 struct Run<'a> {
     tiles: &'a mut Tiles,
     map: &'a Passable,
@@ -235,7 +234,7 @@ impl pulp::WithSimd for Run<'_> {
                 tiles.seed(map, at, shores);
             }
         }
-        // The rule is a constant in each, so that nothing of the other is left in the loops.
+        // The corner rule is a constant in each branch, so that the loops contain one rule only.
         match corners {
             Corners::Forbid => tiles.visit_all(simd, map, Corners::Forbid),
             Corners::Allow => tiles.visit_all(simd, map, Corners::Allow),

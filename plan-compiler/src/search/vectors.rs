@@ -1,7 +1,7 @@
 //! The kinds of vector unit that a search may be run with.
 //!
-//! A search takes the best that the machine has. The others are here so that tests can show that
-//! all of them find the same field, and benchmarks what a lesser machine would take.
+//! A search uses the best unit of the machine. The others exist so that tests can prove that all find
+//! the same field, and benchmarks can measure what a lesser machine would take.
 
 /// A kind of vector unit that this machine has.
 #[derive(Clone, Copy, Debug)]
@@ -11,12 +11,13 @@ pub struct Vectors {
 }
 
 impl Vectors {
-    /// The best there is.
+    /// The best unit of this machine.
     pub fn best() -> Self {
         Self::named(pulp::Arch::new())
     }
 
-    /// All there are, the best first. The last is what every machine of this kind has.
+    /// All units of this machine, the best first. The last exists on every machine of this
+    /// architecture.
     pub fn all() -> Vec<Self> {
         let mut all = vec![Self::best()];
         #[cfg(target_arch = "x86_64")]
@@ -42,12 +43,12 @@ impl Vectors {
         Self { arch, name }
     }
 
-    /// What its makers call it.
+    /// Its usual name.
     pub fn name(self) -> &'static str {
         self.name
     }
 
-    /// Runs what was compiled for it.
+    /// Runs an operation with this unit.
     #[inline(always)]
     pub(crate) fn run<Op: pulp::WithSimd>(self, op: Op) -> Op::Output {
         self.arch.dispatch(op)

@@ -1,8 +1,8 @@
-//! What passes between tiles: before a visit a tile copies its halo from its neighbours, after
-//! it each neighbour is told which of its rows the tile's edges improve.
+//! What passes between tiles. Before a visit, a tile copies its halo from its neighbours. After it,
+//! each neighbour learns which of its rows the tile's edges improve.
 //!
-//! An offer is exact, so a tile is woken only to be improved. That bounds the number of
-//! visits: each lowers the cost of at least one cell of the tile's edge.
+//! An offer is exact, so a tile is woken only if it will improve. That bounds the number of visits:
+//! each lowers the cost of at least one cell of the tile's edge.
 
 use super::relax::{GAP, Row, cheapest, halves, line, with_halo, within};
 use super::{Pending, Tile, Tiles, UNKNOWN};
@@ -13,7 +13,7 @@ use plan_format::grid::{DIAGONAL_STEP as DIAGONAL, STRAIGHT_STEP as STRAIGHT};
 /// The last row or column of a tile.
 const LAST: isize = SIDE as isize - 1;
 
-/// A place in a tile, by row and column.
+/// A position in a tile, by row and column.
 #[inline(always)]
 fn place(row: isize, column: isize) -> usize {
     line(row).wrapping_add_signed(column)
@@ -71,8 +71,8 @@ impl Tiles {
         if self.is_stale[at] { None } else { self.tiles.get(at) }
     }
 
-    /// Copies the edges of the neighbouring tiles into the halo. Where a neighbour is unknown
-    /// the halo is too, from when the tile was cleared.
+    /// Copies the edges of the neighbouring tiles into the halo. Where a neighbour was not visited,
+    /// the halo stays as it was cleared.
     #[inline(always)]
     pub(super) fn pull(&mut self, at: usize) {
         let tile = [at % self.across, at / self.across];
@@ -162,7 +162,7 @@ impl Tiles {
         let source = with_halo(self.tiles[at].side(dx));
         let target = self.known(to).map_or(&[UNKNOWN; SIDE], |to| within(to.side(-dx)));
         let [open, south, north] = map.side(to, -dx).passes(map.side(at, dx), corners);
-        // What lies beyond the column is the other tiles' to offer.
+        // Other tiles offer what lies beyond the column.
         let passes = [open, south & !1, north & !(1 << LAST)];
         let mut result = Pending::default();
         let mut lowest = UNKNOWN;
@@ -178,8 +178,8 @@ impl Tiles {
                 let cost = level.min(south).min(north);
                 let is_better = open & (cost < target[row]);
                 lowest = lowest.min(if is_better { cost } else { UNKNOWN });
-                // A step straight across is taken whichever way the row is relaxed, best when
-                // coming from where costs are lower; a diagonal one only when coming from there.
+                // A straight step across works in either sweep, and best in the one that comes from
+                // lower costs. A diagonal step works only in the sweep that comes from its row.
                 let is_northward =
                     if level == cost { source[row] <= source[row + 2] } else { south <= north };
                 from_south |= if is_better & is_northward { bit } else { 0 };
@@ -210,8 +210,8 @@ impl Tiles {
         self.offer(edge(-dy), dy > 0, if is_better { cost } else { UNKNOWN })
     }
 
-    /// An offer for one row, to be relaxed from the south or from the north; none if the cost
-    /// is unknown.
+    /// An offer for one row, to be relaxed from the south or from the north; `None` if the cost is
+    /// unknown.
     #[inline(always)]
     fn offer(&self, row: isize, northward: bool, cost: u32) -> Pending {
         let key = (cost != UNKNOWN).then_some(cost);

@@ -1,11 +1,11 @@
 //! Relaxing a row of a tile: 64 cells at once.
 //!
-//! A row is lowered by the steps from the row before it (three neighbours, all columns at
-//! once, which the compiler turns into vector instructions), then by steps along itself. The
-//! invariant is that a row is *closed*: no step along it improves it. To keep it so seems to
-//! need a scan, one column after the other. It hardly does:
+//! A row is first lowered by the steps from the row before it: three neighbours, all columns at once,
+//! which the compiler turns into vector instructions. Then it is lowered by steps along itself. The
+//! invariant is that a row is *closed*: no step along it improves it. Keeping it closed seems to need
+//! a scan, column after column. It rarely does:
 //!
-//! - Let two rows be closed and the one be lowered by steps from the other. A cell lowered to
+//! - Let two rows be closed, and one be lowered by steps from the other. A cell lowered to
 //!   `c` from a neighbour in the other row offers `c + straight` to the next cell of its own
 //!   row. That cell has a diagonal step of its own from the same neighbour or from the cell
 //!   beside that one; the other row being closed, and a diagonal shorter than two straight
@@ -13,12 +13,12 @@
 //!   obstacle takes the diagonal away, which is at the ends of obstacles in the other row
 //!   ([`ends`]). There, and at the halo, the step along the row is tried, and followed for as
 //!   long as it improves cells ([`spread_east`]).
-//! - In a row without obstacles what comes from the halo is a ramp over the whole row, again
-//!   all columns at once.
+//! - In a row without obstacles, a cost from the halo spreads as a ramp over the whole row, again all
+//!   columns at once.
 //!
-//! A row that changed must be followed by the row after it. The row that it was lowered from
-//! needs another look only if a step along the row played a part: steps from the other row
-//! alone never lead back to it with profit, since it was closed.
+//! After a row has changed, the row after it must be relaxed. The row that it was lowered from needs
+//! another look only if a step along the row was used: steps from the other row alone never lead back
+//! to it with profit, because it was closed.
 
 #[cfg(target_arch = "x86_64")]
 mod avx512;
@@ -63,12 +63,12 @@ const RAMP: [u32; SIDE] = {
     ramp
 };
 
-/// What came of relaxing a row.
+/// The result of relaxing a row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Relaxed {
     /// The row after it should be relaxed from it.
     pub(super) has_changed: bool,
-    /// The row before it should be, too.
+    /// The row before it should be relaxed from it, too.
     pub(super) leads_back: bool,
 }
 
@@ -116,7 +116,7 @@ pub(super) fn with_halo(row: &Row) -> &[u32; SIDE + 2] {
     row
 }
 
-/// A row without what lies around it.
+/// A row without its halo.
 #[inline(always)]
 pub(super) fn within(row: &Row) -> &[u32; SIDE] {
     let Some(row) = row[GAP..].first_chunk() else { unreachable_row() };
@@ -130,8 +130,8 @@ fn relax_plain(cost: &mut [u32; CELLS], row: usize, before: usize) -> Relaxed {
     let halo = [cost[row - 1], cost[row + SIDE]];
     let (target, source) = pair(cost, row, before);
     let source = with_halo(source);
-    // Also the diagonals from the halo of the row before, which may be newer than what that
-    // row was closed with.
+    // Also the diagonals from the halo of the row before, which may be newer than the halo with which
+    // that row was closed.
     let west = (halo[0] + STRAIGHT).min(source[0] + DIAGONAL);
     let east = (halo[1] + STRAIGHT).min(source[SIDE + 1] + DIAGONAL);
     let mut has_changed = false;
@@ -148,9 +148,8 @@ fn relax_plain(cost: &mut [u32; CELLS], row: usize, before: usize) -> Relaxed {
     Relaxed { has_changed, leads_back: has_changed && leads_back }
 }
 
-/// Whether ways from a halo cell lead into the open row beside better than those from the
-/// halo cell of that row: if it is cheaper by more than a diagonal is dearer than a straight
-/// step.
+/// Whether a halo cell leads into the neighbouring open row at a lower cost than that row's own halo
+/// cell: whether it is cheaper by more than the difference of a diagonal and a straight step.
 #[inline(always)]
 fn is_source(halo: u32, beside: u32) -> bool {
     halo + (DIAGONAL - STRAIGHT) < beside
@@ -169,8 +168,8 @@ fn relax_masked<S: Simd>(
     let (target, source) = pair(cost, row, before);
     let changed = step_over(simd, target, source, here.passes(there, corners));
     let mut leads_back = false;
-    // What comes from the halo leads back like in a row without obstacles, as far as the row
-    // before has none either.
+    // A cost from the halo leads back as in a row without obstacles, as far as the row before has no
+    // obstacles either.
     let reached = spread_east(cost, row, -1, here.cells);
     if reached != 0 {
         let is_clear = !there.cells & (u64::MAX >> (63 - reached.min(63))) == 0;
@@ -184,7 +183,7 @@ fn relax_masked<S: Simd>(
     let has_changed = changed || reached | reached_west != 0;
     if changed {
         leads_back |= close(simd, cost, row, here, ends(here, there, corners));
-        // Between two obstacles a way may go down and up again.
+        // Between two obstacles, a route may go down and up again.
         leads_back |= corners == Corners::Allow && here.cells & !there.cells != 0;
     }
     Relaxed { has_changed, leads_back }
@@ -214,8 +213,7 @@ fn step_over<S: Simd>(simd: S, target: &mut [u32; SIDE], source: &Row, passes: [
     has_changed
 }
 
-/// One half of some masks: words of 32 bits, so that a vector holds as many bits to be tested
-/// as costs.
+/// One half of some masks: words of 32 bits, so that a vector has as many test bits as costs.
 #[inline(always)]
 pub(super) fn halves(masks: [u64; 3], half: usize) -> [u32; 3] {
     masks.map(|mask| (mask >> (32 * half)) as u32)
@@ -233,9 +231,9 @@ pub(super) fn cheapest(source: &[u32; SIDE + 2], x: usize, passes: [u32; 3], bit
     (straight + STRAIGHT).min(from_west.min(from_east) + DIAGONAL)
 }
 
-/// The cells from which a step east, and a step west, along the row may pay after it was
-/// lowered from the row `there`: where an obstacle in that row takes a diagonal away. The
-/// outer cells may have been lowered from a halo newer than that row.
+/// The cells from which a step east, and a step west, along the row may lower a cost after the row
+/// was lowered from the row `there`: where an obstacle in that row takes a diagonal away. The outer
+/// cells may have been lowered from a halo newer than that row.
 #[inline(always)]
 fn ends(here: Open, there: Open, corners: Corners) -> [u64; 2] {
     let [eastward, westward] = match corners {
@@ -256,7 +254,7 @@ fn close<S: Simd>(
     ends: [u64; 2],
 ) -> bool {
     let [mut eastward, mut westward] = ends;
-    // Looking at all columns at once costs as much as looking at a few one by one.
+    // Testing all columns at once costs as much as testing a few one by one.
     if (eastward | westward).count_ones() > 14 {
         let Some(cost) = cost[row - GAP..].first_chunk() else { unreachable_row() };
         let [east, west] = slopes(simd, cost);

@@ -270,7 +270,7 @@ fn a_map_that_was_hardly_meant_is_built_with_a_warning() {
     pgm.extend((0..1600).map(|at| if post(at) { 0 } else { 254 }));
     let run = Run::new(&[("yard.yaml", yaml.as_bytes()), ("yard.pgm", &pgm)]);
     for (resolution, words) in [
-        ("0.5", "of the area that the map says is free"),
+        ("0.5", "of the map's free area is left"),
         ("0.01", "far finer than the map's own, 0.1 m"),
         ("1", "whose own cells are 0.1 m"),
     ] {

@@ -74,7 +74,7 @@ fn what_a_mask_cannot_do_is_told() {
         ("[masks]\nkeepout = 3\n", "1, 1, 0", 1, "the name of a file, or a list"),
         ("[masks]\nkeepout = \"yard.ovl\"\n", "1, 1, 0", 1, "yard.ovl is not a mask"),
         ("[masks]\nkeepout = { \"a/b\" = \"mask.yaml\" }\n", "1, 1, 0", 1, "cannot be the name"),
-        ("[masks]\nkeepout = \"mask.yaml\"\n", "100, 1, 0", 0, "lies beside the map"),
+        ("[masks]\nkeepout = \"mask.yaml\"\n", "100, 1, 0", 0, "does not overlap the map"),
         ("[masks]\nkeepout = \"mask.yaml\"\n", "6.75, 0, 0", 0, "goal `a`"),
     ] {
         let run = yard(mission, origin);

@@ -1,10 +1,9 @@
-//! The passes over all columns of a row in AVX-512, which has two things that the compiler does
-//! not find by itself in the passes of [`super`].
+//! The passes over all columns of a row in AVX-512, with two tricks that the compiler does not find
+//! in the passes of [`super`].
 //!
-//! A mask of columns is four mask registers as it stands: no column need be tested. And a row
-//! can be shifted by a column in registers, from two halves. A load a column aside is slow, for
-//! it lies across two of the stores that wrote the row just now and waits until the cache has
-//! both.
+//! A mask of columns is four mask registers as it is: no column need be tested. And a row can be
+//! shifted by one column in registers, from two halves. Loading it one column aside is slow: the load
+//! spans two stores that have just written the row, and waits until the cache has both.
 
 use super::{DIAGONAL, GAP, Row, SIDE, STRAIGHT, UNKNOWN};
 use pulp::bytemuck::{cast_mut, cast_ref};
@@ -15,10 +14,10 @@ use std::arch::x86_64::__m512i;
 
 /// Columns in a register.
 const LANES: usize = 16;
-/// The registers that a row takes.
+/// Number of registers for a row.
 type Columns = [u32x16; SIDE / LANES];
 
-/// The vector unit, if it is of this kind. The compiler knows.
+/// The vector unit, if it is AVX-512; decided at compile time.
 #[inline(always)]
 pub(super) fn of<S: Simd>(simd: S) -> Option<V4> {
     (&simd as &dyn Any).downcast_ref().copied()
@@ -63,7 +62,7 @@ pub(super) fn slopes(simd: V4, row: &Row) -> [u64; 2] {
     slopes
 }
 
-/// For each column the cost of the column west of it, its own, and that of the column east.
+/// For each column, the costs of the column west of it, of itself and of the column east of it.
 #[inline(always)]
 fn shifted(simd: V4, row: &Row) -> [Columns; 3] {
     let parts: &[u32x16; (GAP + SIDE + GAP) / LANES] = cast_ref(row);
@@ -78,7 +77,7 @@ fn shifted(simd: V4, row: &Row) -> [Columns; 3] {
     columns
 }
 
-/// A step of some cost from every column.
+/// Adds a step of the given cost to every column.
 #[inline(always)]
 fn plus(simd: V4, cost: u32x16, step: u32) -> u32x16 {
     simd.wrapping_add_u32x16(cost, simd.splat_u32x16(step))
