@@ -72,7 +72,7 @@ impl Behaviours {
                 continue;
             }
             match symbol {
-                Some(Symbol::Frame(frame)) => self.decompose(owner, id, frame, context),
+                Some(Symbol::PlanFrame(frame)) => self.decompose(owner, id, frame, context),
                 Some(Symbol::Action(_)) => self.start(owner, id, context),
                 None => return true,
             }

@@ -88,7 +88,7 @@ impl Forest {
     pub fn plant(&mut self, owner: Owner, root: u16, tell: &mut dyn FnMut(Event)) -> Option<Id> {
         let id = self.free_slot()?;
         let component = Component {
-            symbol: Symbol::Frame(root),
+            symbol: Symbol::PlanFrame(root),
             owner,
             parent: None,
             edge: 0,
@@ -315,7 +315,7 @@ impl Forest {
 
     fn waiting_frame(&self, mission: &Mission<'_>, id: Id) -> Option<PlanFrame> {
         let component = self.get(id).filter(|component| component.life == Life::Scheduled)?;
-        let Symbol::Frame(index) = component.symbol else { return None };
+        let Symbol::PlanFrame(index) = component.symbol else { return None };
         mission.frames().get(usize::from(index))
     }
 

@@ -31,7 +31,7 @@ impl Grammar {
             .collect();
         let mut names: BTreeMap<String, Symbol> = (0..)
             .zip(&lines)
-            .map(|(number, (frame, _))| (String::from(*frame), Symbol::Frame(number)))
+            .map(|(number, (frame, _))| (String::from(*frame), Symbol::PlanFrame(number)))
             .collect();
         let mut actions = (0..).map(Symbol::Action);
         let mut mission = String::from("input time; of time\n");
@@ -96,7 +96,7 @@ impl<'g> Run<'g> {
                         self.forest.fail(id, &mut |_| {})
                     }
                 }
-                Symbol::Frame(_) => {
+                Symbol::PlanFrame(_) => {
                     let mut ask = |index, _: &Production| applicable(index);
                     match self.forest.decompose(&self.mission, id, &mut ask, &mut |_| {}) {
                         (_, Choice::Production(_)) => Ended::GoesOn,
@@ -226,17 +226,18 @@ fn h07_a_million_rounds_in_constant_memory() {
                 finish(&mut run.forest, &run.mission, id, &mut |_| {});
                 rounds += 1;
             }
-            Symbol::Frame(_) => match run.forest.decompose(&run.mission, id, &mut ask, &mut |_| {})
-            {
-                (_, Choice::Production(_)) => {}
-                (id, choice) => {
-                    assert_eq!(choice, Choice::LoopEnded);
-                    assert_eq!(
-                        finish(&mut run.forest, &run.mission, id, &mut |_| {}),
-                        Ended::RootFinished
-                    );
+            Symbol::PlanFrame(_) => {
+                match run.forest.decompose(&run.mission, id, &mut ask, &mut |_| {}) {
+                    (_, Choice::Production(_)) => {}
+                    (id, choice) => {
+                        assert_eq!(choice, Choice::LoopEnded);
+                        assert_eq!(
+                            finish(&mut run.forest, &run.mission, id, &mut |_| {}),
+                            Ended::RootFinished
+                        );
+                    }
                 }
-            },
+            }
         }
     }
     assert_eq!((rounds, largest), (1_000_000, 3));

@@ -65,7 +65,7 @@ pub enum Doubt {
 /// What carrying out a component may make true, and what it may make false.
 fn effects(mission: &Mission<'_>, symbol: Symbol) -> (Facts, Facts) {
     match symbol {
-        Symbol::Frame(index) => mission
+        Symbol::PlanFrame(index) => mission
             .frames()
             .get(usize::from(index))
             .map_or((0, 0), |frame| (frame.may_add, frame.may_delete)),
@@ -158,7 +158,7 @@ impl SituationGrid {
         tell: &mut dyn FnMut(Signal),
     ) {
         let Some(entry) = self.get(id).filter(|entry| entry.production.is_none()) else { return };
-        let Symbol::Frame(index) = entry.symbol else { return };
+        let Symbol::PlanFrame(index) = entry.symbol else { return };
         let Some(frame) = mission.frames().get(usize::from(index)) else { return };
         let held = self.held(entry.owner).fold(foreign, |all, (_, held)| all.and(held));
         let numbers = (frame.first..).zip(0..frame.count);

@@ -95,14 +95,20 @@ fn h17_the_matrix_of_relations() {
     let mut grid = SituationGrid::default();
     grid.heed(
         &mission,
-        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+        &Event::Planned {
+            id: 0,
+            component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
+        },
     );
     decompose(&mut grid, &mission, 0, 0, 1);
     decompose(&mut grid, &mission, 2, 1, 5);
     // Another behaviour's plan.
     grid.heed(
         &mission,
-        &Event::Planned { id: 9, component: component(Symbol::Frame(0), 1, None, Life::Scheduled) },
+        &Event::Planned {
+            id: 9,
+            component: component(Symbol::PlanFrame(0), 1, None, Life::Scheduled),
+        },
     );
     let names = ["R", "a", "B", "c", "d", "x", "y", "z?", "S"];
     let nodes: Vec<Node> = [0, 1, 2, 3, 4, 5, 6]
@@ -149,7 +155,10 @@ fn h14_initial_transient_goal_and_inherited_constraints() {
     let mut grid = SituationGrid::default();
     grid.heed(
         &mission,
-        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+        &Event::Planned {
+            id: 0,
+            component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
+        },
     );
     decompose(&mut grid, &mission, 0, 0, 1);
     assert_eq!(grid.constraints(&mission, 1), (0.5, 2.0));
@@ -181,7 +190,10 @@ fn h26_intervals_and_the_points_of_figure_4() {
     let mut grid = SituationGrid::default();
     grid.heed(
         &mission,
-        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+        &Event::Planned {
+            id: 0,
+            component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
+        },
     );
     decompose(&mut grid, &mission, 0, 0, 1);
     let points = |grid: &SituationGrid| {
@@ -224,7 +236,10 @@ fn h19_a_doubtful_choice_is_named() {
     let mut grid = SituationGrid::default();
     grid.heed(
         &mission,
-        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+        &Event::Planned {
+            id: 0,
+            component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
+        },
     );
     decompose(&mut grid, &mission, 0, 0, 1);
     let mut all = vec![];
@@ -245,7 +260,10 @@ fn h21_a_lost_producer_is_flagged_before_the_consumer_starts() {
     let mut grid = SituationGrid::default();
     grid.heed(
         &mission,
-        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+        &Event::Planned {
+            id: 0,
+            component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
+        },
     );
     decompose(&mut grid, &mission, 0, 0, 1);
     let doubts = |grid: &SituationGrid, facts| {
@@ -326,7 +344,7 @@ proptest! {
         let bytes = mission(&format!("{actions}frame R\n= {}", stages(parts)));
         let mission = Mission::parse(&bytes).expect("it is sound");
         let mut grid = SituationGrid::default();
-        grid.heed(&mission, &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) });
+        grid.heed(&mission, &Event::Planned { id: 0, component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled) });
         decompose(&mut grid, &mission, 0, 0, 1);
         let producible = descriptions.iter().fold(0, |all, description| all | description.add);
         for consumer in 0..descriptions.len() {
@@ -353,7 +371,7 @@ proptest! {
         let bytes = mission(&format!("{action}frame R\n= {outer}\nframe B\n= a|a a\n= a"));
         let mission = Mission::parse(&bytes).expect("it is sound");
         let mut grid = SituationGrid::default();
-        grid.heed(&mission, &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) });
+        grid.heed(&mission, &Event::Planned { id: 0, component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled) });
         decompose(&mut grid, &mission, 0, 0, 1);
         let relations = |grid: &SituationGrid| {
             let ids: Vec<Id> = grid.iter().map(|(id, _)| id).collect();

@@ -143,7 +143,7 @@ impl<'a> Blob<'a> {
     }
 
     /// The transform from GPS fixes to the map's metres, if the origin is known.
-    pub fn frame(&self) -> Option<&MapFrame> {
+    pub fn map_frame(&self) -> Option<&MapFrame> {
         self.frame.as_ref()
     }
 

@@ -57,7 +57,7 @@ const SPOILS: &[fn(&mut MissionDraft)] = &[
     |d| d.frames[0].threshold = 1.5,
     |d| d.productions[0].vertices = 1,
     |d| d.edges[0].to = d.edges[0].from,
-    |d| d.edges[0].symbol = Symbol::Frame(u16::MAX),
+    |d| d.edges[0].symbol = Symbol::PlanFrame(u16::MAX),
     |d| d.behaviours[0].rules = u16::MAX - 1,
     |d| d.behaviours[0].dormant = f32::INFINITY,
     |d| d.behaviours = vec![d.behaviours[0]; MAX_BEHAVIOURS + 1],
@@ -274,7 +274,7 @@ impl Artist<'_> {
         for from in 0..stages {
             let is_last = from + 1 == stages;
             if is_last && self.random.chance(0.3) {
-                self.edge(from, from + 1, Symbol::Frame(frame as u16));
+                self.edge(from, from + 1, Symbol::PlanFrame(frame as u16));
                 break;
             }
             let width = if self.random.chance(0.2) { self.random.count(2, 4) } else { 1 };
@@ -316,7 +316,7 @@ impl Artist<'_> {
 
     fn symbol(&mut self, frames: usize) -> Symbol {
         if self.random.chance(0.25) {
-            Symbol::Frame(self.random.index(frames) as u16)
+            Symbol::PlanFrame(self.random.index(frames) as u16)
         } else {
             Symbol::Action(self.random.index(self.draft.actions.len()) as u16)
         }

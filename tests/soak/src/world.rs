@@ -44,7 +44,7 @@ impl<'a> World<'a> {
             3 => Some(f32::from_bits(random.below(1 << 32) as u32)),
             _ => Some(value),
         };
-        let fix = self.blob.frame().filter(|_| self.has_fix).map(|frame| Fix {
+        let fix = self.blob.map_frame().filter(|_| self.has_fix).map(|frame| Fix {
             time_us: self.time_us,
             is_valid: !random.one_in(100),
             place: frame.to_geodetic(self.position),

@@ -98,7 +98,7 @@ fn the_mission_of_the_budget_is_as_large_as_it_says() {
     let (mut most, mut engaged) = (0, 0_u16);
     for tick in 1..=400_u32 {
         let mut percepts = armed(u64::from(tick) * 50_000, [Some(fixtures::wave(tick)); 8]);
-        percepts.fix = blob.frame().map(|frame| robot_io::Fix {
+        percepts.fix = blob.map_frame().map(|frame| robot_io::Fix {
             time_us: percepts.time_us,
             is_valid: true,
             place: frame.to_geodetic(math::Vec2::new(3.5, 3.5)),

@@ -247,7 +247,7 @@ fn graph(mission: &Mission<'_>, production: &Production) -> Checked {
         entered |= 1 << to;
         left |= 1 << from;
         match symbol {
-            Symbol::Frame(index) => exists(mission.frames(), index)?,
+            Symbol::PlanFrame(index) => exists(mission.frames(), index)?,
             Symbol::Action(index) => exists(mission.actions(), index)?,
         }
     }

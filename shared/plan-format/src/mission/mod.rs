@@ -157,7 +157,7 @@ impl<'a> Mission<'a> {
     #[inline]
     pub fn description(&self, symbol: Symbol) -> Option<Description> {
         let index = match symbol {
-            Symbol::Frame(index) => self.frames().get(usize::from(index))?.description,
+            Symbol::PlanFrame(index) => self.frames().get(usize::from(index))?.description,
             Symbol::Action(index) => self.actions().get(usize::from(index))?.description,
         };
         self.descriptions().get(usize::from(index))
@@ -232,7 +232,7 @@ mod tests {
         for (from, to, symbol) in [
             (0, 1, Symbol::Action(0)),
             (0, 1, Symbol::Action(0)),
-            (1, 2, Symbol::Frame(0)),
+            (1, 2, Symbol::PlanFrame(0)),
             (0, 1, Symbol::Action(0)),
         ] {
             draft.edges.push(Edge { from, to, symbol, work: 7 });

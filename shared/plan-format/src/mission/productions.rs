@@ -28,7 +28,7 @@ record! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Symbol {
     /// A plan frame, by index.
-    Frame(u16),
+    PlanFrame(u16),
     /// An atomic action, by index.
     Action(u16),
 }
@@ -45,7 +45,7 @@ impl Symbol {
     #[inline]
     fn of_bytes(SymbolBytes { tag, index }: SymbolBytes) -> Option<Self> {
         match tag {
-            0 => Some(Self::Frame(index)),
+            0 => Some(Self::PlanFrame(index)),
             1 => Some(Self::Action(index)),
             _ => None,
         }
@@ -53,7 +53,7 @@ impl Symbol {
 
     fn to_bytes(self) -> SymbolBytes {
         match self {
-            Self::Frame(index) => SymbolBytes { tag: 0, index },
+            Self::PlanFrame(index) => SymbolBytes { tag: 0, index },
             Self::Action(index) => SymbolBytes { tag: 1, index },
         }
     }

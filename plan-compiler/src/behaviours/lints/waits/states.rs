@@ -230,7 +230,7 @@ impl Plan {
                 continue;
             };
             match plan.forest.get(id).map(|component| component.symbol) {
-                Some(Symbol::Frame(frame)) => plan.choices(mission, id, frame, &mut open),
+                Some(Symbol::PlanFrame(frame)) => plan.choices(mission, id, frame, &mut open),
                 _ => {
                     plan.change(mission, |forest, tell| forest.start(id, tell));
                     open.push(plan);
