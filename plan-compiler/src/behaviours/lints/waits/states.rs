@@ -148,7 +148,7 @@ impl Plan {
         act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T,
     ) -> T {
         let Self { forest, grid } = self;
-        act(forest, &mut |event| grid.heed(mission, &event))
+        act(forest, &mut |event| grid.apply(mission, &event))
     }
 
     /// The actions that run, and how long each may, milliseconds.
