@@ -78,7 +78,7 @@
 //!   occurs.
 //! - An output is part of the world: it keeps its state when its action, plan or behaviour ends, fails
 //!   or is interrupted. A behaviour that needs a lifted tool lifts it in its start-up.
-//! - Progress is measured anew for each action that drives, so that waiting does not count as stuck.
+//! - Progress is measured separately for each action that drives, so that waiting does not count as stuck.
 //! - While motion is not allowed ([`Behaviours::pause`]), time does not advance for actions, dwell and
 //!   rest.
 //! - A behaviour that has failed rests for [`REST_US`] before it is considered again.

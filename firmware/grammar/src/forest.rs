@@ -229,7 +229,7 @@ impl Forest {
         Ended::GoesOn
     }
 
-    /// The parent, if it waits for nothing but this component and would be finished with it.
+    /// The parent, if it waits only for this component and would be finished with it.
     pub fn completes(&self, mission: &Mission<'_>, id: Id) -> Option<Id> {
         let component = self.get(id)?;
         let parent = component.parent?;

@@ -16,7 +16,7 @@ pub struct Component {
     pub symbol: Symbol,
     /// The owner of its plan.
     pub owner: Owner,
-    /// The plan frame of which it is a part; `None` for a root.
+    /// The plan frame that contains it; `None` for a root.
     pub parent: Option<Id>,
     /// Its edge in the parent's production, numbered within the production.
     pub edge: u8,
