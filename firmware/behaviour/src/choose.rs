@@ -93,8 +93,8 @@ impl Behaviours {
             .fold(0, |set, index| set | behaviour_bit(index))
     }
 
-    /// The behaviours that share no resource with a claim, but protect facts that it may change, one
-    /// bit each. Each is reported; for an urgent claim, as overruled.
+    /// The behaviours that share no resource with a claim, but protect facts that it may change,
+    /// one bit each. Each is reported; for an urgent claim, as overruled.
     pub(crate) fn excluding(
         &self,
         claim: &Claim,
@@ -122,8 +122,8 @@ impl Behaviours {
         excluding
     }
 
-    /// The blocking behaviours that can be interrupted now, one bit each. The refusals of the others
-    /// are reported.
+    /// The blocking behaviours that can be interrupted now, one bit each. The refusals of the
+    /// others are reported.
     pub(crate) fn yielding(
         &self,
         claim: &Claim,

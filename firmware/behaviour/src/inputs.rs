@@ -68,8 +68,8 @@ impl Default for Senses {
 }
 
 impl Senses {
-    /// The result of a rule base in this tick, 1/18 ..= 17/18. Inferred on demand: most rule bases are
-    /// applicabilities, and most ticks choose no production.
+    /// The result of a rule base in this tick, 1/18 ..= 17/18. Inferred on demand: most rule bases
+    /// are applicabilities, and most ticks choose no production.
     pub(crate) fn infer(&self, mission: &Mission<'_>, rules: u16) -> f32 {
         let Some(base) = mission.rule_bases().get(usize::from(rules)) else { return 0.0 };
         let position = |input: u8| self.positions.get(usize::from(input)).copied().unwrap_or(0.0);
@@ -113,8 +113,8 @@ impl Behaviours {
         self.sense_facts(mission, seen);
     }
 
-    /// Evaluates the inputs that are results of these rule bases, in order: each uses earlier results
-    /// only.
+    /// Evaluates the inputs that are results of these rule bases, in order: each uses earlier
+    /// results only.
     fn sense_results(&mut self, mission: &Mission<'_>, wanted: u64) {
         for rules in (0..MAX_RULE_BASES as u16).filter(|&rules| wanted & rules_bit(rules) != 0) {
             let result = self.senses.infer(mission, rules);

@@ -1,14 +1,14 @@
 //! The behaviour control system: which behaviour has the robot, and what it does.
 //!
-//! A behaviour is a task with a plan and a criticality. Every tick infers the criticalities. The most
-//! critical behaviours that share no resource are engaged; the others sleep or are dormant. A more
-//! critical behaviour takes over at the next point where this violates no protection interval, or at
-//! once if it is critical enough (Hasemann, "Behaviour Control System"). The plans of engaged
+//! A behaviour is a task with a plan and a criticality. Every tick infers the criticalities. The
+//! most critical behaviours that share no resource are engaged; the others sleep or are dormant. A
+//! more critical behaviour takes over at the next point where this violates no protection interval,
+//! or at once if it is critical enough (Hasemann, "Behaviour Control System"). The plans of engaged
 //! behaviours are decomposed and monitored, and their atomic actions are handed to the tick.
 //!
 //! Order of a step: inputs, facts and criticalities -> conflicts and finished actions -> engagement
-//! -> decomposition and new actions. One module each: `inputs`, `watch`, `choose` (which decides) with
-//! `switch` (which acts), and `run`.
+//! -> decomposition and new actions. One module each: `inputs`, `watch`, `choose` (which decides)
+//! with `switch` (which acts), and `run`.
 //!
 //! ```
 //! use behaviour::{Behaviours, Observations, Report, World};
@@ -52,38 +52,42 @@
 //! Decisions where the paper is silent:
 //! - A missing input counts as its last value for the time that the mission sets, then as the value
 //!   that the mission sets (H46).
-//! - A behaviour above its unconditional threshold is urgent and outranks all that are not. Otherwise
-//!   the higher criticality wins; an engaged behaviour adds its hysteresis to it. So neither two calm
-//!   nor two urgent behaviours chatter (H32). A behaviour yields conditionally only after its minimum
-//!   dwell; an unconditional switch ignores the dwell.
+//! - A behaviour above its unconditional threshold is urgent and outranks all that are not.
+//!   Otherwise the higher criticality wins; an engaged behaviour adds its hysteresis to it. So
+//!   neither two calm nor two urgent behaviours chatter (H32). A behaviour yields conditionally
+//!   only after its minimum dwell; an unconditional switch ignores the dwell.
 //! - A dormant behaviour cannot be engaged, yields to every other and protects nothing while it
 //!   sleeps. An active one that becomes dormant still completes its plan: a robot that has just
 //!   refuelled still drives back.
-//! - A conditional interruption happens when none of the behaviour's actions runs: at a vertex of its
-//!   plan; with parallel branches, where they join or happen to be at vertices at once. With `best`,
-//!   the point is the one with the least lost work among those without interference. It may be as late
-//!   as the end of the plan (H37).
+//! - A conditional interruption happens when none of the behaviour's actions runs: at a vertex of
+//!   its plan; with parallel branches, where they join or happen to be at vertices at once. With
+//!   `best`, the point is the one with the least lost work among those without interference. It may
+//!   be as late as the end of the plan (H37).
 //! - If several behaviours block one, each yields at its own point and sleeps until the last has
 //!   yielded. A common point might never come.
-//! - The intervals of sleeping behaviours are respected too. If they exclude a behaviour, the report
-//!   names the one that excludes it. That one resumes instead, with the criticality of the one that
-//!   waits, until it no longer protects the facts. An unconditional switch overrules the intervals and
-//!   reports whose they are (H35).
-//! - Behaviours that share no resource run together (H31). Start-up activities run before a behaviour
-//!   is engaged or resumed, shut-down activities before it sleeps after a conditional switch (H34). If
-//!   a start-up fails, its behaviour fails; after a failed shut-down, the other behaviour proceeds.
+//! - The intervals of sleeping behaviours are respected too. If they exclude a behaviour, the
+//!   report names the one that excludes it. That one resumes instead, with the criticality of the
+//!   one that waits, until it no longer protects the facts. An unconditional switch overrules the
+//!   intervals and reports whose they are (H35).
+//! - Behaviours that share no resource run together (H31). Start-up activities run before a
+//!   behaviour is engaged or resumed, shut-down activities before it sleeps after a conditional
+//!   switch (H34). If a start-up fails, its behaviour fails; after a failed shut-down, the other
+//!   behaviour proceeds.
 //! - When a behaviour wakes, the assumptions of its plan are checked. A frame that deviates starts
-//!   again and may try every production, since the world changed and its choice was not wrong (H28).
+//!   again and may try every production, since the world changed and its choice was not wrong
+//!   (H28).
 //! - A component's effects occur when it ends and its goal holds; if the goal does not hold, none
 //!   occurs.
-//! - An output is part of the world: it keeps its state when its action, plan or behaviour ends, fails
-//!   or is interrupted. A behaviour that needs a lifted tool lifts it in its start-up.
-//! - Progress is measured separately for each action that drives, so that waiting does not count as stuck.
-//! - While motion is not allowed ([`Behaviours::pause`]), time does not advance for actions, dwell and
-//!   rest.
+//! - An output is part of the world: it keeps its state when its action, plan or behaviour ends,
+//!   fails or is interrupted. A behaviour that needs a lifted tool lifts it in its start-up.
+//! - Progress is measured separately for each action that drives, so that waiting does not count as
+//!   stuck.
+//! - While motion is not allowed ([`Behaviours::pause`]), time does not advance for actions, dwell
+//!   and rest.
 //! - A behaviour that has failed rests for [`REST_US`] before it is considered again.
 //!
-//! Invariants: constant memory; at most `MAX_STEPS` plan steps per behaviour and tick; no call panics.
+//! Invariants: constant memory; at most `MAX_STEPS` plan steps per behaviour and tick; no call
+//! panics.
 //!
 //! Deliberately absent: plan merging (H33).
 #![no_std]
@@ -231,8 +235,8 @@ impl Behaviours {
         }
     }
 
-    /// One tick: decides which behaviours have the robot and advances their plans. Returns the atomic
-    /// actions that run and adds the reasons to `report`, which must be new for each tick.
+    /// One tick: decides which behaviours have the robot and advances their plans. Returns the
+    /// atomic actions that run and adds the reasons to `report`, which must be new for each tick.
     pub fn step(
         &mut self,
         mission: &Mission<'_>,
@@ -252,8 +256,8 @@ impl Behaviours {
         running
     }
 
-    /// A tick in which motion is not allowed: plans stay as they are, and the time since the last step
-    /// does not count. `time_us` is on the clock of the observations.
+    /// A tick in which motion is not allowed: plans stay as they are, and the time since the last
+    /// step does not count. `time_us` is on the clock of the observations.
     pub fn pause(&mut self, time_us: u64) {
         self.seen_us = Some(time_us);
     }

@@ -55,8 +55,8 @@ impl Behaviours {
         running
     }
 
-    /// Decomposes scheduled frames and starts scheduled actions, in at most `MAX_STEPS` steps. Returns
-    /// whether there was a step.
+    /// Decomposes scheduled frames and starts scheduled actions, in at most `MAX_STEPS` steps.
+    /// Returns whether there was a step.
     fn advance(&mut self, owner: Owner, context: &mut Context<'_>) -> bool {
         for step in 0..MAX_STEPS {
             let Some(id) = self.plans.forest.scheduled(owner) else { return step > 0 };
@@ -131,9 +131,9 @@ impl Behaviours {
         }
     }
 
-    /// Reports the doubts about one component of a running plan, in turn. Doubts are early warnings:
-    /// bounded work per tick matters more than promptness, and a component is checked anyway when it
-    /// starts.
+    /// Reports the doubts about one component of a running plan, in turn. Doubts are early
+    /// warnings: bounded work per tick matters more than promptness, and a component is checked
+    /// anyway when it starts.
     fn doubt(&mut self, context: &mut Context<'_>) {
         let after = usize::from(self.last_doubt) + 1;
         let turn = (after..after + MAX_COMPONENTS).map(|id| (id % MAX_COMPONENTS) as Id);

@@ -18,8 +18,8 @@ enum Outcome {
 }
 
 impl Behaviours {
-    /// Engages the most critical behaviours that share no resource, each as soon as the behaviours that
-    /// block it can be interrupted.
+    /// Engages the most critical behaviours that share no resource, each as soon as the behaviours
+    /// that block it can be interrupted.
     pub(crate) fn engage(&mut self, context: &mut Context<'_>) {
         self.plans.awaited = 0;
         let mut taken = 0;
@@ -33,8 +33,8 @@ impl Behaviours {
         }
     }
 
-    /// Lets a behaviour claim the robot. If sleeping behaviours exclude it, they resume in its place,
-    /// at its priority, so that they finish what they protect.
+    /// Lets a behaviour claim the robot. If sleeping behaviours exclude it, they resume in its
+    /// place, at its priority, so that they finish what they protect.
     fn claim_or_resume_sleeper(
         &mut self,
         claim: &Claim,
@@ -87,8 +87,8 @@ impl Behaviours {
         Outcome::Holds
     }
 
-    /// Puts an engaged behaviour to sleep for the claim `by`. Returns whether the claim has to wait for
-    /// the shut-down activity.
+    /// Puts an engaged behaviour to sleep for the claim `by`. Returns whether the claim has to wait
+    /// for the shut-down activity.
     fn interrupt(&mut self, index: usize, by: &Claim, context: &mut Context<'_>) -> bool {
         let (owner, status) = (index as Owner, self.status(index));
         let lost_work = if by.is_urgent {

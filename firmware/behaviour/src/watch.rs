@@ -12,8 +12,8 @@ use plan_format::limits::MAX_DEPTH;
 use plan_format::mission::{Action, ActionKind, Mission};
 
 impl Behaviours {
-    /// Handles the conflicts and the finished actions of engaged behaviours, before the tick decides on
-    /// them.
+    /// Handles the conflicts and the finished actions of engaged behaviours, before the tick
+    /// decides on them.
     pub(crate) fn watch(&mut self, context: &mut Context<'_>) {
         for index in behaviours_in(self.engaged) {
             let Some(owner) = self.running_owner(index) else { continue };
@@ -48,8 +48,8 @@ impl Behaviours {
         }
     }
 
-    /// Fails each component whose transient description is violated. A frame whose protection interval
-    /// is violated chooses again.
+    /// Fails each component whose transient description is violated. A frame whose protection
+    /// interval is violated chooses again.
     fn handle_conflicts(&mut self, owner: Owner, context: &mut Context<'_>) {
         // Further conflicts are still there in the next tick.
         let evident = self.plans.grid.evident(owner, self.facts());
@@ -106,8 +106,8 @@ impl Behaviours {
         }
     }
 
-    /// Completes a component: applies its effects, checks its goal, and does the same upwards for each
-    /// frame that this completes.
+    /// Completes a component: applies its effects, checks its goal, and does the same upwards for
+    /// each frame that this completes.
     pub(crate) fn complete(&mut self, owner: Owner, id: Id, context: &mut Context<'_>) {
         let mut id = id;
         for _ in 0..=MAX_DEPTH {
@@ -134,7 +134,8 @@ impl Behaviours {
         }
     }
 
-    /// Records that a component is about to end at a vertex, and the work lost by an interruption there.
+    /// Records that a component is about to end at a vertex, and the work lost by an interruption
+    /// there.
     fn reach(&mut self, mission: &Mission<'_>, owner: Owner, component: &Component) {
         let index = usize::from(owner);
         self.plans.reached |= behaviour_bit(index);

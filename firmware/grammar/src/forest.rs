@@ -155,11 +155,11 @@ impl Forest {
         }
     }
 
-    /// Decomposes a scheduled frame. `applicability` rates a production, given its index and record,
-    /// 0 ..= 1. The edges of the best one enter the plan, and those that leave the entry are
-    /// scheduled. If no production is chosen, the frame stays scheduled and the caller decides (see
-    /// [`Forest::finish`], [`Forest::fail`]). Also returns the frame's slot, which tail recursion may
-    /// have changed.
+    /// Decomposes a scheduled frame. `applicability` rates a production, given its index and
+    /// record, 0 ..= 1. The edges of the best one enter the plan, and those that leave the entry
+    /// are scheduled. If no production is chosen, the frame stays scheduled and the caller decides
+    /// (see [`Forest::finish`], [`Forest::fail`]). Also returns the frame's slot, which tail
+    /// recursion may have changed.
     pub fn decompose(
         &mut self,
         mission: &Mission<'_>,
@@ -211,8 +211,8 @@ impl Forest {
         (id, Choice::Production(chosen))
     }
 
-    /// Finishes a component, which leaves the plan. Components that waited only for it are scheduled;
-    /// if its parent waits for nothing else, the caller has to finish the parent next.
+    /// Finishes a component, which leaves the plan. Components that waited only for it are
+    /// scheduled; if its parent waits for nothing else, the caller has to finish the parent next.
     pub fn finish(&mut self, mission: &Mission<'_>, id: Id, tell: &mut dyn FnMut(Event)) -> Ended {
         let Some(component) = self.get(id).copied() else { return Ended::GoesOn };
         self.abandon_below(id, tell);
@@ -239,8 +239,8 @@ impl Forest {
         (finished & all == all).then_some(parent)
     }
 
-    /// Fails a component. Its parent's production is given up, and the parent chooses again; if a root
-    /// fails, its plan is gone.
+    /// Fails a component. Its parent's production is given up, and the parent chooses again; if a
+    /// root fails, its plan is gone.
     pub fn fail(&mut self, id: Id, tell: &mut dyn FnMut(Event)) -> Ended {
         let Some(component) = self.get(id).copied() else { return Ended::GoesOn };
         self.abandon_below(id, tell);
@@ -261,8 +261,8 @@ impl Forest {
         self.set_life(frame, Life::Scheduled, tell);
     }
 
-    /// As [`Forest::fall_back`], but every production may be tried again: for a frame whose choice was
-    /// right until the world changed.
+    /// As [`Forest::fall_back`], but every production may be tried again: for a frame whose choice
+    /// was right until the world changed.
     pub fn begin_anew(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
         self.fall_back(frame, tell);
         if let Some(slot) = self.slot_mut(frame) {
@@ -334,9 +334,9 @@ impl Forest {
         head
     }
 
-    /// The nearest frame above with the same symbol, if no frame on the path to it waits for another
-    /// component, and none in between has a description to check, effects, or a protection interval
-    /// that spans the edge below it.
+    /// The nearest frame above with the same symbol, if no frame on the path to it waits for
+    /// another component, and none in between has a description to check, effects, or a protection
+    /// interval that spans the edge below it.
     fn loop_head(&self, mission: &Mission<'_>, id: Id) -> Option<Id> {
         let symbol = self.get(id)?.symbol;
         let mut below = id;
@@ -371,7 +371,7 @@ impl Forest {
         Some(production)
     }
 
-    /// Schedules the parts that leave a vertex of a frame's production, if no part still leads there.
+    /// Schedules the parts of a frame that leave a vertex, if no part still leads to the vertex.
     fn schedule_at(&mut self, frame: Id, vertex: u8, tell: &mut dyn FnMut(Event)) {
         let parts = self.slot(frame).map_or(0, |slot| slot.parts);
         if members(parts).any(|id| self.get(id).is_some_and(|part| part.to == vertex)) {

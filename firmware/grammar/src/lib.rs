@@ -1,9 +1,9 @@
 //! Live plans: plan frames decomposed by edge-replacement grammars, one step at a time.
 //!
-//! A behaviour's plan is a tree of components. A plan frame is replaced by one of its productions: a
-//! graph from one entry to one exit, with a component on each edge. An atomic action runs. This crate
-//! keeps the trees of all behaviours in one pool, the [`Forest`], and decides which components are
-//! due, finished or given up.
+//! A behaviour's plan is a tree of components. A plan frame is replaced by one of its productions:
+//! a graph from one entry to one exit, with a component on each edge. An atomic action runs. This
+//! crate keeps the trees of all behaviours in one pool, the [`Forest`], and decides which
+//! components are due, finished or given up.
 //!
 //! ```
 //! use grammar::{Choice, Ended, Forest};
@@ -33,31 +33,32 @@
 //! ```
 //!
 //! Rules, some decided here because the paper leaves them open:
-//! - All edges of a chosen production become *planned* components at once. A component is *scheduled*
-//!   when its start vertex is reached. A vertex is reached when every edge into it is finished, so
-//!   parallel edges join there.
-//! - Decomposition is lazy: only scheduled frames are decomposed, one per call, so the caller bounds
-//!   the steps of a tick.
+//! - All edges of a chosen production become *planned* components at once. A component is
+//!   *scheduled* when its start vertex is reached. A vertex is reached when every edge into it is
+//!   finished, so parallel edges join there.
+//! - Decomposition is lazy: only scheduled frames are decomposed, one per call, so the caller
+//!   bounds the steps of a tick.
 //! - A frame takes its most applicable production, if that reaches the frame's threshold; of equal
 //!   ones, the first. The caller supplies the applicabilities.
-//! - A finished component leaves the pool. When a component fails, everything below its parent frame
-//!   is abandoned, and the parent chooses again among the productions that it has not tried since it
-//!   was planned. If none is left, the parent fails in turn; when the root fails, the plan has failed.
-//! - Loops are tail recursion. If a frame is the last component that an equal frame above waits for,
-//!   the upper frame restarts in its place, unless a frame in between has a description to check or
-//!   effects, or a protection interval spans the edge. So a loop can run indefinitely in constant
-//!   memory.
-//! - A loop ends when no production is applicable: a restarted frame is then finished, whereas a frame
-//!   that has not restarted fails.
+//! - A finished component leaves the pool. When a component fails, everything below its parent
+//!   frame is abandoned, and the parent chooses again among the productions that it has not tried
+//!   since it was planned. If none is left, the parent fails in turn; when the root fails, the plan
+//!   has failed.
+//! - Loops are tail recursion. If a frame is the last component that an equal frame above waits
+//!   for, the upper frame restarts in its place, unless a frame in between has a description to
+//!   check or effects, or a protection interval spans the edge. So a loop can run indefinitely in
+//!   constant memory.
+//! - A loop ends when no production is applicable: a restarted frame is then finished, whereas a
+//!   frame that has not restarted fails.
 //!
-//! Invariants: every component is reachable from the root of its tree. No call panics, and the pool's
-//! size bounds every loop.
+//! Invariants: every component is reachable from the root of its tree. No call panics, and the
+//! pool's size bounds every loop.
 //!
 //! Source: Hasemann, "Plans".
 //!
-//! Deliberately absent: the conditions of components (see `monitor`), the choice of a behaviour (see
-//! `behaviour`), and search: the planner is opportunistic, neither complete nor sound in general, as
-//! in the paper.
+//! Deliberately absent: the conditions of components (see `monitor`), the choice of a behaviour
+//! (see `behaviour`), and search: the planner is opportunistic, neither complete nor sound in
+//! general, as in the paper.
 #![no_std]
 
 mod forest;

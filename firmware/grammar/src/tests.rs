@@ -59,8 +59,8 @@ impl Grammar {
     }
 }
 
-/// Runs a plan: each round decomposes or runs the next scheduled component. `action` returns whether
-/// an action, by name, succeeds; `applicable` returns the applicability of a production.
+/// Runs a plan: each round decomposes or runs the next scheduled component. `action` returns
+/// whether an action, by name, succeeds; `applicable` returns the applicability of a production.
 struct Run<'g> {
     mission: Mission<'g>,
     forest: Forest,
@@ -355,8 +355,8 @@ fn random_grammar() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    /// For any grammar and any failures: the pool's trees are connected, each change has an event, and
-    /// only legal transitions happen.
+    /// For any grammar and any failures: the pool's trees are connected, each change has an event,
+    /// and only legal transitions happen.
     #[test]
     fn random_plans_keep_the_invariants(text in random_grammar(), chance in prop::collection::vec(any::<u8>(), 64)) {
         let grammar = Grammar::new(&text);

@@ -46,8 +46,8 @@ pub enum Violation {
     Transient,
     /// The goal description of a component that has ended.
     Goal,
-    /// A protection interval of the behaviour's own plan; the component is the frame whose production
-    /// has the interval.
+    /// A protection interval of the behaviour's own plan; the component is the frame whose
+    /// production has the interval.
     Interval,
     /// A protection interval of a sleeping behaviour; the component is the root of its plan.
     Foreign,
@@ -84,8 +84,8 @@ impl SituationGrid {
         self.check(mission, id, facts, Violation::Initial, |description| description.initial)
     }
 
-    /// The conflict if a component's goal description is violated. Checked once, when it ends, after
-    /// the symbols of its add and delete lists have changed.
+    /// The conflict if a component's goal description is violated. Checked once, when it ends,
+    /// after the symbols of its add and delete lists have changed.
     pub fn goal(&self, mission: &Mission<'_>, id: Id, facts: Facts) -> Option<Signal> {
         self.check(mission, id, facts, Violation::Goal, |description| description.goal)
     }
@@ -101,9 +101,10 @@ impl SituationGrid {
         })
     }
 
-    /// Doubts about one planned or scheduled component, by the Modal Truth Criterion: each fact that
-    /// it needs at its start must hold now or be provided by a component before it, and no component
-    /// that may run in between may destroy the fact, unless a later one before the start restores it.
+    /// Doubts about one planned or scheduled component, by the Modal Truth Criterion: each fact
+    /// that it needs at its start must hold now or be provided by a component before it, and no
+    /// component that may run in between may destroy the fact, unless a later one before the start
+    /// restores it.
     pub fn possible(
         &self,
         mission: &Mission<'_>,
@@ -113,8 +114,8 @@ impl SituationGrid {
     ) {
         let Some(entry) = self.get(id).filter(|entry| is_ahead(entry)) else { return };
         let Some(needs) = mission.description(entry.symbol).map(|d| d.initial) else { return };
-        // The plan must provide only facts that one of its components can change; the world provides
-        // the others, which are checked when the component starts.
+        // The plan must provide only facts that one of its components can change; the world
+        // provides the others, which are checked when the component starts.
         let root = self.above(id).last().map_or(entry.symbol, |(_, root)| root.symbol);
         let (may_add, may_delete) = effects(mission, root);
         let mut missing =
@@ -150,8 +151,8 @@ impl SituationGrid {
         }
     }
 
-    /// Doubts about the productions of a frame that is not decomposed yet: those with a part that may
-    /// violate what its own plan protects now, or what sleeping behaviours protect (`foreign`).
+    /// Doubts about the productions of a frame that is not decomposed yet: those with a part that
+    /// may violate what its own plan protects now, or what sleeping behaviours protect (`foreign`).
     pub fn choices(
         &self,
         mission: &Mission<'_>,
@@ -191,7 +192,8 @@ impl SituationGrid {
         (facts != 0).then_some(Signal::Evident { id, what, facts })
     }
 
-    /// The needs of `id` that a component between `clobberer` and `id` restores (the "white knight").
+    /// The needs of `id` that a component between `clobberer` and `id` restores (the "white
+    /// knight").
     fn restored(&self, mission: &Mission<'_>, clobberer: Id, id: Id, needs: Condition) -> Facts {
         let after = |knight| {
             self.relation(mission, Node::from(clobberer), Node::from(knight)) == Some(Relation::CB)

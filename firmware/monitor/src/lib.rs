@@ -43,14 +43,14 @@
 //!
 //! The grid knows the plans only from their events, so its content can be replayed from a log.
 //!
-//! Relations are decided at the lowest common ancestor of two components, because the paper does not
-//! give its "small rule base". A component inside another is its descendant (DO); the other is its
-//! ancestor (AO). In the graph of one production, an edge comes after (CA) another if a path leads
-//! from the end of the other to its start; the other then comes before it (CB). Parts of different
-//! productions of one frame are optional choices (OC). All others have no entry (NE), and only they
-//! may run at the same time. So exactly one relation holds between two different components; AO and
-//! DO, CB and CA are inverse, OC and NE are symmetric, CB is transitive, and a new component does not
-//! change the relation of two old ones.
+//! Relations are decided at the lowest common ancestor of two components, because the paper does
+//! not give its "small rule base". A component inside another is its descendant (DO); the other is
+//! its ancestor (AO). In the graph of one production, an edge comes after (CA) another if a path
+//! leads from the end of the other to its start; the other then comes before it (CB). Parts of
+//! different productions of one frame are optional choices (OC). All others have no entry (NE), and
+//! only they may run at the same time. So exactly one relation holds between two different
+//! components; AO and DO, CB and CA are inverse, OC and NE are symmetric, CB is transitive, and a
+//! new component does not change the relation of two old ones.
 //!
 //! There is one grid per behaviour, as in the paper: the components share one store, and each view
 //! contains those of one owner. What a sleeping behaviour protects is recorded when it is put to
@@ -58,8 +58,8 @@
 //! paper's top-level component that is parallel to all.
 //!
 //! Invariant: events keep the conditions that every tick checks up to date, namely the transient
-//! descriptions of running components and the intervals in force of each frame; no tick derives them
-//! again.
+//! descriptions of running components and the intervals in force of each frame; no tick derives
+//! them again.
 //!
 //! Deliberately absent: repair. The remedy for a conflict is to fall back and choose again.
 #![no_std]

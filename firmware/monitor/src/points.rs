@@ -20,10 +20,10 @@ pub struct Point {
 }
 
 impl SituationGrid {
-    /// The interruption points ahead in an owner's plan, in the order in which they will be reached:
-    /// from the innermost frames outwards, within a frame along the graph. A frame's exit is listed
-    /// as the vertex of the parent's production to which the frame leads. The root's exit is the end
-    /// of the plan and not an interruption point.
+    /// The interruption points ahead in an owner's plan, in the order in which they will be
+    /// reached: from the innermost frames outwards, within a frame along the graph. A frame's exit
+    /// is listed as the vertex of the parent's production to which the frame leads. The root's exit
+    /// is the end of the plan and not an interruption point.
     pub fn points(&self, mission: &Mission<'_>, owner: Owner, tell: &mut dyn FnMut(Point)) {
         let deepest = self.frames(owner).map(|(id, _)| self.above(id).count()).max().unwrap_or(0);
         for depth in (0..=deepest).rev() {

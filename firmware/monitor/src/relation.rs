@@ -53,8 +53,8 @@ impl From<Id> for Node {
 }
 
 impl SituationGrid {
-    /// The relation of `x` to `y`, read as "x is ... y"; `None` if the two are the same or one is not
-    /// in the grid.
+    /// The relation of `x` to `y`, read as "x is ... y"; `None` if the two are the same or one is
+    /// not in the grid.
     pub fn relation(&self, mission: &Mission<'_>, x: Node, y: Node) -> Option<Relation> {
         if x == y {
             return None;
@@ -83,8 +83,9 @@ impl SituationGrid {
         self.at_common_ancestor(mission, x.id, y.id)
     }
 
-    /// The relation of `x` to a `y` below the component of `x`. If `x` is an edge of another production
-    /// than the chosen one, it excludes `y`; otherwise the graph that contains `y` decides.
+    /// The relation of `x` to a `y` below the component of `x`. If `x` is an edge of another
+    /// production than the chosen one, it excludes `y`; otherwise the graph that contains `y`
+    /// decides.
     fn to_descendant(&self, mission: &Mission<'_>, x: Node, y: Node) -> Relation {
         let Some((production, edge)) = x.option else { return Relation::AO };
         let made = self.get(x.id).and_then(|entry| entry.production);

@@ -61,7 +61,8 @@ fn component(
     Component { symbol, owner, parent, edge, from, to, life, depth: 0, production: None }
 }
 
-/// Applies the events of a frame that chose a production, whose parts take the slots from `first` on.
+/// Applies the events of a frame that chose a production, whose parts take the slots from `first`
+/// on.
 fn decompose(
     grid: &mut SituationGrid,
     mission: &Mission<'_>,

@@ -162,8 +162,8 @@ impl<'a> Blob<'a> {
         let SingleGrid { shift, resolution_m, columns_bits, rows_bits } = self.single;
         let column = (point.x + shift.x) / resolution_m;
         let row = (point.y + shift.y) / resolution_m;
-        // As bits, non-negative numbers compare in order, and negative numbers and NaN compare above
-        // them. So one comparison accepts only numbers that truncate to a cell.
+        // As bits, non-negative numbers compare in order, and negative numbers and NaN compare
+        // above them. So one comparison accepts only numbers that truncate to a cell.
         let inside = column.to_bits() < columns_bits && row.to_bits() < rows_bits;
         inside.then_some(Cell::new(column as u32, row as u32))
     }

@@ -14,8 +14,8 @@ pub const MAX_BLOB_BYTES: usize = 64 << 20;
 /// Layers in one blob.
 pub const MAX_BLOB_LAYERS: usize = MAX_PLANS * MAX_LAYERS;
 /// Checks that validation may spend per word of section `cells`: slightly more than one word of a
-/// table can require (a superblock's 16 blocks and 79 entries). So the blob's length bounds the time
-/// at boot, and only overlapping tables exceed the limit.
+/// table can require (a superblock's 16 blocks and 79 entries). So the blob's length bounds the
+/// time at boot, and only overlapping tables exceed the limit.
 pub const MAX_CHECKS_PER_WORD: u32 = 100;
 /// Approximate number of checks between two beats of [`crate::Blob::parse_paced`].
 pub const CHECKS_PER_BEAT: u32 = 1 << 16;

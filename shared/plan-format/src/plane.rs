@@ -2,10 +2,11 @@
 //!
 //! A plane is a table of superblocks of 32 x 32 cells. A superblock is a palette and 16 blocks of
 //! 8 x 8 cells. A block is one palette entry for all its cells, or entries separated by borders, or
-//! an index of 1 to 4 bits per cell, or a code and a cost per cell. `FORMAT.md` describes the words.
+//! an index of 1 to 4 bits per cell, or a code and a cost per cell. `FORMAT.md` describes the
+//! words.
 //!
-//! All reads are of words of 4 bytes, so a read is one comparison and one load. Each descriptor holds
-//! the offset of its block, so a look-up neither sums nor searches.
+//! All reads are of words of 4 bytes, so a read is one comparison and one load. Each descriptor
+//! holds the offset of its block, so a look-up neither sums nor searches.
 //!
 //! Invariant: after [`Plane::validate`], each look-up in a palette finds a checked entry, because
 //! every window that a descriptor names is checked. So validation need not visit each cell.
@@ -30,8 +31,9 @@ pub(crate) enum Stored {
     Own(Own),
 }
 
-/// The address of a cell in a plane: the superblock from bit 10 on, the block in bits 6 to 9, and the
-/// cell's number in the block, row by row, in bits 0 to 5. One number, so it stays in a register.
+/// The address of a cell in a plane: the superblock from bit 10 on, the block in bits 6 to 9, and
+/// the cell's number in the block, row by row, in bits 0 to 5. One number, so it stays in a
+/// register.
 #[derive(Clone, Copy)]
 pub(crate) struct BlockAddress(u32);
 

@@ -1,7 +1,7 @@
 //! Records of fixed size, each declared by the list of its fields, and tables of them.
 //!
-//! Numbers are little-endian and unaligned, and fields are stored in the order of their declaration,
-//! so a table is read in place by index.
+//! Numbers are little-endian and unaligned, and fields are stored in the order of their
+//! declaration, so a table is read in place by index.
 
 use core::marker::PhantomData;
 

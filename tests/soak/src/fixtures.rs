@@ -11,8 +11,8 @@ use plan_format::{
 /// Cells along each side of the map.
 const SIDE: u32 = 20;
 
-/// The blob of a mission on an open map of 20 m by 20 m with two parallel plans, of two layers and of
-/// one.
+/// The blob of a mission on an open map of 20 m by 20 m with two parallel plans, of two layers and
+/// of one.
 pub fn blob(mission: MissionDraft) -> Result<Vec<u8>, WriteError> {
     let grid = Grid { columns: SIDE, rows: SIDE, resolution_m: 1.0, corner_m: [0.0, 0.0] };
     let origin = Origin {
@@ -71,8 +71,8 @@ pub fn endless_loop() -> MissionDraft {
     )
 }
 
-/// Sixteen behaviours that share a resource and loop in steps of 100 ms. The criticality of behaviour
-/// `i` rises with channel `i` modulo 8; for the upper eight it falls.
+/// Sixteen behaviours that share a resource and loop in steps of 100 ms. The criticality of
+/// behaviour `i` rises with channel `i` modulo 8; for the upper eight it falls.
 pub fn sixteen() -> MissionDraft {
     let mut text = String::new();
     for channel in 0..8 {
@@ -89,13 +89,13 @@ pub fn sixteen() -> MissionDraft {
     ::fixtures::mission(&text)
 }
 
-/// The mission of the instruction budget. Two pairs of behaviours share a resource each, and each pair
-/// alternates as the channels 1 and 3 rise and fall. There are sixteen rows of one input each, not all
-/// of them used; at least twelve components when all behaviours have plans; every kind of fact;
-/// descriptions that use all facts; and protection intervals. An action drives in every tick.
+/// The mission of the instruction budget. Two pairs of behaviours share a resource each, and each
+/// pair alternates as the channels 1 and 3 rise and fall. There are sixteen rows of one input each,
+/// not all of them used; at least twelve components when all behaviours have plans; every kind of
+/// fact; descriptions that use all facts; and protection intervals. An action drives in every tick.
 ///
-/// Most actions need the fact `on`: `wander` deletes it, and `set` adds it again in time. The robot of
-/// the measurement stands still, so the fact `stuck` ends `follow`.
+/// Most actions need the fact `on`: `wander` deletes it, and `set` adds it again in time. The robot
+/// of the measurement stands still, so the fact `stuck` ends `follow`.
 pub fn budget() -> MissionDraft {
     const WATCHED: &str = "level near inside";
     let limits = format!("keeps {WATCHED}; goal {WATCHED}; speed 1; distance 0.2");

@@ -1,13 +1,13 @@
 //! Random missions and inputs for the whole tick, by the million, and the invariants of each tick.
 //!
 //! [`missions`] draws missions from a seed. They are sound by construction and use every kind of
-//! record. [`world`] draws the percepts: inputs that are missing or not numbers, positions that jump,
-//! clocks that stand still, an operator who disarms. After each tick the [`invariants`] are checked.
-//! Some ticks are repeated from a copy of their state and must give the same result. A corrupted
-//! mission must be refused or run like any other.
+//! record. [`world`] draws the percepts: inputs that are missing or not numbers, positions that
+//! jump, clocks that stand still, an operator who disarms. After each tick the [`invariants`] are
+//! checked. Some ticks are repeated from a copy of their state and must give the same result. A
+//! corrupted mission must be refused or run like any other.
 //!
-//! Invariants: equal seeds give equal runs on every machine. A failure reports the seed that draws the
-//! failing mission first.
+//! Invariants: equal seeds give equal runs on every machine. A failure reports the seed that draws
+//! the failing mission first.
 //!
 //! Deliberately absent: whether the robot's actions are sensible. The tests of the crates and the
 //! closed-loop missions check that.
@@ -74,8 +74,8 @@ impl fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
-/// Runs missions, the first from `seed`, until at least `ticks` ticks are done. Calls `progress` with
-/// the number of ticks after each mission.
+/// Runs missions, the first from `seed`, until at least `ticks` ticks are done. Calls `progress`
+/// with the number of ticks after each mission.
 pub fn soak(seed: u64, ticks: u64, progress: &mut dyn FnMut(u64)) -> Result<Summary, Failure> {
     let mut summary = Summary::default();
     let mut hash = TraceHash::default();

@@ -22,8 +22,8 @@ pub fn draw(random: &mut Random) -> MissionDraft {
     artist.draft
 }
 
-/// Corrupts a mission in several ways. Returns how often it was refused and, if the corrupted bytes are
-/// still a mission, a blob with it.
+/// Corrupts a mission in several ways. Returns how often it was refused and, if the corrupted bytes
+/// are still a mission, a blob with it.
 pub fn corrupt(draft: &MissionDraft, random: &mut Random) -> (u64, Option<Vec<u8>>) {
     let mut refused = 0;
     for corrupt in CORRUPTIONS {
@@ -89,7 +89,8 @@ struct Artist<'r> {
 }
 
 impl Artist<'_> {
-    /// Sensed inputs, rule bases over them, inputs that are results of those, and rule bases over all.
+    /// Sensed inputs, rule bases over them, inputs that are results of those, and rule bases over
+    /// all.
     fn inputs_and_rules(&mut self) {
         for _ in 0..self.random.count(1, 6) {
             let source = match self.random.index(10) {
@@ -264,8 +265,8 @@ impl Artist<'_> {
         }
     }
 
-    /// Stages in sequence. Some have parallel edges or an edge that skips the next stage; the last one
-    /// may be the frame itself.
+    /// Stages in sequence. Some have parallel edges or an edge that skips the next stage; the last
+    /// one may be the frame itself.
     fn production(&mut self, frame: usize, frames: usize) {
         let name = self.draft.name("");
         let first_edge = self.draft.edges.len() as u16;

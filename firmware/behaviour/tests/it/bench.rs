@@ -1,7 +1,7 @@
 //! Scripts as text in, decisions as text out. Missions are in the notation of `fixtures`.
 //!
-//! Each line of a script sets values and runs ticks: `fuel=0.5 at=3,4 x20`. Values keep until they are
-//! set again. The log has a line for each tick that differs from the one before.
+//! Each line of a script sets values and runs ticks: `fuel=0.5 at=3,4 x20`. Values keep until they
+//! are set again. The log has a line for each tick that differs from the one before.
 
 use behaviour::{Behaviours, Decision, Observations, Refusal, Report, Running, World};
 use math::{Vec2, vector};
@@ -38,8 +38,8 @@ fn parse<T: std::str::FromStr>(word: &str) -> T {
     word.parse().unwrap_or_else(|_| panic!("`{word}` is not a number"))
 }
 
-/// A world without obstacles. Parallel plan 0 leads straight to (50, 0); its layer k costs 10 k metres
-/// more.
+/// A world without obstacles. Parallel plan 0 leads straight to (50, 0); its layer k costs 10 k
+/// metres more.
 struct Field(Option<Vec2>);
 
 const GOAL: Vec2 = Vec2::new(50.0, 0.0);

@@ -2,8 +2,8 @@
 
 use crate::bench::{Robot, blob, check};
 
-/// H46: the last value is kept for a time, then the declared one is used. A value that is not finite
-/// is missing. An input that never had a value has the declared one at once.
+/// H46: the last value is kept for a time, then the declared one is used. A value that is not
+/// finite is missing. An input that never had a value has the declared one at once.
 #[test]
 fn missing_inputs_hold_and_then_count_as_declared() {
     let mission = "

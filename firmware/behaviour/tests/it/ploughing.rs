@@ -21,8 +21,8 @@ const FIELD: &str = "
     behaviour refuelling refuel; when fuel PB PB PM PM NB NB NB
 ";
 
-/// H26, figure 4: fuel becomes ZO during `forward`. At point 1, its end, the protection interval is in
-/// force; the switch is at point 2, and no strip is repeated.
+/// H26, figure 4: fuel becomes ZO during `forward`. At point 1, its end, the protection interval is
+/// in force; the switch is at point 2, and no strip is repeated.
 #[test]
 fn at_fuel_zo_the_switch_is_at_point_2() {
     check(
@@ -117,8 +117,8 @@ fn without_a_deviation_an_interrupted_action_is_taken_up_again() {
     );
 }
 
-/// A deviation that persists is a failure: beside the field no strip can start. The behaviour rests,
-/// and tries again.
+/// A deviation that persists is a failure: beside the field no strip can start. The behaviour
+/// rests, and tries again.
 #[test]
 fn beside_the_field_nothing_is_ploughed() {
     check(
@@ -141,7 +141,8 @@ fn beside_the_field_nothing_is_ploughed() {
 }
 
 /// Table 6: from PM on the production is not applicable, so the loop and the behaviour end. Still
-/// critical, the behaviour starts again, finds no applicable production and fails. At PB it is dormant.
+/// critical, the behaviour starts again, finds no applicable production and fails. At PB it is
+/// dormant.
 #[test]
 fn the_loop_ends_when_the_field_is_ready() {
     check(

@@ -94,8 +94,8 @@ fn criticalities_follow_their_inputs_each_tick() {
     }
 }
 
-/// H34: the start-up runs before a plan is engaged and before it is resumed; the shut-down runs before
-/// it sleeps, but not after an unconditional switch.
+/// H34: the start-up runs before a plan is engaged and before it is resumed; the shut-down runs
+/// before it sleeps, but not after an unconditional switch.
 #[test]
 fn start_up_and_shut_down_frame_the_work() {
     check(
@@ -131,8 +131,8 @@ fn start_up_and_shut_down_frame_the_work() {
     );
 }
 
-/// H34: if a start-up fails, its behaviour fails and rests; if a shut-down fails, the other behaviour
-/// proceeds.
+/// H34: if a start-up fails, its behaviour fails and rests; if a shut-down fails, the other
+/// behaviour proceeds.
 #[test]
 fn activities_that_fail() {
     let never =
@@ -159,8 +159,8 @@ fn activities_that_fail() {
     );
 }
 
-/// H29: a dormant behaviour is not engaged. An active one that becomes dormant completes its plan; a
-/// sleeping one wakes only when it is critical again.
+/// H29: a dormant behaviour is not engaged. An active one that becomes dormant completes its plan;
+/// a sleeping one wakes only when it is critical again.
 #[test]
 fn dormant_behaviours_begin_nothing_and_end_what_they_have_begun() {
     let mission = "

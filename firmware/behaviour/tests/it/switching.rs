@@ -196,7 +196,8 @@ fn parallel_branches_are_interrupted_where_they_join() {
     );
 }
 
-/// Actions that end at once pass a vertex within a tick; a waiting behaviour still takes over there.
+/// Actions that end at once pass a vertex within a tick; a waiting behaviour still takes over
+/// there.
 #[test]
 fn a_vertex_that_is_passed_within_a_tick_is_a_point_too() {
     check(
@@ -247,9 +248,9 @@ const NESTED: &str = "
     behaviour releasing release; when c NB NM NS ZO PS PM PB
 ";
 
-/// H27, H35: three behaviours; the second interrupts the first. What the first protects excludes the
-/// third, which reports this and waits. So the first resumes in place of the third, before the second
-/// is done, and finishes what it protects.
+/// H27, H35: three behaviours; the second interrupts the first. What the first protects excludes
+/// the third, which reports this and waits. So the first resumes in place of the third, before the
+/// second is done, and finishes what it protects.
 #[test]
 fn an_excluded_behaviour_names_who_excludes_it_and_lets_it_finish() {
     check(

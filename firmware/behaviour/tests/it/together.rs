@@ -79,7 +79,8 @@ fn who_waits_for_the_heavier_blocks_nobody_else() {
     );
 }
 
-/// H05: parallel edges start in one tick and join. At most eight actions run at once; the others wait.
+/// H05: parallel edges start in one tick and join. At most eight actions run at once; the others
+/// wait.
 #[test]
 fn at_most_eight_actions_run_at_once() {
     check(
@@ -97,7 +98,8 @@ fn at_most_eight_actions_run_at_once() {
     );
 }
 
-/// H43: at most eight steps per tick, so a plan of many actions that end at once takes several ticks.
+/// H43: at most eight steps per tick, so a plan of many actions that end at once takes several
+/// ticks.
 #[test]
 fn steps_in_a_tick_are_bounded() {
     check(

@@ -169,8 +169,8 @@ mod tests {
     use super::*;
     use crate::record::Record;
 
-    /// One behaviour. Its plan frame `work` has two productions: two parallel `step`s and then `work`
-    /// again, or one `step`.
+    /// One behaviour. Its plan frame `work` has two productions: two parallel `step`s and then
+    /// `work` again, or one `step`.
     fn draft() -> MissionDraft {
         let mut draft = MissionDraft::default();
         let name = draft.name("fuel");
