@@ -7,7 +7,7 @@ use parts::Owner;
 use plan_format::limits::MAX_BEHAVIOURS;
 use plan_format::mission::{Behaviour, Condition, Facts, Mission, SwitchPoint};
 
-/// What engaging a behaviour may do to the facts that others protect.
+/// The facts that an engaged behaviour may change.
 #[derive(Clone, Copy)]
 pub(crate) struct Effects {
     may_add: Facts,
@@ -15,7 +15,7 @@ pub(crate) struct Effects {
 }
 
 impl Effects {
-    /// Of everything that a behaviour may do.
+    /// The effects of a behaviour's plan and activities.
     pub(crate) fn of(mission: &Mission<'_>, behaviour: &Behaviour) -> Self {
         let frames = [Some(behaviour.root), behaviour.start_up, behaviour.shut_down];
         let all = frames
@@ -28,17 +28,18 @@ impl Effects {
         })
     }
 
+    /// Whether an effect may violate a protected condition.
     fn endanger(self, held: Condition) -> bool {
         held.must & self.may_delete != 0 || held.must_not & self.may_add != 0
     }
 
-    /// Whether there are none.
+    /// Whether it may change no fact.
     fn is_empty(self) -> bool {
         self.may_add | self.may_delete == 0
     }
 }
 
-/// A behaviour that wants the robot, or has it.
+/// A behaviour's claim to the robot, engaged or not.
 #[derive(Clone, Copy)]
 pub(crate) struct Claim {
     pub(crate) index: usize,
@@ -49,19 +50,19 @@ pub(crate) struct Claim {
 }
 
 impl Claim {
-    /// Whether it goes before another that comes later in the mission.
+    /// Whether it outranks another claim, of a behaviour with a higher index.
     fn outranks(&self, other: &Self) -> bool {
         if self.is_urgent != other.is_urgent {
             return self.is_urgent;
         }
-        // Among equals, whoever has the robot keeps it.
+        // Of two equal claims, that of an engaged behaviour wins.
         self.weight > other.weight
             || self.weight == other.weight && (self.is_engaged || !other.is_engaged)
     }
 }
 
 impl Behaviours {
-    /// Everyone who wants the robot, the weightiest first, among equals by index.
+    /// All claims to the robot, highest priority first; equal ones in the order of their indices.
     pub(crate) fn claims(&self, mission: &Mission<'_>) -> Vec<Claim, MAX_BEHAVIOURS> {
         let mut claims: Vec<Claim, MAX_BEHAVIOURS> = Vec::new();
         let statuses = self.statuses.iter().take(mission.behaviours().len());
@@ -78,34 +79,34 @@ impl Behaviours {
                 weight: if status.is_dormant { 0.0 } else { status.weight },
             };
             let at = claims.iter().position(|other| !other.outranks(&claim));
-            // There are as many places as behaviours.
+            // The capacity is the number of behaviours.
             let _ = claims.insert(at.unwrap_or(claims.len()), claim);
         }
         claims
     }
 
-    /// The engaged behaviours that need what a claim needs, one bit each.
-    pub(crate) fn in_the_way(&self, claim: &Claim) -> u16 {
+    /// The engaged behaviours that share a resource with a claim, one bit each.
+    pub(crate) fn blocking(&self, claim: &Claim) -> u16 {
         let others = self.engaged & !behaviour_bit(claim.index);
         behaviours_in(others)
             .filter(|&index| self.status(index).resources & claim.resources != 0)
             .fold(0, |set, index| set | behaviour_bit(index))
     }
 
-    /// Those who are not in the way but protect what would suffer, one bit each. That they do is
-    /// noted of what is urgent, too, though it does not keep it out.
+    /// The behaviours that share no resource with a claim, but protect facts that it may change,
+    /// one bit each. Each is reported; for an urgent claim, as overruled.
     pub(crate) fn excluding(
         &self,
         claim: &Claim,
         effects: Effects,
-        in_the_way: u16,
+        blocking: u16,
         context: &mut Context<'_>,
     ) -> u16 {
         let mut excluding = 0;
         if effects.is_empty() {
             return excluding;
         }
-        let aside = in_the_way | behaviour_bit(claim.index);
+        let aside = blocking | behaviour_bit(claim.index);
         for index in behaviours_in((self.engaged | self.holding()) & !aside) {
             if !self.endangers_held(index, effects) {
                 continue;
@@ -121,34 +122,30 @@ impl Behaviours {
         excluding
     }
 
-    /// Those in the way that can be interrupted now, one bit each; the others' reasons are noted.
+    /// The blocking behaviours that can be interrupted now, one bit each. The refusals of the
+    /// others are reported.
     pub(crate) fn yielding(
         &self,
         claim: &Claim,
         effects: Effects,
-        in_the_way: u16,
+        blocking: u16,
         context: &mut Context<'_>,
     ) -> u16 {
-        let mut yielding = in_the_way;
+        let mut yielding = blocking;
         let mut is_soon = true;
-        for other in behaviours_in(in_the_way) {
-            let Some(why) = self.keeps_the_robot(context.mission, other, effects) else { continue };
+        for other in behaviours_in(blocking) {
+            let Some(why) = self.refusal(context.mission, other, effects) else { continue };
             let (behaviour, by) = (claim.index as u8, other as u8);
             context.report.note(Decision::Refused { behaviour, by, why });
             yielding &= !behaviour_bit(other);
             is_soon &= matches!(why, Refusal::NoPointYet | Refusal::ShuttingDown);
         }
-        // Nobody sleeps in vain while another takes its time.
+        // If one will not yield soon, none is put to sleep for it.
         if is_soon { yielding } else { 0 }
     }
 
-    /// Why an engaged behaviour does not yield to another now.
-    fn keeps_the_robot(
-        &self,
-        mission: &Mission<'_>,
-        index: usize,
-        effects: Effects,
-    ) -> Option<Refusal> {
+    /// Why an engaged behaviour does not yield now; `None` if it does.
+    fn refusal(&self, mission: &Mission<'_>, index: usize, effects: Effects) -> Option<Refusal> {
         let behaviour = mission.behaviours().get(index)?;
         let status = self.status(index);
         let ran_us = self.now_us.saturating_sub(status.engaged_us);
@@ -171,7 +168,7 @@ impl Behaviours {
         is_better_ahead.then_some(Refusal::BetterPointAhead)
     }
 
-    /// Whether a behaviour's plan, or the activity that prepares it, protects what would suffer.
+    /// Whether effects may violate what a behaviour's plan, or its start-up or shut-down, protects.
     fn endangers_held(&self, index: usize, effects: Effects) -> bool {
         if effects.is_empty() {
             return false;
@@ -185,12 +182,12 @@ impl Behaviours {
             || status.phase != Phase::Active && effects.endanger(self.held_by(owner + ACTIVITY))
     }
 
-    /// What the protection intervals in force in a plan protect, all together.
+    /// What the protection intervals in force in a plan protect together.
     pub(crate) fn held_by(&self, owner: Owner) -> Condition {
         self.plans.grid.held(owner).fold(Condition::default(), |all, (_, held)| all.and(held))
     }
 
-    /// Whether some action of a behaviour's plan runs: it is between vertices.
+    /// Whether an action of a behaviour's plan runs, so that the plan is between vertices.
     fn is_acting(&self, index: usize) -> bool {
         let forest = &self.plans.forest;
         let owner = |id| forest.get(id).map(|component| usize::from(component.owner));

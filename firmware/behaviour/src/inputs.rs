@@ -5,17 +5,16 @@ use math::{Vec2, vector};
 use plan_format::limits::{MAX_CHANNELS, MAX_INPUTS, MAX_RULE_BASES};
 use plan_format::mission::{FactKind, Facts, Input, Mission, Source};
 
-/// What the plans say about where the robot is: asked for inputs and to see whether a goal is
-/// reached.
+/// What the map and the parallel plans give for the robot's position.
 pub trait World {
     /// Cost to the goal of a parallel plan, metres, by the most constrained layer with a route.
     fn cost_to_goal(&self, plan: u16) -> Option<f32>;
-    /// How much more a layer of a parallel plan costs from here than its layer 0, metres.
+    /// Cost by a layer of a parallel plan minus cost by its layer 0, metres.
     fn price(&self, plan: u16, layer: u8) -> Option<f32>;
     /// Whether the robot is at the goal of a parallel plan.
     fn is_at_goal(&self, plan: u16) -> bool;
-    /// Whether the robot is at a place, map metres.
-    fn is_at(&self, place: Vec2) -> bool;
+    /// Whether the robot is at a point, map metres.
+    fn is_at(&self, point: Vec2) -> bool;
 }
 
 /// What the behaviour control system sees in one tick.
@@ -23,35 +22,35 @@ pub trait World {
 pub struct Observations<'a> {
     /// Microseconds since start.
     pub time_us: u64,
-    /// Where the robot is, map metres, if it is known.
+    /// The robot's position, map metres, if it is known.
     pub position: Option<Vec2>,
     /// Input channels (battery, fuel, link, custom).
     pub channels: &'a [Option<f32>; MAX_CHANNELS],
-    /// What the plans say about that.
+    /// What the map and the parallel plans give for that position.
     pub world: &'a dyn World,
 }
 
-/// What is remembered of inputs and progress.
+/// Inputs, facts and progress.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Senses {
-    /// The last value of each input, and when it was had, microseconds.
+    /// The last value of each input, and its time, microseconds.
     last: [Option<(f32, u64)>; MAX_INPUTS],
     /// The value of each input in this tick, in its own unit.
     values: [f32; MAX_INPUTS],
-    /// Where that lies in the input's universe, 0 ..= 1.
+    /// The position of that value in the input's universe, 0 ..= 1.
     positions: [f32; MAX_INPUTS],
-    /// Facts that hold by what is sensed in this tick.
+    /// Sensed facts that hold in this tick.
     sensed: Facts,
-    /// Facts that are symbols instead.
+    /// Facts that are symbols.
     symbolic: Facts,
     /// Facts about progress.
     about_progress: Facts,
-    /// Where the robot was when it last came far enough, and when, for each progress fact by its
-    /// number among them.
+    /// For each progress fact, by its number among them: the position and the time of the last
+    /// sufficient progress.
     anchors: [Option<(Vec2, u64)>; MAX_PROGRESS_FACTS],
 }
 
-/// Facts of the kind "no progress" in one mission; further ones never hold.
+/// Most facts of the kind "no progress" in one mission; further ones never hold.
 pub const MAX_PROGRESS_FACTS: usize = 4;
 
 impl Default for Senses {
@@ -69,8 +68,8 @@ impl Default for Senses {
 }
 
 impl Senses {
-    /// The result of a rule base in this tick, 1/18 ..= 17/18. Worked out when it is needed:
-    /// most are applicabilities, and most ticks choose no production.
+    /// The result of a rule base in this tick, 1/18 ..= 17/18. Inferred on demand: most rule bases
+    /// are applicabilities, and most ticks choose no production.
     pub(crate) fn infer(&self, mission: &Mission<'_>, rules: u16) -> f32 {
         let Some(base) = mission.rule_bases().get(usize::from(rules)) else { return 0.0 };
         let position = |input: u8| self.positions.get(usize::from(input)).copied().unwrap_or(0.0);
@@ -78,7 +77,7 @@ impl Senses {
         fuzzy::infer(rows, base.inference)
     }
 
-    /// Takes down what an input is in this tick.
+    /// Records the value of an input in this tick.
     fn set(&mut self, index: usize, input: &Input, value: f32) {
         let slots = self.values.get_mut(index).zip(self.positions.get_mut(index));
         if let Some((slot, position)) = slots {
@@ -87,7 +86,7 @@ impl Senses {
         }
     }
 
-    /// Progress counts from here and now.
+    /// Measures progress from the present position and time.
     pub(crate) fn forget_progress(&mut self) {
         self.anchors = [None; MAX_PROGRESS_FACTS];
         self.sensed &= !self.about_progress;
@@ -95,8 +94,7 @@ impl Senses {
 }
 
 impl Behaviours {
-    /// Takes in what is seen: every input, those that are results of rules among them, and every
-    /// fact.
+    /// Evaluates every input, including the results of rules, and every fact.
     pub(crate) fn sense(&mut self, mission: &Mission<'_>, seen: &Observations<'_>) {
         let mut results_wanted = 0;
         for (index, input) in mission.inputs().iter().enumerate() {
@@ -104,7 +102,7 @@ impl Behaviours {
                 results_wanted |= rules_bit(rules);
                 continue;
             }
-            self.take_in(index, &input, seen);
+            self.observe(index, &input, seen);
             let value = self.sensed_value(index, &input, seen.time_us);
             self.senses.set(index, &input, value);
         }
@@ -115,7 +113,8 @@ impl Behaviours {
         self.sense_facts(mission, seen);
     }
 
-    /// The inputs that are results of these rule bases, in order: each builds on earlier ones only.
+    /// Evaluates the inputs that are results of these rule bases, in order: each uses earlier
+    /// results only.
     fn sense_results(&mut self, mission: &Mission<'_>, wanted: u64) {
         for rules in (0..MAX_RULE_BASES as u16).filter(|&rules| wanted & rules_bit(rules) != 0) {
             let result = self.senses.infer(mission, rules);
@@ -127,8 +126,7 @@ impl Behaviours {
         }
     }
 
-    /// The criticality of every behaviour is the result of its rule base; what it weighs against
-    /// others follows.
+    /// Infers the criticality of every behaviour by its rule base, and derives its weight.
     pub(crate) fn infer_criticalities(&mut self, context: &mut Context<'_>) {
         let behaviours = context.mission.behaviours().iter().zip(&mut self.statuses);
         for ((behaviour, status), noted) in behaviours.zip(&mut context.report.criticalities) {
@@ -142,7 +140,7 @@ impl Behaviours {
         }
     }
 
-    /// The facts that hold now. Symbols may change within a tick, what is sensed does not.
+    /// The facts that hold now. Symbols may change within a tick; sensed facts do not.
     pub(crate) fn facts(&self) -> Facts {
         self.senses.sensed | self.symbols & self.senses.symbolic
     }
@@ -181,7 +179,8 @@ impl Behaviours {
         self.senses.about_progress = about_progress;
     }
 
-    fn take_in(&mut self, index: usize, input: &Input, seen: &Observations<'_>) {
+    /// Records the last known value of an input, if it has one now.
+    fn observe(&mut self, index: usize, input: &Input, seen: &Observations<'_>) {
         let value = match input.source {
             Source::Channel(channel) => seen.channels.get(usize::from(channel)).copied().flatten(),
             Source::DistanceTo { x_m, y_m } => {
@@ -202,7 +201,7 @@ impl Behaviours {
         }
     }
 
-    /// The value of an input in the last tick, or what stood in for it, in its own unit.
+    /// The value of an input in the last tick, or its replacement, in its own unit.
     pub fn value_of(&self, index: usize) -> f32 {
         self.senses.values.get(index).copied().unwrap_or(0.0)
     }
@@ -236,7 +235,7 @@ fn rules_bit(rules: u16) -> u64 {
     1_u64.wrapping_shl(u32::from(rules))
 }
 
-/// Whether more than a time has passed since a moment.
+/// Whether more than `time_ms` has passed since `since_us`.
 pub(crate) fn is_over(since_us: u64, time_ms: u32, now_us: u64) -> bool {
     now_us.saturating_sub(since_us) > u64::from(time_ms) * 1_000
 }

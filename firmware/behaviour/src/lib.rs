@@ -1,50 +1,95 @@
 //! The behaviour control system: which behaviour has the robot, and what it does.
 //!
-//! A behaviour is a task with a plan and a criticality. Every tick the criticalities are inferred
-//! anew; the most critical behaviours whose resources do not conflict are engaged, the others sleep
-//! or are dormant. A more critical behaviour takes over at the next point where nothing that is
-//! protected would suffer, or at once if it is critical enough (Hasemann, "Behaviour Control
-//! System"). What runs is decomposed and watched, and its atomic actions are handed to the tick.
+//! A behaviour is a task with a plan and a criticality. Every tick infers the criticalities. The
+//! most critical behaviours that share no resource are engaged; the others sleep or are dormant. A
+//! more critical behaviour takes over at the next point where this violates no protection interval,
+//! or at once if it is critical enough (Hasemann, "Behaviour Control System"). The plans of engaged
+//! behaviours are decomposed and monitored, and their atomic actions are handed to the tick.
 //!
-//! Order of a step: inputs, facts and criticalities -> what is violated and what has ended -> who is
-//! engaged -> plans are decomposed and actions started. One file each: [`inputs`], [`watch`],
-//! [`choose`], which decides, with [`switch`], which carries the decision out, and [`run`].
+//! Order of a step: inputs, facts and criticalities -> conflicts and finished actions -> engagement
+//! -> decomposition and new actions. One module each: `inputs`, `watch`, `choose` (which decides)
+//! with `switch` (which acts), and `run`.
+//!
+//! ```
+//! use behaviour::{Behaviours, Observations, Report, World};
+//! use math::Vec2;
+//! use plan_format::mission::Mission;
+//!
+//! struct NoMap;
+//! impl World for NoMap {
+//!     fn cost_to_goal(&self, _: u16) -> Option<f32> { None }
+//!     fn price(&self, _: u16, _: u8) -> Option<f32> { None }
+//!     fn is_at_goal(&self, _: u16) -> bool { false }
+//!     fn is_at(&self, _: Vec2) -> bool { false }
+//! }
+//!
+//! let text = "
+//!     input fuel
+//!     action drive hold 60000
+//!     action refuel hold 60000
+//!     frame work
+//!     = drive
+//!     frame fill
+//!     = refuel
+//!     behaviour working work; when always ZO
+//!     behaviour filling fill; when fuel PB PM PS ZO NS NM NB
+//! ";
+//! let bytes = fixtures::mission(text).write().unwrap();
+//! let mission = Mission::parse(&bytes).unwrap();
+//! let mut behaviours = Behaviours::new(&mission);
+//! let mut action_at = |time_us, fuel| {
+//!     let mut channels = [None; 8];
+//!     channels[0] = Some(fuel);
+//!     let seen = Observations { time_us, position: None, channels: &channels, world: &NoMap };
+//!     let running = behaviours.step(&mission, &seen, &mut Report::default());
+//!     mission.name(mission.actions().get(running[0].action.into()).unwrap().name)
+//! };
+//! assert_eq!(action_at(0, 1.0), "drive");
+//! // An empty tank is above the unconditional threshold, so the switch is immediate.
+//! assert_eq!(action_at(50_000, 0.0), "refuel");
+//! ```
 //!
 //! Decisions where the paper is silent:
-//! - A missing input counts as its last value for the time that the mission gives it, then as the
-//!   value that the mission names (H46).
-//! - A behaviour from its unconditional threshold on outranks all that are below theirs; among
-//!   equals in that the criticality decides, to which an engaged behaviour may add its hysteresis.
-//!   So neither two calm behaviours nor two urgent ones chatter (H32). A behaviour yields
-//!   conditionally only after its minimum dwell; unconditional switching knows no dwell.
+//! - A missing input counts as its last value for the time that the mission sets, then as the value
+//!   that the mission sets (H46).
+//! - A behaviour above its unconditional threshold is urgent and outranks all that are not.
+//!   Otherwise the higher criticality wins; an engaged behaviour adds its hysteresis to it. So
+//!   neither two calm nor two urgent behaviours chatter (H32). A behaviour yields conditionally
+//!   only after its minimum dwell; an unconditional switch ignores the dwell.
 //! - A dormant behaviour cannot be engaged, yields to every other and protects nothing while it
-//!   sleeps; but one that is active is not cut off in the middle of its plan: a robot that has just
+//!   sleeps. An active one that becomes dormant still completes its plan: a robot that has just
 //!   refuelled still drives back.
-//! - A behaviour is interrupted conditionally where none of its actions runs: at a vertex of its
-//!   plan, with parallel branches where they join or happen to stand at vertices together. With
-//!   `best`, the point is the one of least lost work among those without interference; it may never
-//!   be later than the plan's end (H37).
-//! - Where several behaviours are in the way of one, each yields at its own point and sleeps until
-//!   the last has yielded; waiting for a common point could last for ever.
-//! - The intervals that sleeping behaviours hold are respected too. If they keep a behaviour out,
-//!   the report names the one that excludes it, and that one goes on in its place, as critical as
-//!   the one that waits, until it has given up what it protects. Unconditional switching overrules
-//!   it, and names the victim (H35).
+//! - A conditional interruption happens when none of the behaviour's actions runs: at a vertex of
+//!   its plan; with parallel branches, where they join or happen to be at vertices at once. With
+//!   `best`, the point is the one with the least lost work among those without interference. It may
+//!   be as late as the end of the plan (H37).
+//! - If several behaviours block one, each yields at its own point and sleeps until the last has
+//!   yielded. A common point might never come.
+//! - The intervals of sleeping behaviours are respected too. If they exclude a behaviour, the
+//!   report names the one that excludes it. That one resumes instead, with the criticality of the
+//!   one that waits, until it no longer protects the facts. An unconditional switch overrules the
+//!   intervals and reports whose they are (H35).
 //! - Behaviours that share no resource run together (H31). Start-up activities run before a
 //!   behaviour is engaged or resumed, shut-down activities before it sleeps after a conditional
-//!   switch (H34). A failed start-up fails the behaviour; a failed shut-down does not keep the other
-//!   one waiting.
-//! - On waking, what a plan assumes is checked: the deviating frame begins anew at its level, since
-//!   not its choice but the world was to blame (H28).
-//! - Effects take place when a component ends and its goal holds, both or neither.
-//! - An output is part of the world: it stays as it was set when its action, plan or behaviour ends,
-//!   fails or is interrupted. A behaviour that must find a tool lifted lifts it in its start-up.
-//! - Progress is counted anew for every action that drives: waiting is not being stuck.
-//! - While nothing may move ([`Behaviours::pause`]) no time passes for actions, dwell and rest.
+//!   switch (H34). If a start-up fails, its behaviour fails; after a failed shut-down, the other
+//!   behaviour proceeds.
+//! - When a behaviour wakes, the assumptions of its plan are checked. A frame that deviates starts
+//!   again and may try every production, since the world changed and its choice was not wrong
+//!   (H28).
+//! - A component's effects occur when it ends and its goal holds; if the goal does not hold, none
+//!   occurs.
+//! - An output is part of the world: it keeps its state when its action, plan or behaviour ends,
+//!   fails or is interrupted. A behaviour that needs a lifted tool lifts it in its start-up.
+//! - Progress is measured separately for each action that drives, so that waiting does not count as
+//!   stuck.
+//! - While motion is not allowed ([`Behaviours::pause`]), time does not advance for actions, dwell
+//!   and rest.
 //! - A behaviour that has failed rests for [`REST_US`] before it is considered again.
 //!
-//! Invariants: constant memory; at most `MAX_STEPS` plan steps for each behaviour and tick; no call
-//! panics. Deliberately absent: plan merging (H33).
+//! Invariants: constant memory; at most `MAX_STEPS` plan steps per behaviour and tick; no call
+//! panics.
+//!
+//! Deliberately absent: plan merging (H33).
 #![no_std]
 
 mod choose;
@@ -67,14 +112,14 @@ use parts::{Event, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
 use plan_format::mission::{Condition, FactKind, Facts, Mission};
 
-/// For how long a behaviour that has failed is left alone, microseconds.
+/// Time for which a failed behaviour is not considered, microseconds.
 pub const REST_US: u64 = 1_000_000;
 
-/// Start-up and shut-down activities are plans of their own: behaviour `i` owns them as `i` plus
-/// this.
+/// Start-up and shut-down activities are plans of their own; those of behaviour `i` have owner
+/// `i + ACTIVITY`.
 const ACTIVITY: Owner = MAX_BEHAVIOURS as Owner;
 
-/// What a behaviour is doing.
+/// Life-cycle state of a behaviour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Phase {
     /// Has no plan; its criticality decides whether it is dormant.
@@ -86,30 +131,30 @@ pub enum Phase {
     Active,
     /// Its shut-down activity runs; it will sleep.
     ShuttingDown,
-    /// Interrupted: its plan waits as it was.
+    /// Interrupted; its plan is suspended.
     Sleeping,
 }
 
-/// What is kept of a behaviour from tick to tick.
+/// The state of one behaviour.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Status {
     pub(crate) phase: Phase,
-    /// Its criticality in this tick, and its hysteresis while it has the robot.
+    /// Its criticality in this tick, plus its hysteresis if it is engaged.
     pub(crate) weight: f32,
-    /// Whether its criticality is too little to be considered.
+    /// Whether its criticality is too low to be considered.
     pub(crate) is_dormant: bool,
-    /// Whether its weight is above its unconditional threshold.
+    /// Whether its weight reaches its unconditional threshold.
     pub(crate) is_urgent: bool,
-    /// What it needs, one bit each.
+    /// Resources that it needs, one bit each.
     pub(crate) resources: u16,
-    /// When it was engaged.
+    /// When it was engaged, microseconds.
     pub(crate) engaged_us: u64,
-    /// Not considered before.
+    /// When its rest after a failure ends, microseconds.
     pub(crate) rests_until_us: u64,
-    /// What it protects while it sleeps; nothing after an unconditional switch, which may have left
-    /// anything.
+    /// What it protects while it sleeps; nothing after an unconditional switch, which may have
+    /// interrupted it anywhere.
     pub(crate) held: Condition,
-    /// What it costs to interrupt it at the vertex that it reached last.
+    /// Work lost by an interruption at the vertex that it reached last.
     pub(crate) lost_work: u16,
 }
 
@@ -119,7 +164,7 @@ impl Status {
         matches!(self.phase, Phase::StartingUp | Phase::Active | Phase::ShuttingDown)
     }
 
-    /// Whether it sleeps and what it protects is held against others.
+    /// Whether it sleeps and protects something from others.
     pub(crate) fn is_holding(&self) -> bool {
         self.phase == Phase::Sleeping && !self.is_dormant && !self.held.is_empty()
     }
@@ -128,46 +173,47 @@ impl Status {
 /// The state of the behaviour control system. Plain data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Behaviours {
-    /// Time that has passed without pauses, microseconds: the clock of everything but inputs.
+    /// Time without pauses, microseconds: the clock for everything except inputs.
     pub(crate) now_us: u64,
-    /// When the last step or pause was, on the clock of the observations.
+    /// Time of the last step or pause, on the clock of the observations.
     pub(crate) seen_us: Option<u64>,
     pub(crate) plans: Plans,
     pub(crate) statuses: [Status; MAX_BEHAVIOURS],
-    /// Behaviours that have the robot and those that sleep, one bit each: few of many do.
+    /// Engaged behaviours, one bit each, so that a tick visits only these.
     pub(crate) engaged: u16,
+    /// Sleeping behaviours, one bit each.
     pub(crate) asleep: u16,
     pub(crate) senses: Senses,
     /// Symbols that hold, one bit each.
     pub(crate) symbols: Facts,
     /// Digital outputs, one bit each.
     pub(crate) outputs: u16,
-    /// When each running action was started.
+    /// When each running action was started, microseconds.
     pub(crate) started_us: [u64; MAX_COMPONENTS],
-    /// The component whose doubts were looked at last.
+    /// The component whose doubts were reported last.
     pub(crate) last_doubt: u8,
 }
 
-/// What every part of one step works with.
+/// The arguments of one step.
 pub(crate) struct Context<'a> {
     pub(crate) mission: &'a Mission<'a>,
     pub(crate) seen: &'a Observations<'a>,
     pub(crate) report: &'a mut Report,
 }
 
-/// The live plans and the grid that hears of every change in them.
+/// The live plans, and the situation grid that follows each change in them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Plans {
     pub(crate) forest: Forest,
     pub(crate) grid: SituationGrid,
-    /// Behaviours that have reached a vertex since they were last carried on, one bit each.
+    /// Behaviours that have reached a vertex since they last advanced, one bit each.
     pub(crate) reached: u16,
-    /// Behaviours that somebody waits for, one bit each.
+    /// Behaviours for whose next point another one waits, one bit each.
     pub(crate) awaited: u16,
 }
 
 impl Behaviours {
-    /// The state at the start: nothing is engaged, symbols are as the mission sets them.
+    /// The initial state: no behaviour is engaged, and symbols have the mission's initial values.
     pub fn new(mission: &Mission<'_>) -> Self {
         let symbols =
             (0..).zip(mission.facts().iter()).fold(0, |symbols, (bit, fact)| match fact.kind {
@@ -189,8 +235,8 @@ impl Behaviours {
         }
     }
 
-    /// One tick: decides which behaviours have the robot and carries their plans on. Returns the
-    /// atomic actions that run; why goes into the report, which is new for each tick.
+    /// One tick: decides which behaviours have the robot and advances their plans. Returns the
+    /// atomic actions that run and adds the reasons to `report`, which must be new for each tick.
     pub fn step(
         &mut self,
         mission: &Mission<'_>,
@@ -210,13 +256,13 @@ impl Behaviours {
         running
     }
 
-    /// A tick in which nothing is done since nothing may move: plans wait as they are, and the time
-    /// until the next step does not count. `time_us` on the clock of the observations.
+    /// A tick in which motion is not allowed: plans stay as they are, and the time since the last
+    /// step does not count. `time_us` is on the clock of the observations.
     pub fn pause(&mut self, time_us: u64) {
         self.seen_us = Some(time_us);
     }
 
-    /// What a behaviour is doing.
+    /// The life-cycle state of a behaviour.
     pub fn phase(&self, behaviour: usize) -> Phase {
         self.statuses.get(behaviour).map_or(Phase::Idle, |status| status.phase)
     }
@@ -226,26 +272,26 @@ impl Behaviours {
         self.outputs
     }
 
-    /// The situation grids: what the plans are and how their parts stand to each other.
+    /// The situation grid: the components of all plans, and the relations between them.
     pub fn grid(&self) -> &SituationGrid {
         &self.plans.grid
     }
 
-    /// How many components live in all plans.
+    /// Number of components in all plans.
     pub fn components(&self) -> usize {
         self.plans.forest.len()
     }
 }
 
 impl Plans {
-    /// Changes the plans; the grid hears of it.
+    /// Changes the plans and applies the events to the situation grid.
     pub(crate) fn change<T>(
         &mut self,
         mission: &Mission<'_>,
         act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T,
     ) -> T {
         let Self { forest, grid, .. } = self;
-        act(forest, &mut |event| grid.heed(mission, &event))
+        act(forest, &mut |event| grid.apply(mission, &event))
     }
 }
 
@@ -254,12 +300,12 @@ pub(crate) fn fact_bit(index: u32) -> Facts {
     1_u64.checked_shl(index).unwrap_or(0)
 }
 
-/// The behaviours in a set, in order.
+/// The indices of the behaviours in a set, in order.
 pub(crate) fn behaviours_in(set: u16) -> impl Iterator<Item = usize> {
     members(set.into()).map(usize::from)
 }
 
-/// The bit of a behaviour, in a set of behaviours; none for the owner of an activity.
+/// The bit of a behaviour in a set of behaviours; 0 for the owner of an activity.
 pub(crate) fn behaviour_bit(index: usize) -> u16 {
     bit16(index as u8)
 }

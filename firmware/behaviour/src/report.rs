@@ -1,4 +1,4 @@
-//! What was decided in a tick, and why: the raw material of every explanation.
+//! What was decided in a tick, and why: the source of every explanation.
 
 use grammar::Choice;
 use heapless::Vec;
@@ -6,7 +6,7 @@ use monitor::Signal;
 use plan_format::limits::MAX_BEHAVIOURS;
 use plan_format::mission::Facts;
 
-/// Decisions of one tick that are kept; what exceeds them is counted.
+/// Most decisions in one report; further ones are only counted.
 pub const MAX_DECISIONS: usize = 16;
 
 /// Everything that was decided in one tick.
@@ -18,7 +18,7 @@ pub struct Report {
     pub facts: Facts,
     /// What was decided, in order.
     pub decisions: Vec<Decision, MAX_DECISIONS>,
-    /// Decisions that found no room.
+    /// Number of decisions beyond [`MAX_DECISIONS`].
     pub omitted: u16,
 }
 
@@ -35,73 +35,72 @@ impl Report {
 pub enum Decision {
     /// A behaviour's start-up activity begins.
     Prepared {
-        /// Which.
+        /// The behaviour.
         behaviour: u8,
     },
     /// A behaviour was engaged with a new plan.
     Engaged {
-        /// Which.
+        /// The behaviour.
         behaviour: u8,
     },
     /// A sleeping behaviour was woken.
     Resumed {
-        /// Which.
+        /// The behaviour.
         behaviour: u8,
     },
     /// A behaviour was put to sleep for another.
     Interrupted {
-        /// Which.
+        /// The behaviour.
         behaviour: u8,
-        /// By whom.
+        /// The behaviour that takes over.
         by: u8,
-        /// At once, or at a switching point.
+        /// Whether it was at once, not at a switching point.
         is_unconditional: bool,
-        /// What the mission says that this costs: at a point, the work of what leads to it; at
-        /// once, that of the actions that ran (H38).
+        /// Lost work: at a switching point, that of the edges into it; at once, that of the actions
+        /// that ran (H38).
         lost_work: u16,
     },
-    /// What a behaviour protects has to stand back behind another that is engaged
-    /// unconditionally.
+    /// A behaviour is engaged unconditionally and may violate what another one protects.
     Overruled {
-        /// Which.
+        /// The behaviour that protects.
         behaviour: u8,
-        /// By whom.
+        /// The behaviour that is engaged.
         by: u8,
     },
-    /// A behaviour that is more critical, or conflicts with nobody, has to wait.
+    /// A behaviour with a claim to the robot has to wait.
     Refused {
-        /// Which.
+        /// The behaviour.
         behaviour: u8,
-        /// Because of whom.
+        /// The behaviour for which it waits.
         by: u8,
         /// Why.
         why: Refusal,
     },
-    /// A frame was decomposed.
+    /// A plan frame was decomposed.
     Chose {
         /// The production.
         production: u16,
         /// Its applicability.
         applicability: f32,
     },
-    /// A frame was not decomposed, and has failed.
+    /// A plan frame was not decomposed, and has failed.
     NotDecomposed {
-        /// The frame.
+        /// The plan frame.
         frame: u16,
         /// Why.
         why: Choice,
     },
-    /// A behaviour has done its work.
+    /// A behaviour has completed its plan.
     Finished {
-        /// Which.
+        /// The behaviour.
         behaviour: u8,
     },
-    /// A behaviour cannot be carried out.
+    /// A behaviour's plan has failed.
     Failed {
-        /// Which.
+        /// The behaviour.
         behaviour: u8,
     },
-    /// An action has exceeded its time.
+    /// An action has exceeded its timeout.
     TimedOut {
         /// The component.
         component: u8,
@@ -113,13 +112,13 @@ pub enum Decision {
 /// Why a behaviour has to wait.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// The other has not run for its minimum dwell.
+    /// The other's minimum dwell is not over.
     Dwell,
-    /// The other is at no point of its plan where nothing protected would suffer.
+    /// The other is not at a point of its plan where nothing protected would be violated.
     NoPointYet,
     /// The other waits for a better point.
     BetterPointAhead,
-    /// The other is not in the way, but holds a protection interval that this one may violate.
+    /// The other shares no resource, but has a protection interval that this one may violate.
     Excluded,
     /// The other is shutting down.
     ShuttingDown,

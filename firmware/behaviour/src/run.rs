@@ -1,4 +1,4 @@
-//! Carrying the engaged behaviours' plans on.
+//! Advances the plans of engaged behaviours.
 
 use crate::report::Decision;
 use crate::{Behaviours, Context, behaviour_bit, behaviours_in};
@@ -8,23 +8,23 @@ use parts::{Component, Id, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS, MAX_STEPS};
 use plan_format::mission::{Action, ActionKind, Condition, Mission, Production, Symbol};
 
-/// Atomic actions that run at once; further ones wait for their turn.
+/// Most atomic actions that run at once; further ones wait.
 pub const MAX_RUNNING: usize = 8;
 
 /// An atomic action that runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunningAction {
-    /// The behaviour it belongs to.
+    /// The behaviour to which it belongs.
     pub behaviour: u8,
-    /// Its place in the plans.
+    /// Its slot in the pool of components.
     pub component: Id,
-    /// Which it is: index into the mission.
+    /// Its index in the mission.
     pub action: u16,
     /// What it does.
     pub kind: ActionKind,
-    /// Never faster, m/s; infinite for no constraint.
+    /// Maximum speed, m/s; infinite for none.
     pub max_speed_mps: f32,
-    /// Never nearer to an obstacle, metres; 0 for no constraint.
+    /// Minimum distance from obstacles, metres; 0 for none.
     pub min_distance_m: f32,
 }
 
@@ -32,7 +32,7 @@ pub struct RunningAction {
 pub type Running = Vec<RunningAction, MAX_RUNNING>;
 
 impl Behaviours {
-    /// Carries every engaged behaviour's plan on by at most `MAX_STEPS` steps.
+    /// Advances the plan of every engaged behaviour by at most `MAX_STEPS` steps.
     pub(crate) fn run(&mut self, context: &mut Context<'_>) -> Running {
         let mut running = Running::new();
         let mut is_busy = false;
@@ -40,7 +40,7 @@ impl Behaviours {
         for index in behaviours_in(self.engaged) {
             let Some(owner) = self.running_owner(index) else { continue };
             is_busy |= self.advance(owner, context);
-            // Its start-up may have ended at once, and its own plan taken over.
+            // If its start-up has ended at once, its own plan runs in this tick.
             if let Some(next) = self.running_owner(index).filter(|&next| next != owner) {
                 is_busy |= self.advance(next, context);
             }
@@ -48,15 +48,15 @@ impl Behaviours {
                 self.collect(context.mission, index as u8, owner, &mut running);
             }
         }
-        // Not when there was enough to do: doubts can wait, a tick cannot.
+        // A busy tick skips the doubts, to bound its time.
         if !is_busy {
             self.doubt(context);
         }
         running
     }
 
-    /// Decomposes what is scheduled and starts actions, a bounded number of steps. Returns
-    /// whether there was anything to do.
+    /// Decomposes scheduled frames and starts scheduled actions, in at most `MAX_STEPS` steps.
+    /// Returns whether there was a step.
     fn advance(&mut self, owner: Owner, context: &mut Context<'_>) -> bool {
         for step in 0..MAX_STEPS {
             let Some(id) = self.plans.forest.scheduled(owner) else { return step > 0 };
@@ -72,11 +72,11 @@ impl Behaviours {
                 continue;
             }
             match symbol {
-                Some(Symbol::Frame(frame)) => self.decompose(owner, id, frame, context),
+                Some(Symbol::PlanFrame(frame)) => self.decompose(owner, id, frame, context),
                 Some(Symbol::Action(_)) => self.start(owner, id, context),
                 None => return true,
             }
-            // Somebody waits for a vertex, and here is one: nothing new before that is decided.
+            // Another behaviour waits for this vertex: start nothing before it is decided.
             let bit = behaviour_bit(usize::from(owner));
             if self.plans.awaited & self.plans.reached & bit != 0 {
                 return true;
@@ -131,9 +131,9 @@ impl Behaviours {
         }
     }
 
-    /// Looks at the future of one component of a running plan each tick, in turn: doubts are early
-    /// warnings, and bounded work a tick matters more than their promptness. What is due to start is
-    /// checked anyway.
+    /// Reports the doubts about one component of a running plan, in turn. Doubts are early
+    /// warnings: bounded work per tick matters more than promptness, and a component is checked
+    /// anyway when it starts.
     fn doubt(&mut self, context: &mut Context<'_>) {
         let after = usize::from(self.last_doubt) + 1;
         let turn = (after..after + MAX_COMPONENTS).map(|id| (id % MAX_COMPONENTS) as Id);
@@ -151,7 +151,7 @@ impl Behaviours {
         grid.choices(context.mission, id, self.foreign(), &mut note);
     }
 
-    /// What all sleeping behaviours protect.
+    /// What all sleeping behaviours protect together.
     fn foreign(&self) -> Condition {
         behaviours_in(self.holding())
             .fold(Condition::default(), |all, index| all.and(self.status(index).held))
@@ -163,7 +163,7 @@ impl Behaviours {
                 continue;
             };
             let (max_speed_mps, min_distance_m) = self.plans.grid.constraints(mission, component);
-            // No more actions are started than there is room for.
+            // At most `MAX_RUNNING` actions run.
             let _ = running.push(RunningAction {
                 behaviour,
                 component,
@@ -175,7 +175,7 @@ impl Behaviours {
         }
     }
 
-    /// An action that runs for a plan, with its index in the mission.
+    /// The action in a slot, with its index in the mission, if it runs for this owner.
     pub(crate) fn running_action(
         &self,
         mission: &Mission<'_>,
@@ -192,7 +192,7 @@ impl Behaviours {
     }
 }
 
-/// Whether an action has to be handed to the tick at least once, even if it is done at once.
+/// Whether the tick must receive an action at least once, even if it ends at once.
 fn is_reported(kind: ActionKind) -> bool {
     matches!(kind, ActionKind::Signal { .. })
 }

@@ -8,34 +8,39 @@ use parts::{Component, Life, Owner};
 use plan_format::limits::MAX_DEPTH;
 use plan_format::mission::{Behaviour, Condition, Mission, Symbol};
 
-/// What came of a claim.
+/// The result of a claim.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Outcome {
-    /// It is engaged, or the next to be.
+    /// It is engaged, or will be next.
     Holds,
-    /// Others protect what it may violate: these, one bit each.
+    /// These behaviours protect facts that it may change, one bit each.
     Excluded(u16),
 }
 
 impl Behaviours {
-    /// Engages the most critical behaviours whose resources do not conflict, each as soon as those
-    /// in its way can be interrupted.
+    /// Engages the most critical behaviours that share no resource, each as soon as the behaviours
+    /// that block it can be interrupted.
     pub(crate) fn engage(&mut self, context: &mut Context<'_>) {
         self.plans.awaited = 0;
         let mut taken = 0;
-        // By reference: the loop over a `heapless::Vec` itself may panic where it is dropped.
+        // By reference: the drop of a `heapless::Vec` iterator has a panic path.
         for claim in &self.claims(context.mission) {
             if claim.is_engaged {
                 taken |= claim.resources;
             } else if taken & claim.resources == 0 {
-                self.claim_or_stand_back(claim, &mut taken, context);
+                self.claim_or_resume_sleeper(claim, &mut taken, context);
             }
         }
     }
 
-    /// Lets a behaviour claim the robot. If sleeping ones exclude it they go on in its place, so that
-    /// they come to give up what they protect, however little critical they are themselves.
-    fn claim_or_stand_back(&mut self, claim: &Claim, taken: &mut u16, context: &mut Context<'_>) {
+    /// Lets a behaviour claim the robot. If sleeping behaviours exclude it, they resume in its
+    /// place, at its priority, so that they finish what they protect.
+    fn claim_or_resume_sleeper(
+        &mut self,
+        claim: &Claim,
+        taken: &mut u16,
+        context: &mut Context<'_>,
+    ) {
         let by = match self.claim(claim, context) {
             Outcome::Holds => {
                 *taken |= claim.resources;
@@ -53,26 +58,26 @@ impl Behaviours {
         }
     }
 
-    /// One behaviour wants the robot and nobody weightier is in its way.
+    /// Handles the claim of one behaviour that no higher-priority claim blocks.
     fn claim(&mut self, claim: &Claim, context: &mut Context<'_>) -> Outcome {
         let Some(behaviour) = context.mission.behaviours().get(claim.index) else {
             return Outcome::Excluded(0);
         };
-        let in_the_way = self.in_the_way(claim);
+        let blocking = self.blocking(claim);
         let effects = Effects::of(context.mission, &behaviour);
-        let excluding = self.excluding(claim, effects, in_the_way, context);
+        let excluding = self.excluding(claim, effects, blocking, context);
         if excluding != 0 && !claim.is_urgent {
             return Outcome::Excluded(excluding);
         }
         if !claim.is_urgent {
-            self.plans.awaited |= in_the_way;
+            self.plans.awaited |= blocking;
         }
         let yielding = if claim.is_urgent {
-            in_the_way
+            blocking
         } else {
-            self.yielding(claim, effects, in_the_way, context)
+            self.yielding(claim, effects, blocking, context)
         };
-        let mut must_wait = yielding != in_the_way;
+        let mut must_wait = yielding != blocking;
         for other in behaviours_in(yielding) {
             must_wait |= self.interrupt(other, claim, context);
         }
@@ -82,8 +87,8 @@ impl Behaviours {
         Outcome::Holds
     }
 
-    /// Puts an engaged behaviour to sleep for another. Returns whether that one has to wait for its
-    /// shut-down activity.
+    /// Puts an engaged behaviour to sleep for the claim `by`. Returns whether the claim has to wait
+    /// for the shut-down activity.
     fn interrupt(&mut self, index: usize, by: &Claim, context: &mut Context<'_>) -> bool {
         let (owner, status) = (index as Owner, self.status(index));
         let lost_work = if by.is_urgent {
@@ -126,8 +131,7 @@ impl Behaviours {
         waits
     }
 
-    /// What the mission says that the actions which run now cost to do again, and the frames that
-    /// they are part of.
+    /// The lost work of the actions that run now and of the frames above them.
     fn work_under_way(&self, mission: &Mission<'_>, owner: Owner) -> u16 {
         let forest = &self.plans.forest;
         let (mut sum, mut counted) = (0_u16, 0_u32);
@@ -136,7 +140,7 @@ impl Behaviours {
             while let Some(id) = next {
                 let bit = 1_u32.wrapping_shl(u32::from(id));
                 let component = forest.get(id).filter(|component| component.owner == owner);
-                // What runs side by side shares its frames.
+                // Parallel actions share frames, which count once.
                 let Some(component) = component.filter(|_| counted & bit == 0) else { break };
                 counted |= bit;
                 sum = sum.saturating_add(self.work_of(mission, component));
@@ -146,7 +150,7 @@ impl Behaviours {
         sum
     }
 
-    /// What the edge costs to do again that a component stands for.
+    /// The lost work of a component's edge.
     fn work_of(&self, mission: &Mission<'_>, component: &Component) -> u16 {
         let production =
             component.parent.and_then(|id| self.plans.forest.production_of(mission, id));
@@ -180,14 +184,14 @@ impl Behaviours {
         }
     }
 
-    /// Takes up a behaviour's own plan: the one that sleeps, or a new one.
+    /// Resumes a behaviour's own plan if it sleeps; otherwise plants a new one.
     pub(crate) fn begin_work(&mut self, index: usize, context: &mut Context<'_>) {
         let (owner, behaviour) = (index as Owner, index as u8);
         if self.plans.forest.root(owner).is_some() {
             self.plans.change(context.mission, |forest, tell| forest.resume(owner, tell));
             self.set_phase(index, Phase::Active);
             context.report.note(Decision::Resumed { behaviour });
-            self.mend_deviations(owner, context);
+            self.restart_deviating(owner, context);
             return;
         }
         let root = context.mission.behaviours().get(index).map_or(0, |behaviour| behaviour.root);
@@ -206,10 +210,10 @@ impl Behaviours {
         }
     }
 
-    /// A plan that has just woken is compared with the world; where they differ, the outermost frame
-    /// concerned begins anew.
-    fn mend_deviations(&mut self, owner: Owner, context: &mut Context<'_>) {
-        // Each round gives up at least one level.
+    /// Compares a plan that has just woken with the world. If they differ, the outermost frame
+    /// concerned starts again.
+    fn restart_deviating(&mut self, owner: Owner, context: &mut Context<'_>) {
+        // Each round abandons at least one level.
         for _ in 0..MAX_DEPTH {
             let Some((signal, frame)) = self.outermost_deviation(context.mission, owner) else {
                 return;
@@ -219,7 +223,7 @@ impl Behaviours {
         }
     }
 
-    /// The deviation nearest to the root, and the frame that has to begin anew for it.
+    /// The deviation closest to the root, and the frame that has to start again.
     fn outermost_deviation(&self, mission: &Mission<'_>, owner: Owner) -> Option<(Signal, u8)> {
         let grid = &self.plans.grid;
         let facts = self.facts();
@@ -228,7 +232,7 @@ impl Behaviours {
             let Signal::Evident { id, what, .. } = signal else { return };
             let parent = grid.get(id).and_then(|entry| entry.parent);
             let frame = if what == Violation::Interval { id } else { parent.unwrap_or(id) };
-            // A frame that waits to be decomposed has begun anew already.
+            // A frame that waits for its decomposition has started again already.
             let is_decomposed = grid.get(frame).is_some_and(|entry| entry.production.is_some());
             let depth = grid.above(frame).count();
             if is_decomposed && found.is_none_or(|(shallowest, ..)| depth < shallowest) {
@@ -245,7 +249,7 @@ impl Behaviours {
         found.map(|(_, signal, frame)| (signal, frame))
     }
 
-    /// A behaviour has given up: its plans are gone, and it rests.
+    /// Fails a behaviour: abandons its plans and starts its rest.
     pub(crate) fn fail_behaviour(&mut self, index: usize, context: &mut Context<'_>) {
         let owner = index as Owner;
         let now_us = self.now_us;

@@ -1,4 +1,4 @@
-//! What is violated, and what has ended.
+//! Reacts to conflicts, and ends actions.
 
 use crate::inputs::{Observations, is_over};
 use crate::report::Decision;
@@ -12,20 +12,19 @@ use plan_format::limits::MAX_DEPTH;
 use plan_format::mission::{Action, ActionKind, Mission};
 
 impl Behaviours {
-    /// Takes note of everything that has happened to the engaged behaviours' plans since the last
-    /// tick, before anybody decides on them.
+    /// Handles the conflicts and the finished actions of engaged behaviours, before the tick
+    /// decides on them.
     pub(crate) fn watch(&mut self, context: &mut Context<'_>) {
         for index in behaviours_in(self.engaged) {
             let Some(owner) = self.running_owner(index) else { continue };
-            self.heed_conflicts(owner, context);
+            self.handle_conflicts(owner, context);
             self.end_actions(owner, context);
         }
-        self.heed_sleepers(context);
+        self.report_foreign_conflicts(context);
     }
 
-    /// What sleeping behaviours protect and is violated is reported; they look after it when they
-    /// wake.
-    fn heed_sleepers(&self, context: &mut Context<'_>) {
+    /// Reports violations of what sleeping behaviours protect; they react when they wake.
+    fn report_foreign_conflicts(&self, context: &mut Context<'_>) {
         for index in behaviours_in(self.holding()) {
             let (root, held) = (self.plans.forest.root(index as Owner), self.status(index).held);
             let signal = root.and_then(|id| Signal::foreign(id, held, self.facts()));
@@ -33,14 +32,14 @@ impl Behaviours {
         }
     }
 
-    /// The sleeping behaviours whose protection intervals are held against others, one bit each.
+    /// The sleeping behaviours that protect something from others, one bit each.
     pub(crate) fn holding(&self) -> u16 {
         behaviours_in(self.asleep)
             .filter(|&index| self.status(index).is_holding())
             .fold(0, |set, index| set | behaviour_bit(index))
     }
 
-    /// Whose plan carries a behaviour at the moment: its own, or its activity's.
+    /// The owner of the plan that runs for a behaviour: the behaviour or its activity.
     pub(crate) fn running_owner(&self, index: usize) -> Option<Owner> {
         match self.status(index).phase {
             Phase::Active => Some(index as Owner),
@@ -49,13 +48,13 @@ impl Behaviours {
         }
     }
 
-    /// A component whose transient description does not hold fails; a frame whose protection
-    /// interval does not hold chooses anew.
-    fn heed_conflicts(&mut self, owner: Owner, context: &mut Context<'_>) {
-        // What finds no room is still violated in the next tick.
+    /// Fails each component whose transient description is violated. A frame whose protection
+    /// interval is violated chooses again.
+    fn handle_conflicts(&mut self, owner: Owner, context: &mut Context<'_>) {
+        // Further conflicts are still there in the next tick.
         let evident = self.plans.grid.evident(owner, self.facts());
         let signals: Vec<Signal, MAX_DEPTH> = evident.take(MAX_DEPTH).collect();
-        // By reference: the loop over a `heapless::Vec` itself may panic where it is dropped.
+        // By reference: the drop of a `heapless::Vec` iterator has a panic path.
         for &signal in &signals {
             context.report.note(Decision::Conflict(signal));
             match signal {
@@ -70,7 +69,7 @@ impl Behaviours {
         }
     }
 
-    /// Actions that have done what they are for, and those that have run out of time.
+    /// Completes the actions that are done, and fails those that exceed their timeout.
     fn end_actions(&mut self, owner: Owner, context: &mut Context<'_>) {
         for id in self.plans.forest.running() {
             let Some((_, action)) = self.running_action(context.mission, owner, id) else {
@@ -86,6 +85,7 @@ impl Behaviours {
         }
     }
 
+    /// Whether an action that started at `started_us` has achieved its purpose.
     pub(crate) fn is_done(
         &self,
         action: &Action,
@@ -101,13 +101,13 @@ impl Behaviours {
             ActionKind::Follow { plan, .. } => seen.world.is_at_goal(plan),
             ActionKind::GoTo { x_m, y_m } => seen.world.is_at(Vec2::new(x_m, y_m)),
             ActionKind::Hold { for_ms } | ActionKind::Wander { for_ms } => has_lasted(for_ms),
-            // Done at once, unless it waits for something.
+            // Done at once, unless they wait for `until`.
             ActionKind::Signal { .. } | ActionKind::SetOutput { .. } => action.until.is_empty(),
         }
     }
 
-    /// A component has done what it is for: its effects take place, its goal is checked, and so on
-    /// upwards for every frame that it completes.
+    /// Completes a component: applies its effects, checks its goal, and does the same upwards for
+    /// each frame that this completes.
     pub(crate) fn complete(&mut self, owner: Owner, id: Id, context: &mut Context<'_>) {
         let mut id = id;
         for _ in 0..=MAX_DEPTH {
@@ -134,7 +134,8 @@ impl Behaviours {
         }
     }
 
-    /// A component is about to end at a vertex; what interrupting there would cost is remembered.
+    /// Records that a component is about to end at a vertex, and the work lost by an interruption
+    /// there.
     fn reach(&mut self, mission: &Mission<'_>, owner: Owner, component: &Component) {
         let index = usize::from(owner);
         self.plans.reached |= behaviour_bit(index);
@@ -146,6 +147,7 @@ impl Behaviours {
         }
     }
 
+    /// Fails a component, and its behaviour with it if the whole plan fails.
     pub(crate) fn fail(&mut self, owner: Owner, id: Id, context: &mut Context<'_>) {
         if self.plans.change(context.mission, |forest, tell| forest.fail(id, tell))
             != Ended::RootFailed
@@ -154,7 +156,7 @@ impl Behaviours {
         }
         match owner.checked_sub(ACTIVITY).map(usize::from) {
             None => self.fail_behaviour(usize::from(owner), context),
-            // A shut-down that fails has done what it could.
+            // A failed shut-down counts as ended.
             Some(index) if self.status(index).phase == Phase::ShuttingDown => {
                 self.end_plan(owner, context);
             }
@@ -162,7 +164,7 @@ impl Behaviours {
         }
     }
 
-    /// A whole plan has ended: a behaviour's own, or one of its activities.
+    /// Handles the end of a whole plan: a behaviour's own, or an activity's.
     fn end_plan(&mut self, owner: Owner, context: &mut Context<'_>) {
         let Some(index) = owner.checked_sub(ACTIVITY).map(usize::from) else {
             self.set_phase(usize::from(owner), Phase::Idle);

@@ -147,7 +147,7 @@ impl Anchor {
 /// ```
 pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed {
     let elapsed_s = track.advance(percepts.time_us);
-    let (Some(frame), Some(origin)) = (blob.frame(), blob.origin()) else {
+    let (Some(frame), Some(origin)) = (blob.map_frame(), blob.origin()) else {
         return Sensed { position: Err(Reason::NoOrigin), heading_rad: None };
     };
     let speed_mps = percepts.speed_mps.unwrap_or(track.speed_mps).clamp(-FASTEST, FASTEST);

@@ -1,24 +1,24 @@
-//! The pool of components and what can be done with it.
+//! The pool of components, and the operations on the plans in it.
 
 use parts::bits::{bit, bit16, members};
 use parts::{Component, Event, Id, Life, Owner};
 use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
 use plan_format::mission::{Description, Mission, PlanFrame, Production, Symbol};
 
-/// A component, and what only its growth needs.
+/// A component, and the state that only this crate needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Slot {
     component: Component,
-    /// Productions tried since it was planned, one bit each.
+    /// Productions that it has tried since it was planned, one bit each.
     tried: u16,
     /// Edges of its production that are finished, one bit each.
     finished: u16,
-    /// Places of its parts, one bit each.
+    /// Slots of its parts, one bit each.
     parts: u32,
     /// Whether tail recursion has restarted it.
     has_restarted: bool,
     /// Its life-cycle state before it was suspended.
-    was: Life,
+    life_before: Life,
 }
 
 impl From<Component> for Slot {
@@ -29,36 +29,36 @@ impl From<Component> for Slot {
             finished: 0,
             parts: 0,
             has_restarted: false,
-            was: Life::Planned,
+            life_before: Life::Planned,
         }
     }
 }
 
-/// What came of an attempt to decompose a frame.
+/// The result of decomposing a plan frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// It was replaced by this production, an index into the mission.
+    /// This production replaced it: index in the mission.
     Production(u16),
-    /// No production reached the threshold, and the frame has restarted before: the loop is over.
+    /// No production reached the threshold, and the frame has restarted: the loop is over.
     LoopEnded,
-    /// No production that was not tried yet reached the threshold.
+    /// No production that is still untried reached the threshold.
     NothingApplicable,
-    /// The pool has no room for the production's components.
+    /// The pool has too few free slots for the production's components.
     NoRoom,
-    /// The frame lies too deep.
+    /// The components would exceed [`MAX_DEPTH`].
     TooDeep,
-    /// There is no such frame waiting.
+    /// The component is not a scheduled plan frame.
     NotScheduled,
 }
 
-/// How far an end reached.
+/// The effect of a component's end on its plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ended {
-    /// The plan goes on.
+    /// The plan continues.
     GoesOn,
-    /// This frame waits for nothing any more.
+    /// This frame waits for no further component.
     Completes(Id),
-    /// This frame will choose anew.
+    /// This frame will choose again.
     FallsBack(Id),
     /// The root is finished; the plan is gone.
     RootFinished,
@@ -70,10 +70,11 @@ pub enum Ended {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forest {
     slots: [Option<Slot>; MAX_COMPONENTS],
-    /// Places that are taken, those whose component is scheduled, and those of actions that run, one
-    /// bit each: every tick asks for them often.
+    /// Slots in use, one bit each. These sets spare the tick many searches.
     taken: u32,
+    /// Slots of scheduled components, one bit each.
     scheduled: u32,
+    /// Slots of actions that run, one bit each.
     running: u32,
 }
 
@@ -88,7 +89,7 @@ impl Forest {
     pub fn plant(&mut self, owner: Owner, root: u16, tell: &mut dyn FnMut(Event)) -> Option<Id> {
         let id = self.free_slot()?;
         let component = Component {
-            symbol: Symbol::Frame(root),
+            symbol: Symbol::PlanFrame(root),
             owner,
             parent: None,
             edge: 0,
@@ -108,44 +109,44 @@ impl Forest {
         Some(&self.slot(id)?.component)
     }
 
-    /// All components with their places, in the order of the places.
+    /// All components, in the order of their slots.
     pub fn iter(&self) -> impl Iterator<Item = (Id, &Component)> {
         self.ids().filter_map(|id| Some((id, self.get(id)?)))
     }
 
-    /// The places of all components, in order, as they are now.
+    /// The slots in use, in order; later changes to the pool do not affect the iterator.
     pub fn ids(&self) -> impl Iterator<Item = Id> + use<> {
         members(self.taken)
     }
 
-    /// How many components live.
+    /// Number of components.
     pub fn len(&self) -> usize {
         self.taken.count_ones() as usize
     }
 
-    /// Whether nothing lives.
+    /// Whether the pool has no component.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The root of a behaviour's plan.
+    /// The root of an owner's plan.
     pub fn root(&self, owner: Owner) -> Option<Id> {
         let mut all = self.iter();
         all.find(|(_, component)| component.owner == owner && component.parent.is_none())
             .map(|(id, _)| id)
     }
 
-    /// The next scheduled component of a behaviour, frames and actions alike.
+    /// The next scheduled component of an owner's plan, a frame or an action.
     pub fn scheduled(&self, owner: Owner) -> Option<Id> {
         members(self.scheduled).find(|&id| self.get(id).is_some_and(|part| part.owner == owner))
     }
 
-    /// The places of all atomic actions that run, in order.
+    /// The slots of all atomic actions that run, in order.
     pub fn running(&self) -> impl Iterator<Item = Id> + use<> {
         members(self.running)
     }
 
-    /// A scheduled atomic action begins.
+    /// Starts a scheduled atomic action.
     pub fn start(&mut self, id: Id, tell: &mut dyn FnMut(Event)) {
         let is_action =
             self.get(id).is_some_and(|component| matches!(component.symbol, Symbol::Action(_)));
@@ -154,11 +155,11 @@ impl Forest {
         }
     }
 
-    /// Decomposes a scheduled frame: one production is chosen by `applicability`, asked with the
-    /// production's index and record, 0 ..= 1; its edges enter the plan and those that leave the
-    /// entry are scheduled. Unless a production is chosen the frame waits on, and the caller
-    /// decides (see [`Forest::finish`], [`Forest::fail`]). Tail recursion may have moved the frame:
-    /// the place where it stands now comes back too.
+    /// Decomposes a scheduled frame. `applicability` rates a production, given its index and
+    /// record, 0 ..= 1. The edges of the best one enter the plan, and those that leave the entry
+    /// are scheduled. If no production is chosen, the frame stays scheduled and the caller decides
+    /// (see [`Forest::finish`], [`Forest::fail`]). Also returns the frame's slot, which tail
+    /// recursion may have changed.
     pub fn decompose(
         &mut self,
         mission: &Mission<'_>,
@@ -192,7 +193,7 @@ impl Forest {
         tell(Event::Decomposed { id, production: chosen });
         let edges = mission.edges_of(&production);
         for (number, edge) in (0..).zip(edges) {
-            let Some(place) = self.free_slot() else { break };
+            let Some(slot) = self.free_slot() else { break };
             let part = Component {
                 symbol: edge.symbol,
                 owner: component.owner,
@@ -204,14 +205,14 @@ impl Forest {
                 depth: component.depth.saturating_add(1),
                 production: None,
             };
-            self.add(place, part, tell);
+            self.add(slot, part, tell);
         }
         self.schedule_at(id, 0, tell);
         (id, Choice::Production(chosen))
     }
 
-    /// A component has done what it is for, and leaves the plan. What it was in the way of is
-    /// scheduled; a frame that waits for nothing else is for the caller to finish next.
+    /// Finishes a component, which leaves the plan. Components that waited only for it are
+    /// scheduled; if its parent waits for nothing else, the caller has to finish the parent next.
     pub fn finish(&mut self, mission: &Mission<'_>, id: Id, tell: &mut dyn FnMut(Event)) -> Ended {
         let Some(component) = self.get(id).copied() else { return Ended::GoesOn };
         self.abandon_below(id, tell);
@@ -228,8 +229,7 @@ impl Forest {
         Ended::GoesOn
     }
 
-    /// The frame that would be finished next if this component finished now, and so on upwards:
-    /// the parent, if it waits for nothing else.
+    /// The parent, if it waits only for this component and would be finished with it.
     pub fn completes(&self, mission: &Mission<'_>, id: Id) -> Option<Id> {
         let component = self.get(id)?;
         let parent = component.parent?;
@@ -239,8 +239,8 @@ impl Forest {
         (finished & all == all).then_some(parent)
     }
 
-    /// A component cannot be carried out. Its parent's production is given up, and the parent
-    /// chooses anew; a root that fails takes its plan with it.
+    /// Fails a component. Its parent's production is given up, and the parent chooses again; if a
+    /// root fails, its plan is gone.
     pub fn fail(&mut self, id: Id, tell: &mut dyn FnMut(Event)) -> Ended {
         let Some(component) = self.get(id).copied() else { return Ended::GoesOn };
         self.abandon_below(id, tell);
@@ -251,7 +251,7 @@ impl Forest {
         Ended::FallsBack(parent)
     }
 
-    /// Gives up what hangs below a frame, which will choose anew among what it has not tried.
+    /// Abandons everything below a frame, which will choose again among its untried productions.
     pub fn fall_back(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
         self.abandon_below(frame, tell);
         if let Some(slot) = self.slot_mut(frame) {
@@ -261,8 +261,8 @@ impl Forest {
         self.set_life(frame, Life::Scheduled, tell);
     }
 
-    /// As [`Forest::fall_back`], when the world has changed behind the frame's back, by which it is
-    /// not to blame: what it has tried may be tried again.
+    /// As [`Forest::fall_back`], but every production may be tried again: for a frame whose choice
+    /// was right until the world changed.
     pub fn begin_anew(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
         self.fall_back(frame, tell);
         if let Some(slot) = self.slot_mut(frame) {
@@ -270,21 +270,21 @@ impl Forest {
         }
     }
 
-    /// Puts a behaviour's plan to sleep as it is.
+    /// Suspends an owner's plan in its present state.
     pub fn suspend(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
         for id in self.ids() {
             let Some(slot) = self.slot_mut(id).filter(|slot| slot.component.owner == owner) else {
                 continue;
             };
             if matches!(slot.component.life, Life::Scheduled | Life::Started) {
-                slot.was = slot.component.life;
+                slot.life_before = slot.component.life;
                 self.set_life(id, Life::Suspended, tell);
             }
         }
     }
 
-    /// Wakes a behaviour's plan as it was. Frames go on; an interrupted action is scheduled, so
-    /// that its initial description is checked again.
+    /// Resumes an owner's plan in the state that [`Forest::suspend`] left. Frames continue; an
+    /// interrupted action is scheduled, so that its initial description is checked again.
     pub fn resume(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
         for id in self.ids() {
             let Some(slot) = self.slot(id).filter(|slot| slot.component.owner == owner) else {
@@ -292,13 +292,13 @@ impl Forest {
             };
             if slot.component.life == Life::Suspended {
                 let is_action = matches!(slot.component.symbol, Symbol::Action(_));
-                let life = if is_action { Life::Scheduled } else { slot.was };
+                let life = if is_action { Life::Scheduled } else { slot.life_before };
                 self.set_life(id, life, tell);
             }
         }
     }
 
-    /// Gives up a behaviour's whole plan.
+    /// Abandons an owner's whole plan.
     pub fn uproot(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
         for id in self.ids() {
             if self.get(id).is_some_and(|component| component.owner == owner) {
@@ -308,19 +308,19 @@ impl Forest {
         }
     }
 
-    /// The production that a frame was replaced by.
+    /// The production that replaced a frame.
     pub fn production_of(&self, mission: &Mission<'_>, frame: Id) -> Option<Production> {
         mission.productions().get(usize::from(self.get(frame)?.production?))
     }
 
     fn waiting_frame(&self, mission: &Mission<'_>, id: Id) -> Option<PlanFrame> {
         let component = self.get(id).filter(|component| component.life == Life::Scheduled)?;
-        let Symbol::Frame(index) = component.symbol else { return None };
+        let Symbol::PlanFrame(index) = component.symbol else { return None };
         mission.frames().get(usize::from(index))
     }
 
-    /// Tail recursion: where a frame is the last thing that an equal frame above it waits for, it
-    /// takes that one's place. Returns the place where the frame stands then.
+    /// Tail recursion: if a frame is the last component that an equal frame above it waits for, the
+    /// upper frame restarts in its place. Returns the slot of the frame to decompose.
     fn restart(&mut self, mission: &Mission<'_>, id: Id, tell: &mut dyn FnMut(Event)) -> Id {
         let Some(head) = self.loop_head(mission, id) else { return id };
         self.abandon_below(head, tell);
@@ -334,8 +334,9 @@ impl Forest {
         head
     }
 
-    /// The nearest frame above with the same symbol, if nothing else is left to do on the way up
-    /// to it and no frame or protection interval in between has anything to say any more.
+    /// The nearest frame above with the same symbol, if no frame on the path to it waits for
+    /// another component, and none in between has a description to check, effects, or a protection
+    /// interval that spans the edge below it.
     fn loop_head(&self, mission: &Mission<'_>, id: Id) -> Option<Id> {
         let symbol = self.get(id)?.symbol;
         let mut below = id;
@@ -356,7 +357,7 @@ impl Forest {
         None
     }
 
-    /// Whether a protection interval of the frame's production reaches over one of its edges.
+    /// Whether a protection interval of the frame's production spans one of its edges.
     fn is_spanned(&self, mission: &Mission<'_>, frame: Id, edge: &Component) -> bool {
         let Some(production) = self.production_of(mission, frame) else { return false };
         mission
@@ -370,8 +371,7 @@ impl Forest {
         Some(production)
     }
 
-    /// A vertex of a frame's production may be reached: if no part leads there any more, those that
-    /// leave it are scheduled.
+    /// Schedules the parts of a frame that leave a vertex, if no part still leads to the vertex.
     fn schedule_at(&mut self, frame: Id, vertex: u8, tell: &mut dyn FnMut(Event)) {
         let parts = self.slot(frame).map_or(0, |slot| slot.parts);
         if members(parts).any(|id| self.get(id).is_some_and(|part| part.to == vertex)) {
@@ -391,7 +391,7 @@ impl Forest {
         };
         let mut level = self.slot(frame).map_or(0, |slot| slot.parts);
         let mut doomed = level;
-        // A tree is no deeper than this, so nothing is left out.
+        // No tree is deeper than this.
         for _ in 0..MAX_DEPTH {
             if level == 0 {
                 break;
@@ -435,13 +435,13 @@ impl Forest {
         {
             component.life = life;
             let is_running = component.is_running();
-            let place = bit(id);
-            self.scheduled &= !place;
-            self.running &= !place;
+            let slot = bit(id);
+            self.scheduled &= !slot;
+            self.running &= !slot;
             if life == Life::Scheduled {
-                self.scheduled |= place;
+                self.scheduled |= slot;
             } else if is_running {
-                self.running |= place;
+                self.running |= slot;
             }
             tell(Event::Became { id, life });
         }
@@ -461,7 +461,7 @@ impl Forest {
     }
 }
 
-/// The most applicable production that was not tried, with its number within the frame.
+/// The most applicable untried production, with its number within the frame.
 fn choose(
     mission: &Mission<'_>,
     frame: &PlanFrame,
@@ -482,7 +482,7 @@ fn choose(
     best.map(|(_, number, production)| (number, production))
 }
 
-/// Whether a frame keeps nothing and brings nothing about.
+/// Whether a frame has nothing to check while it runs or when it ends, and no effects.
 fn is_silent(description: Description) -> bool {
     description.transient.is_empty()
         && description.goal.is_empty()

@@ -1,34 +1,64 @@
 //! Live plans: plan frames decomposed by edge-replacement grammars, one step at a time.
 //!
-//! A behaviour's plan is a tree of components. A plan frame is replaced by one of its
-//! productions, a graph from one entry to one exit whose edges are components again; an atomic
-//! action is carried out. This crate keeps the trees of all behaviours in one pool of fixed size
-//! and decides what is reached, what is done and what is given up (Hasemann, "Plans").
+//! A behaviour's plan is a tree of components. A plan frame is replaced by one of its productions:
+//! a graph from one entry to one exit, with a component on each edge. An atomic action runs. This
+//! crate keeps the trees of all behaviours in one pool, the [`Forest`], and decides which
+//! components are due, finished or given up.
 //!
-//! Rules, and what was decided where the paper is silent:
-//! - All edges of a chosen production become components at once, *planned*; a component whose
-//!   vertex is reached is *scheduled*. A vertex is reached when every edge into it is finished:
-//!   parallel edges join.
-//! - Decomposition is lazy: only a scheduled frame is decomposed, one frame a call, so that the
-//!   caller bounds the steps of a tick.
-//! - Of a frame's productions the most applicable one at or above the frame's threshold is taken,
-//!   among equals the first. Applicability is asked of the caller.
-//! - A finished component leaves the pool. A failed one takes all that hangs below its parent
-//!   frame with it; the parent, one level of abstraction higher, chooses anew among the
-//!   productions that it has not tried since it was planned. With none left it fails in turn, and
-//!   at the root the plan has failed.
-//! - Loops are tail recursion: a frame that is the last thing an equal frame above it waits for
-//!   takes that one's place, unless a frame in between still has something to keep or bring about
-//!   or a protection interval spans it. So a loop runs in constant memory, for ever if need be.
-//! - A loop ends when no production is applicable any more: a frame that has restarted counts as
-//!   finished then, where one that begins for the first time fails.
+//! ```
+//! use grammar::{Choice, Ended, Forest};
+//! use plan_format::mission::Mission;
 //!
-//! Invariants: the components of one tree are always reachable from its root; no call panics or
-//! loops longer than the pool is large.
+//! let text = "
+//!     input time; of time
+//!     action drive hold 0
+//!     frame patrol
+//!     = drive
+//!     behaviour all patrol; when always PS
+//! ";
+//! let bytes = fixtures::mission(text).write().unwrap();
+//! let mission = Mission::parse(&bytes).unwrap();
+//! let (mut forest, mut events) = (Forest::default(), 0);
+//! let mut tell = |_| events += 1;
+//! // Behaviour 0 starts with plan frame 0, which is decomposed into its only production.
+//! let root = forest.plant(0, 0, &mut tell).unwrap();
+//! let (root, choice) = forest.decompose(&mission, root, &mut |_, _| 1.0, &mut tell);
+//! assert_eq!(choice, Choice::Production(0));
+//! // The action runs and finishes, which completes the plan frame.
+//! let action = forest.scheduled(0).unwrap();
+//! forest.start(action, &mut tell);
+//! assert_eq!(forest.finish(&mission, action, &mut tell), Ended::Completes(root));
+//! assert_eq!(forest.finish(&mission, root, &mut tell), Ended::RootFinished);
+//! assert!(forest.is_empty() && events > 0);
+//! ```
 //!
-//! Deliberately absent: what conditions hold (see `monitor`), which behaviour runs (see
-//! `behaviour`), and any search: the planner is opportunistic, neither complete nor sound in
-//! general, as the paper says.
+//! Rules, some decided here because the paper leaves them open:
+//! - All edges of a chosen production become *planned* components at once. A component is
+//!   *scheduled* when its start vertex is reached. A vertex is reached when every edge into it is
+//!   finished, so parallel edges join there.
+//! - Decomposition is lazy: only scheduled frames are decomposed, one per call, so the caller
+//!   bounds the steps of a tick.
+//! - A frame takes its most applicable production, if that reaches the frame's threshold; of equal
+//!   ones, the first. The caller supplies the applicabilities.
+//! - A finished component leaves the pool. When a component fails, everything below its parent
+//!   frame is abandoned, and the parent chooses again among the productions that it has not tried
+//!   since it was planned. If none is left, the parent fails in turn; when the root fails, the plan
+//!   has failed.
+//! - Loops are tail recursion. If a frame is the last component that an equal frame above waits
+//!   for, the upper frame restarts in its place, unless a frame in between has a description to
+//!   check or effects, or a protection interval spans the edge. So a loop can run indefinitely in
+//!   constant memory.
+//! - A loop ends when no production is applicable: a restarted frame is then finished, whereas a
+//!   frame that has not restarted fails.
+//!
+//! Invariants: every component is reachable from the root of its tree. No call panics, and the
+//! pool's size bounds every loop.
+//!
+//! Source: Hasemann, "Plans".
+//!
+//! Deliberately absent: the conditions of components (see `monitor`), the choice of a behaviour
+//! (see `behaviour`), and search: the planner is opportunistic, neither complete nor sound in
+//! general, as in the paper.
 #![no_std]
 
 mod forest;

@@ -1,4 +1,4 @@
-//! Grammars as text in, the course of the live plan as text out. A grammar becomes a mission in the
+//! Grammars as text in, the events of the live plan as text out. A grammar becomes a mission in the
 //! notation of `fixtures`.
 
 extern crate std;
@@ -10,9 +10,9 @@ use plan_format::mission::{Condition, Interval, Mission, MissionDraft, Productio
 use proptest::prelude::*;
 use std::{collections::BTreeMap, fmt::Write, format, string::String, vec, vec::Vec};
 
-/// A grammar from text: a line is `FRAME = stage stage ... / stage ...`, the productions of a
-/// frame separated by `/`; a stage is a symbol or parallel ones joined by `|`. Upper-case names are
-/// frames, others are actions. The first line's frame is the root.
+/// A grammar from text. A line is `FRAME = stage stage ... / stage ...`, with `/` between the
+/// productions of the frame. A stage is a symbol, or parallel symbols joined by `|`. Upper-case names
+/// are frames, others are actions. The frame of the first line is the root.
 struct Grammar {
     bytes: Vec<u8>,
     names: BTreeMap<String, Symbol>,
@@ -31,7 +31,7 @@ impl Grammar {
             .collect();
         let mut names: BTreeMap<String, Symbol> = (0..)
             .zip(&lines)
-            .map(|(number, (frame, _))| (String::from(*frame), Symbol::Frame(number)))
+            .map(|(number, (frame, _))| (String::from(*frame), Symbol::PlanFrame(number)))
             .collect();
         let mut actions = (0..).map(Symbol::Action);
         let mut mission = String::from("input time; of time\n");
@@ -59,8 +59,8 @@ impl Grammar {
     }
 }
 
-/// Runs a plan: in every round the next scheduled component is decomposed or carried out.
-/// `action` says whether an action, by name, succeeds; `applicable` how applicable a production is.
+/// Runs a plan: each round decomposes or runs the next scheduled component. `action` returns
+/// whether an action, by name, succeeds; `applicable` returns the applicability of a production.
 struct Run<'g> {
     mission: Mission<'g>,
     forest: Forest,
@@ -96,7 +96,7 @@ impl<'g> Run<'g> {
                         self.forest.fail(id, &mut |_| {})
                     }
                 }
-                Symbol::Frame(_) => {
+                Symbol::PlanFrame(_) => {
                     let mut ask = |index, _: &Production| applicable(index);
                     match self.forest.decompose(&self.mission, id, &mut ask, &mut |_| {}) {
                         (_, Choice::Production(_)) => Ended::GoesOn,
@@ -131,13 +131,13 @@ fn finish(
     ended
 }
 
-/// What a grammar does when everything succeeds and everything is applicable.
+/// Checks the log of a grammar whose actions all succeed and whose productions all apply.
 #[track_caller]
 fn check(grammar: &str, expected: &str) {
     let grammar = Grammar::new(grammar);
     let mut run = Run::new(&grammar);
     assert_eq!(run.go(1_000, |_| true, |_| 1.0), expected);
-    assert!(run.forest.is_empty(), "something is left in the pool");
+    assert!(run.forest.is_empty(), "the pool is not empty");
 }
 
 /// H03, H04: a frame is replaced by its production, and the parts run in the order of the graph.
@@ -148,7 +148,7 @@ fn h04_replacement_keeps_the_order() {
     check("A = B C\nB = a b\nC = c", "a b c done");
 }
 
-/// H05: parallel edges are scheduled together, and what follows waits for all of them.
+/// H05: parallel edges are scheduled together, and the next stage waits for all of them.
 #[test]
 fn h05_parallel_edges_join() {
     let grammar = Grammar::new("A = a|b|B d\nB = x y");
@@ -163,7 +163,7 @@ fn h05_parallel_edges_join() {
     }
 }
 
-/// H06: the most applicable production is taken, among equals the first.
+/// H06: the most applicable production is taken; of equal ones, the first.
 #[test]
 fn h06_the_best_production_is_chosen() {
     let grammar = Grammar::new("A = a / b / c");
@@ -175,14 +175,14 @@ fn h06_the_best_production_is_chosen() {
     }
 }
 
-/// H24: below the threshold nothing is considered, and the outcome is defined.
+/// H24: a production below the threshold is not considered; if none remains, the frame fails.
 #[test]
 fn h24_nothing_applicable_fails() {
     let grammar = Grammar::new("A = a / b");
     assert_eq!(Run::new(&grammar).go(10, |_| true, |_| 0.49), "failed");
 }
 
-/// H08: a frame is decomposed only when its turn comes.
+/// H08: a frame is decomposed only when it is due.
 #[test]
 fn h08_decomposition_is_lazy() {
     let grammar = Grammar::new("A = a B\nB = b");
@@ -193,7 +193,7 @@ fn h08_decomposition_is_lazy() {
     assert_eq!((frame.1.life, frame.1.production), (Life::Planned, None));
 }
 
-/// H10: an error falls back to the next higher level, which chooses anew; at the root it fails.
+/// H10: after a failure the next higher level chooses again; if the root fails, the plan does.
 #[test]
 fn h10_failure_falls_back_one_level() {
     let run = |text: &str, fails: &str| {
@@ -206,11 +206,11 @@ fn h10_failure_falls_back_one_level() {
     assert_eq!(run("A = x B y\nB = a b / c", "b"), "x a b! c y done");
     assert_eq!(run("A = x B / z\nB = a / b a", "a"), "x a! b a! z done");
     assert_eq!(run("A = a b", "b"), "a b! failed");
-    // What runs beside the failed part is given up with it.
+    // A component that runs beside the failed one is abandoned with it.
     assert_eq!(run("A = B z\nB = b|a c / d", "b"), "b! d z done");
 }
 
-/// H07: tail recursion runs a million times round in constant memory, and ends when its rule is no
+/// H07: tail recursion runs a million rounds in constant memory, and ends when its production is no
 /// longer applicable.
 #[test]
 fn h07_a_million_rounds_in_constant_memory() {
@@ -226,23 +226,24 @@ fn h07_a_million_rounds_in_constant_memory() {
                 finish(&mut run.forest, &run.mission, id, &mut |_| {});
                 rounds += 1;
             }
-            Symbol::Frame(_) => match run.forest.decompose(&run.mission, id, &mut ask, &mut |_| {})
-            {
-                (_, Choice::Production(_)) => {}
-                (id, choice) => {
-                    assert_eq!(choice, Choice::LoopEnded);
-                    assert_eq!(
-                        finish(&mut run.forest, &run.mission, id, &mut |_| {}),
-                        Ended::RootFinished
-                    );
+            Symbol::PlanFrame(_) => {
+                match run.forest.decompose(&run.mission, id, &mut ask, &mut |_| {}) {
+                    (_, Choice::Production(_)) => {}
+                    (id, choice) => {
+                        assert_eq!(choice, Choice::LoopEnded);
+                        assert_eq!(
+                            finish(&mut run.forest, &run.mission, id, &mut |_| {}),
+                            Ended::RootFinished
+                        );
+                    }
                 }
-            },
+            }
         }
     }
     assert_eq!((rounds, largest), (1_000_000, 3));
 }
 
-/// H07: loops through other frames come round too, and what stands above a loop goes on after it.
+/// H07: a loop through another frame restarts too, and the frame above a loop continues after it.
 #[test]
 fn h07_indirect_loops_and_what_follows_them() {
     let grammar = Grammar::new("R = A z\nA = a B\nB = b A");
@@ -259,7 +260,7 @@ fn h07_indirect_loops_and_what_follows_them() {
     assert_eq!(log, "a b a b a b z done");
 }
 
-/// H10: a failure in a later round falls back to the loop's frame, not to the beginning.
+/// H10: a failure in a later round falls back to the loop's frame, not to the root.
 #[test]
 fn h10_a_failure_in_a_loop_falls_back_to_the_loop() {
     let grammar = Grammar::new("R = s A\nA = a b A / c A");
@@ -276,8 +277,8 @@ fn h10_a_failure_in_a_loop_falls_back_to_the_loop() {
     assert_eq!(log, "s a b a b! c a b");
 }
 
-/// Recursion that is not tail recursion is bounded by the depth, and what is too large for the pool
-/// is refused without harm.
+/// The depth limit bounds recursion that is not tail recursion, and a production that is too large
+/// for the pool is refused without harm.
 #[test]
 fn what_exceeds_the_limits_fails_and_leaves_nothing() {
     check("A = a A b", &format!("{}failed", "a ".repeat(7)));
@@ -288,7 +289,7 @@ fn what_exceeds_the_limits_fails_and_leaves_nothing() {
     assert!(run.forest.len() <= MAX_COMPONENTS);
 }
 
-/// A protection interval over the last edge keeps the frame in place: its end must come after.
+/// A protection interval over the last edge prevents a restart: the interval ends only after it.
 #[test]
 fn an_interval_over_the_last_edge_forbids_coming_round() {
     let grammar = Grammar::with("A = a A", |draft| {
@@ -305,7 +306,7 @@ fn an_interval_over_the_last_edge_forbids_coming_round() {
     assert!(run.forest.iter().any(|(_, component)| component.depth == 2));
 }
 
-/// H28: sleeping keeps the plan, and an interrupted action is begun again.
+/// H28: a suspended plan stays as it is, and an interrupted action starts again.
 #[test]
 fn h28_a_plan_sleeps_and_wakes_as_it_was() {
     let grammar = Grammar::new("A = a b");
@@ -320,7 +321,7 @@ fn h28_a_plan_sleeps_and_wakes_as_it_was() {
     assert_eq!(run.go(10, |_| true, |_| 1.0), "a b done");
 }
 
-/// H16: only the transitions of the table happen, whatever is asked.
+/// H16: the life cycle allows exactly the transitions of this table.
 #[test]
 fn h16_the_life_cycle_is_the_table() {
     use Life::{Abandoned, Failed, Finished, Planned, Scheduled, Started, Suspended};
@@ -354,8 +355,8 @@ fn random_grammar() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    /// Whatever the grammar and whatever fails: the pool's trees hang together, events tell of every
-    /// change, and only legal transitions happen.
+    /// For any grammar and any failures: the pool's trees are connected, each change has an event,
+    /// and only legal transitions happen.
     #[test]
     fn random_plans_keep_the_invariants(text in random_grammar(), chance in prop::collection::vec(any::<u8>(), 64)) {
         let grammar = Grammar::new(&text);
@@ -372,7 +373,7 @@ proptest! {
                 before => wrong.push_str(&format!("{before:?} became {life:?};")),
             },
             Event::Deleted { id } => {
-                if mirror.remove(&id).is_none() { wrong.push_str("deleted what was not there;"); }
+                if mirror.remove(&id).is_none() { wrong.push_str("deleted an empty slot;"); }
             }
             Event::Decomposed { .. } | Event::Restarted { .. } => {}
         };
@@ -401,7 +402,7 @@ proptest! {
             }
             for (id, component) in forest.iter() {
                 let parent = component.parent.and_then(|parent| forest.get(parent));
-                prop_assert!(component.parent.is_some() == parent.is_some(), "{id} hangs in the air");
+                prop_assert!(component.parent.is_some() == parent.is_some(), "{id} has lost its parent");
                 prop_assert_eq!(component.depth, parent.map_or(0, |parent| parent.depth + 1));
             }
             prop_assert!(forest.is_empty() || forest.scheduled(0).is_some(), "a dead plan");

@@ -1,4 +1,4 @@
-//! What is violated now, and what may be violated later.
+//! Conflicts: what is violated now, and what may be violated later.
 
 use crate::grid::SituationGrid;
 use crate::relation::{Node, Relation};
@@ -14,7 +14,7 @@ pub enum Signal {
         id: Id,
         /// What is violated.
         what: Violation,
-        /// The facts that are not as they must be.
+        /// The facts that violate it.
         facts: Facts,
     },
     /// May be violated later.
@@ -23,13 +23,14 @@ pub enum Signal {
         id: Id,
         /// Why.
         why: Doubt,
-        /// The facts that it is about.
+        /// The facts concerned.
         facts: Facts,
     },
 }
 
 impl Signal {
-    /// What a sleeping behaviour holds against all others is violated; `root` is that of its plan.
+    /// The conflict if the condition that a sleeping behaviour protects is violated; `root` is the
+    /// root of its plan.
     pub fn foreign(root: Id, held: Condition, facts: Facts) -> Option<Self> {
         let facts = held.violated(facts);
         (facts != 0).then_some(Self::Evident { id: root, what: Violation::Foreign, facts })
@@ -39,33 +40,35 @@ impl Signal {
 /// What is violated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Violation {
-    /// The initial description of a component that is to start.
+    /// The initial description of a component that is due to start.
     Initial,
-    /// The transient description of one that runs.
+    /// The transient description of a component that runs.
     Transient,
-    /// The goal description of one that has ended.
+    /// The goal description of a component that has ended.
     Goal,
-    /// A protection interval of the behaviour's own plan; the component is the frame that set it up.
+    /// A protection interval of the behaviour's own plan; the component is the frame whose
+    /// production has the interval.
     Interval,
-    /// A protection interval that a sleeping behaviour holds; the component is the root of its plan.
+    /// A protection interval of a sleeping behaviour; the component is the root of its plan.
     Foreign,
 }
 
-/// Why something may go wrong.
+/// Why a conflict is possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doubt {
-    /// It needs a fact that does not hold, and no component that comes before it brings it about.
+    /// The component needs a fact that does not hold, and no component before it provides the fact.
     NoProducer,
-    /// It needs a fact that this component may destroy before, and none in between restores.
+    /// This component may destroy a needed fact before the start, and none in between restores it.
     Clobberer(Id),
-    /// This choice of a frame may violate a protection interval that is in force.
+    /// This production of a frame, an index in the mission, may violate a protection interval in
+    /// force.
     Choice(u16),
 }
 
-/// What carrying out a component may make true, and what it may make false.
+/// The facts that a component may make true, and those that it may make false.
 fn effects(mission: &Mission<'_>, symbol: Symbol) -> (Facts, Facts) {
     match symbol {
-        Symbol::Frame(index) => mission
+        Symbol::PlanFrame(index) => mission
             .frames()
             .get(usize::from(index))
             .map_or((0, 0), |frame| (frame.may_add, frame.may_delete)),
@@ -76,19 +79,19 @@ fn effects(mission: &Mission<'_>, symbol: Symbol) -> (Facts, Facts) {
 }
 
 impl SituationGrid {
-    /// Whether a component may start: its initial description, checked once.
+    /// The conflict if a component's initial description is violated. Checked once, when it starts.
     pub fn initial(&self, mission: &Mission<'_>, id: Id, facts: Facts) -> Option<Signal> {
         self.check(mission, id, facts, Violation::Initial, |description| description.initial)
     }
 
-    /// Whether a component that has ended has reached its goal: checked once, with the symbols of
-    /// its add and delete lists already changed.
+    /// The conflict if a component's goal description is violated. Checked once, when it ends,
+    /// after the symbols of its add and delete lists have changed.
     pub fn goal(&self, mission: &Mission<'_>, id: Id, facts: Facts) -> Option<Signal> {
         self.check(mission, id, facts, Violation::Goal, |description| description.goal)
     }
 
-    /// Every evident conflict of a behaviour's own plan: the transient descriptions of what runs,
-    /// and the protection intervals in force. Checked every tick.
+    /// Every evident conflict of an owner's plan: violated transient descriptions of running
+    /// components, and violated protection intervals in force. Checked every tick.
     pub fn evident(&self, owner: Owner, facts: Facts) -> impl Iterator<Item = Signal> {
         let transients = self.transients(owner).map(|part| (part, Violation::Transient));
         let held = self.held(owner).map(|frame| (frame, Violation::Interval));
@@ -98,10 +101,10 @@ impl SituationGrid {
         })
     }
 
-    /// Doubts about one component that is planned or scheduled, after the Modal Truth Criterion:
-    /// every fact that it needs at its start must be provided for, now or by a component that comes
-    /// before it, and nothing that may come between may destroy it, unless a later component before
-    /// it restores it.
+    /// Doubts about one planned or scheduled component, by the Modal Truth Criterion: each fact
+    /// that it needs at its start must hold now or be provided by a component before it, and no
+    /// component that may run in between may destroy the fact, unless a later one before the start
+    /// restores it.
     pub fn possible(
         &self,
         mission: &Mission<'_>,
@@ -111,8 +114,8 @@ impl SituationGrid {
     ) {
         let Some(entry) = self.get(id).filter(|entry| is_ahead(entry)) else { return };
         let Some(needs) = mission.description(entry.symbol).map(|d| d.initial) else { return };
-        // Only what some component of this plan can bring about is the plan's business; the rest
-        // is up to the world, and checked when the time comes.
+        // The plan must provide only facts that one of its components can change; the world
+        // provides the others, which are checked when the component starts.
         let root = self.above(id).last().map_or(entry.symbol, |(_, root)| root.symbol);
         let (may_add, may_delete) = effects(mission, root);
         let mut missing =
@@ -126,7 +129,7 @@ impl SituationGrid {
             let provides = missing & (needs.must & adds | needs.must_not & deletes);
             let destroys =
                 at_risk & (needs.must & deletes & !adds | needs.must_not & adds & !deletes);
-            // Relations are what costs; most components have nothing to do with these facts.
+            // Relations are expensive, and most components do not affect these facts.
             if provides | destroys == 0 {
                 continue;
             }
@@ -148,8 +151,8 @@ impl SituationGrid {
         }
     }
 
-    /// Doubts about the choices of a frame that is not decomposed yet: productions some part of
-    /// which may violate what its plan protects now, or what others hold against it (`foreign`).
+    /// Doubts about the productions of a frame that is not decomposed yet: those with a part that
+    /// may violate what its own plan protects now, or what sleeping behaviours protect (`foreign`).
     pub fn choices(
         &self,
         mission: &Mission<'_>,
@@ -158,7 +161,7 @@ impl SituationGrid {
         tell: &mut dyn FnMut(Signal),
     ) {
         let Some(entry) = self.get(id).filter(|entry| entry.production.is_none()) else { return };
-        let Symbol::Frame(index) = entry.symbol else { return };
+        let Symbol::PlanFrame(index) = entry.symbol else { return };
         let Some(frame) = mission.frames().get(usize::from(index)) else { return };
         let held = self.held(entry.owner).fold(foreign, |all, (_, held)| all.and(held));
         let numbers = (frame.first..).zip(0..frame.count);
@@ -189,8 +192,8 @@ impl SituationGrid {
         (facts != 0).then_some(Signal::Evident { id, what, facts })
     }
 
-    /// The needs of `id` that some component between `clobberer` and it brings about again (the
-    /// "white knight").
+    /// The needs of `id` that a component between `clobberer` and `id` restores (the "white
+    /// knight").
     fn restored(&self, mission: &Mission<'_>, clobberer: Id, id: Id, needs: Condition) -> Facts {
         let after = |knight| {
             self.relation(mission, Node::from(clobberer), Node::from(knight)) == Some(Relation::CB)
@@ -208,12 +211,12 @@ impl SituationGrid {
     }
 }
 
-/// Its turn is still to come.
+/// Whether it has not started yet.
 fn is_ahead(entry: &Component) -> bool {
     matches!(entry.life, Life::Planned | Life::Scheduled)
 }
 
-/// It has no effects any more.
+/// Whether it can have no further effects.
 fn is_over(entry: &Component) -> bool {
     matches!(entry.life, Life::Finished | Life::Failed | Life::Abandoned)
 }

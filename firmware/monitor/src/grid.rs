@@ -1,4 +1,4 @@
-//! The store, and the messages that keep it.
+//! The store of the situation grid, and the events that update it.
 
 use parts::bits::{bit, bit16, members};
 use parts::{Component, Event, Id, Life, Owner};
@@ -16,14 +16,16 @@ struct Entry {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SituationGrid {
     entries: [Option<Entry>; MAX_COMPONENTS],
-    /// Places that are taken, one bit each: most are free, and every tick looks at all often.
+    /// Slots in use, one bit each: most are free, and every tick visits all of them often.
     taken: u32,
-    /// What every tick checks is worked out when a message changes it, not in every tick: the
-    /// transient descriptions of the components that run, and what the protection intervals in
-    /// force of each frame protect, all together. Valid where the bit of the place is set.
+    /// Transient description of the component in each slot; valid if its bit in `watched` is set.
     transient: [Condition; MAX_COMPONENTS],
+    /// Slots of running components with a transient description, one bit each.
     watched: u32,
+    /// What the protection intervals in force of the frame in each slot protect together; valid if
+    /// its bit in `holding` is set.
     held: [Condition; MAX_COMPONENTS],
+    /// Slots of frames with a protection interval in force, one bit each.
     holding: u32,
 }
 
@@ -41,8 +43,8 @@ impl Default for SituationGrid {
 }
 
 impl SituationGrid {
-    /// Takes note of a change in a plan.
-    pub fn heed(&mut self, mission: &Mission<'_>, event: &Event) {
+    /// Applies a change in a plan.
+    pub fn apply(&mut self, mission: &Mission<'_>, event: &Event) {
         match *event {
             Event::Planned { id, component } => self.planned(id, component),
             Event::Decomposed { id, production } => self.decomposed(mission, id, production),
@@ -63,11 +65,11 @@ impl SituationGrid {
         if let Some(entry) = self.get_mut(id) {
             entry.component.production = Some(production);
             entry.finished = 0;
-            self.take_hold(mission, id);
+            self.update_held(mission, id);
         }
     }
 
-    /// The frame stands there as if new.
+    /// The frame is as new.
     fn restarted(&mut self, id: Id) {
         if let Some(entry) = self.get_mut(id) {
             entry.component.production = None;
@@ -90,7 +92,7 @@ impl SituationGrid {
                     self.reached(mission, parent, to);
                 }
             }
-            // A frame that falls back has given its production up.
+            // A frame that falls back has given up its production.
             Life::Scheduled => self.restarted(id),
             _ => {}
         }
@@ -106,7 +108,7 @@ impl SituationGrid {
         }
     }
 
-    /// From now on its transient description is checked, if there is one.
+    /// Checks a component's transient description from now on, if it has one.
     fn watch(&mut self, mission: &Mission<'_>, id: Id, symbol: Symbol) {
         let transient = mission.description(symbol).map(|description| description.transient);
         if let (Some(transient), Some(slot)) = (transient, self.transient.get_mut(usize::from(id)))
@@ -117,19 +119,19 @@ impl SituationGrid {
         }
     }
 
-    /// An edge into a vertex of a frame's production is finished: protection intervals may begin or
-    /// end there.
+    /// Updates a frame after an edge into a vertex of its production has finished: protection
+    /// intervals may begin or end there.
     fn reached(&mut self, mission: &Mission<'_>, id: Id, vertex: u8) {
         let production = self.get(id).and_then(|entry| self.production_of(mission, entry));
         let Some(production) = production else { return };
         let mut intervals = mission.intervals_of(&production);
         if intervals.any(|interval| interval.from == vertex || interval.to == vertex) {
-            self.take_hold(mission, id);
+            self.update_held(mission, id);
         }
     }
 
-    /// Works out which protection intervals of a frame are in force.
-    fn take_hold(&mut self, mission: &Mission<'_>, id: Id) {
+    /// Derives what the protection intervals in force of a frame protect.
+    fn update_held(&mut self, mission: &Mission<'_>, id: Id) {
         self.holding &= !bit(id);
         let Some((production, finished)) = self.entry(id).and_then(|entry| {
             Some((self.production_of(mission, &entry.component)?, entry.finished))
@@ -153,14 +155,14 @@ impl SituationGrid {
         }
     }
 
-    /// The transient descriptions of a behaviour's components that run.
+    /// The transient descriptions of an owner's running components.
     pub(crate) fn transients(&self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
         members(self.watched)
             .filter(move |&id| self.owner(id) == Some(owner))
             .filter_map(|id| Some((id, *self.transient.get(usize::from(id))?)))
     }
 
-    /// What the frames of a behaviour's plan protect now, each all together.
+    /// What each frame of an owner's plan protects now: its intervals in force together.
     pub fn held(&self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
         members(self.holding)
             .filter(move |&id| self.owner(id) == Some(owner))
@@ -171,7 +173,7 @@ impl SituationGrid {
         self.get(id).map(|entry| entry.owner)
     }
 
-    /// What the grid knows of a component.
+    /// The component in a slot.
     pub fn get(&self, id: Id) -> Option<&Component> {
         Some(&self.entry(id)?.component)
     }
@@ -185,7 +187,7 @@ impl SituationGrid {
         self.entry(id).map_or(0, |entry| entry.finished)
     }
 
-    /// Everything that the grid knows, in the order of the places.
+    /// All components, in the order of their slots.
     pub fn iter(&self) -> impl Iterator<Item = (Id, &Component)> {
         members(self.taken).filter_map(|id| Some((id, self.get(id)?)))
     }
@@ -198,9 +200,9 @@ impl SituationGrid {
             .filter_map(|id| Some((id, self.get(id)?)))
     }
 
-    /// The strictest constraints on a component: its own and, inherited, those of every frame
-    /// above it (H: the transient description "is inherited during instantiation"). Maximum speed
-    /// in m/s, infinite for none; minimum distance in metres, 0 for none.
+    /// The strictest constraints on a component: its own and those inherited from every frame above
+    /// (H: the transient description "is inherited during instantiation"). Maximum speed in m/s,
+    /// infinite for none; minimum distance in metres, 0 for none.
     pub fn constraints(&self, mission: &Mission<'_>, id: Id) -> (f32, f32) {
         let all = self.get(id).into_iter().chain(self.above(id).map(|(_, entry)| entry));
         all.filter_map(|entry| mission.description(entry.symbol)).fold(
@@ -211,7 +213,7 @@ impl SituationGrid {
         )
     }
 
-    /// The production that a frame was replaced by.
+    /// The production that replaced a frame.
     pub(crate) fn production_of(
         &self,
         mission: &Mission<'_>,
@@ -225,7 +227,7 @@ impl SituationGrid {
     }
 }
 
-/// The vertices, one bit each, into which some edge is not finished.
+/// The vertices that are not reached, one bit each: an edge into each is not finished.
 pub(crate) fn ahead(mission: &Mission<'_>, production: &Production, finished: u16) -> u32 {
     let edges = (0..).zip(mission.edges_of(production));
     edges

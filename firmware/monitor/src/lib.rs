@@ -1,31 +1,67 @@
 //! The situation grid: what a live plan assumes, and whether it still holds.
 //!
-//! For every component of every behaviour's plan the grid keeps its place, its state and, through
-//! the mission, its initial, transient and goal descriptions; it knows the relation of each
-//! component to each other, which protection intervals are in force, and from that it signals
-//! *evident* conflicts (violated now) and *possible* ones (a later need is no longer provided
-//! for). It only reports; the behaviour control system acts (Hasemann, "Situation SituationGrid").
+//! The grid mirrors every component of every behaviour's plan. Through the mission it knows their
+//! initial, transient and goal descriptions, the relation between each two of them, and the
+//! protection intervals in force. From these it signals *evident* conflicts (violated now) and
+//! *possible* ones (nothing provides a later need any more). It only reports; the behaviour control
+//! system acts (Hasemann, "Situation Grid").
 //!
-//! The grid lives on messages about the plan: it never looks at the plan itself, so that what it
-//! believes can be replayed from a log.
+//! ```
+//! use monitor::{Signal, SituationGrid, Violation};
+//! use parts::{Component, Event, Life};
+//! use plan_format::mission::{Mission, Symbol};
 //!
-//! Relations are decided at the lowest common ancestor of two components, the paper's "small rule
-//! base" being silent: what lies inside is descendant of (DO) what holds it, its ancestor (AO); in
-//! one production's graph, what can be reached from the end of the other comes after it (CA), the
-//! other comes before (CB); parts of different productions of one frame are optional choices (OC);
-//! everything else is NE, and only such components may ever run at once. So exactly one relation
-//! holds between two different components, AO and DO, CB and CA are inverse, OC and NE symmetric,
-//! CB is transitive, and a new component never changes the relation of two old ones.
+//! let text = "
+//!     input time; of time
+//!     fact on-field symbol
+//!     action plough hold 0; keeps on-field
+//!     frame work
+//!     = plough
+//!     behaviour all work; when always PS
+//! ";
+//! let bytes = fixtures::mission(text).write().unwrap();
+//! let mission = Mission::parse(&bytes).unwrap();
+//! let mut grid = SituationGrid::default();
+//! let component = Component {
+//!     symbol: Symbol::Action(0),
+//!     owner: 0,
+//!     parent: None,
+//!     edge: 0,
+//!     from: 0,
+//!     to: 0,
+//!     life: Life::Scheduled,
+//!     depth: 0,
+//!     production: None,
+//! };
+//! grid.apply(&mission, &Event::Planned { id: 7, component });
+//! grid.apply(&mission, &Event::Became { id: 7, life: Life::Started });
+//! // The running action needs the fact of bit 0. It holds, and then it does not.
+//! assert_eq!(grid.evident(0, 1).next(), None);
+//! let conflict = Signal::Evident { id: 7, what: Violation::Transient, facts: 1 };
+//! assert_eq!(grid.evident(0, 0).next(), Some(conflict));
+//! ```
 //!
-//! One grid per behaviour, as in the paper: the components share one store, each view contains
-//! one owner's. What a sleeping behaviour still protects was handed over when it was put to sleep,
-//! and is held against all others as one foreign condition ([`Signal::foreign`]): the paper's
-//! top-level component parallel to all.
+//! The grid knows the plans only from their events, so its content can be replayed from a log.
 //!
-//! What every tick asks for is kept up to date by the messages, not worked out again: the transient
-//! descriptions of what runs and the intervals in force of each frame.
+//! Relations are decided at the lowest common ancestor of two components, because the paper does
+//! not give its "small rule base". A component inside another is its descendant (DO); the other is
+//! its ancestor (AO). In the graph of one production, an edge comes after (CA) another if a path
+//! leads from the end of the other to its start; the other then comes before it (CB). Parts of
+//! different productions of one frame are optional choices (OC). All others have no entry (NE), and
+//! only they may run at the same time. So exactly one relation holds between two different
+//! components; AO and DO, CB and CA are inverse, OC and NE are symmetric, CB is transitive, and a
+//! new component does not change the relation of two old ones.
 //!
-//! Deliberately absent: repair. A conflict's remedy is to fall back and choose anew.
+//! There is one grid per behaviour, as in the paper: the components share one store, and each view
+//! contains those of one owner. What a sleeping behaviour protects is recorded when it is put to
+//! sleep, and is checked for all others as one foreign condition ([`Signal::foreign`]). This is the
+//! paper's top-level component that is parallel to all.
+//!
+//! Invariant: events keep the conditions that every tick checks up to date, namely the transient
+//! descriptions of running components and the intervals in force of each frame; no tick derives
+//! them again.
+//!
+//! Deliberately absent: repair. The remedy for a conflict is to fall back and choose again.
 #![no_std]
 
 mod conflicts;

@@ -1,4 +1,4 @@
-//! Where a behaviour can be interrupted: the coming vertices, and what is protected there.
+//! Where a behaviour can be interrupted: the vertices ahead, and what is protected there.
 
 use crate::grid::{SituationGrid, ahead};
 use crate::relation::leads;
@@ -6,24 +6,24 @@ use parts::bits::bit;
 use parts::{Component, Id, Life, Owner};
 use plan_format::mission::{Condition, Mission, Production};
 
-/// A coming point of a plan at which it may be interrupted (H, figure 2).
+/// A point ahead in a plan at which it may be interrupted (H, figure 2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Point {
-    /// The frame in whose production the vertex lies.
+    /// The frame whose production has the vertex.
     pub frame: Id,
     /// The vertex.
     pub vertex: u8,
-    /// What the protection intervals in force there protect, all together.
+    /// What the protection intervals in force there protect together.
     pub held: Condition,
-    /// The work that will have to be done again after an interruption there.
+    /// Work lost by an interruption there.
     pub lost_work: u16,
 }
 
 impl SituationGrid {
-    /// The coming interruption points of a behaviour in the order in which they will be reached:
-    /// from the innermost frames outwards, within a frame along the graph. A frame's exit is the
-    /// vertex that the frame itself leads to, and is listed there; the root's exit is the end of
-    /// the behaviour and no interruption.
+    /// The interruption points ahead in an owner's plan, in the order in which they will be
+    /// reached: from the innermost frames outwards, within a frame along the graph. A frame's exit
+    /// is listed as the vertex of the parent's production to which the frame leads. The root's exit
+    /// is the end of the plan and not an interruption point.
     pub fn points(&self, mission: &Mission<'_>, owner: Owner, tell: &mut dyn FnMut(Point)) {
         let deepest = self.frames(owner).map(|(id, _)| self.above(id).count()).max().unwrap_or(0);
         for depth in (0..=deepest).rev() {
@@ -65,13 +65,13 @@ impl SituationGrid {
         }
     }
 
-    /// What the frames above protect as long as this one runs.
+    /// What the frames above protect while this frame runs.
     fn held_above(&self, mission: &Mission<'_>, id: Id) -> Condition {
         let mut held = Condition::default();
         let mut part = self.get(id);
         for (_, above) in self.above(id) {
             if let (Some(production), Some(below)) = (self.production_of(mission, above), part) {
-                // In force while this part of the production runs: begun before, not ended before.
+                // In force if it begins before this part of the production and ends after it.
                 for interval in intervals(mission, &production) {
                     if leads(mission, &production, interval.from, below.from)
                         && leads(mission, &production, below.to, interval.to)

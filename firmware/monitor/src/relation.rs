@@ -1,11 +1,11 @@
-//! How two components stand to each other.
+//! The relation between two components.
 
 use crate::grid::SituationGrid;
 use parts::Id;
 use parts::bits::bit;
 use plan_format::mission::{Mission, Production};
 
-/// The relation of one component to another (H, "Situation SituationGrid").
+/// The relation of one component to another (H, "Situation Grid").
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Relation {
     /// Ancestor of.
@@ -16,14 +16,14 @@ pub enum Relation {
     CB,
     /// Comes after.
     CA,
-    /// Optional choice: at most one of the two will ever be.
+    /// Optional choice: at most one of the two will ever exist.
     OC,
-    /// No entry: may be carried out at the same time.
+    /// No entry: both may run at the same time.
     NE,
 }
 
 impl Relation {
-    /// The relation the other way round.
+    /// The relation with the components exchanged.
     pub const fn inverse(self) -> Self {
         match self {
             Self::AO => Self::DO,
@@ -36,13 +36,13 @@ impl Relation {
     }
 }
 
-/// A component of the plan, or one that it may still come to have: an edge of a production that
-/// a frame could choose.
+/// A component of the plan, or a possible future one: an edge of a production that a frame could
+/// choose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Node {
     /// The component, or the frame that could choose.
     pub id: Id,
-    /// The choice: index of the production in the mission, and of the edge within it.
+    /// Index of the production in the mission and of the edge within it, for a possible component.
     pub option: Option<(u16, u8)>,
 }
 
@@ -53,8 +53,8 @@ impl From<Id> for Node {
 }
 
 impl SituationGrid {
-    /// The relation of `x` to `y`: "x is ... y". `None` where the two are the same, or one is not
-    /// in the grid.
+    /// The relation of `x` to `y`, read as "x is ... y"; `None` if the two are the same or one is
+    /// not in the grid.
     pub fn relation(&self, mission: &Mission<'_>, x: Node, y: Node) -> Option<Relation> {
         if x == y {
             return None;
@@ -75,17 +75,18 @@ impl SituationGrid {
             });
         }
         if self.above(y.id).any(|(id, _)| id == x.id) {
-            return Some(self.to_what_is_below(mission, x, y));
+            return Some(self.to_descendant(mission, x, y));
         }
         if self.above(x.id).any(|(id, _)| id == y.id) {
-            return Some(self.to_what_is_below(mission, y, x).inverse());
+            return Some(self.to_descendant(mission, y, x).inverse());
         }
         self.at_common_ancestor(mission, x.id, y.id)
     }
 
-    /// `y` lies below the component of `x`. A choice of `x` other than the one made excludes it;
-    /// the choice made is the graph that `y` is part of.
-    fn to_what_is_below(&self, mission: &Mission<'_>, x: Node, y: Node) -> Relation {
+    /// The relation of `x` to a `y` below the component of `x`. If `x` is an edge of another
+    /// production than the chosen one, it excludes `y`; otherwise the graph that contains `y`
+    /// decides.
+    fn to_descendant(&self, mission: &Mission<'_>, x: Node, y: Node) -> Relation {
         let Some((production, edge)) = x.option else { return Relation::AO };
         let made = self.get(x.id).and_then(|entry| entry.production);
         let part = core::iter::once(y.id)
@@ -135,14 +136,14 @@ fn by_graph(mission: &Mission<'_>, production: &Production, x: u8, y: u8) -> Rel
     }
 }
 
-/// Whether a way leads from one vertex to another, or they are the same.
+/// Whether a path leads from one vertex to another, or they are the same.
 pub(crate) fn leads(mission: &Mission<'_>, production: &Production, from: u8, to: u8) -> bool {
     if from >= to {
         return from == to;
     }
     let edges = || mission.edges_of(production);
     let mut reached = bit(from);
-    // Edges lead upwards, so one pass over the vertices in order is enough.
+    // Edges lead to later vertices, so one pass over the vertices in order is enough.
     for vertex in from..to {
         if reached & bit(vertex) != 0 {
             let next = edges().filter(|edge| edge.from == vertex);

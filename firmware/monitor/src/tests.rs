@@ -20,15 +20,15 @@ const fn must(must: Facts) -> Condition {
     Condition { must, must_not: 0 }
 }
 
-/// The bytes of a mission in the notation of `fixtures`: its actions and frames, over the facts `f0`
-/// to `f3`, of which `f0` is bit 0. Its root is the frame `R`.
+/// The bytes of a mission in the notation of `fixtures`: actions and frames over the facts `f0` to
+/// `f3`, the bits 0 to 3. The root is the frame `R`.
 fn mission(text: &str) -> Vec<u8> {
     let facts: String = (0..4).map(|bit| format!("fact f{bit} symbol\n")).collect();
     let text = format!("input time; of time\n{facts}{text}\nbehaviour all R; when always PS");
     fixtures::mission(&text).write().expect("the mission is sound")
 }
 
-/// An action that does nothing but what its description says: a line for [`mission`].
+/// A line for [`mission`]: an action with these needs and effects.
 fn described(name: &str, description: &Description) -> String {
     let names = |facts: Facts| -> String {
         (0..4).filter(|bit| facts >> bit & 1 == 1).map(|bit| format!(" f{bit}")).collect()
@@ -38,7 +38,7 @@ fn described(name: &str, description: &Description) -> String {
     format!("action {name} hold 0; needs{needs}; adds{adds}; deletes{deletes}\n")
 }
 
-/// The stages of a production of these edges, sorted by where they begin.
+/// The stages of a production, from edges that are sorted by start vertex.
 fn stages(edges: impl Iterator<Item = (u8, u8, String)>) -> String {
     let mut stages: Vec<Vec<String>> = vec![];
     for (from, to, name) in edges {
@@ -61,7 +61,8 @@ fn component(
     Component { symbol, owner, parent, edge, from, to, life, depth: 0, production: None }
 }
 
-/// Tells the grid that a frame chose a production, whose parts take the places from `first` on.
+/// Applies the events of a frame that chose a production, whose parts take the slots from `first`
+/// on.
 fn decompose(
     grid: &mut SituationGrid,
     mission: &Mission<'_>,
@@ -70,12 +71,12 @@ fn decompose(
     first: Id,
 ) {
     let owner = grid.get(frame).expect("the frame is in the grid").owner;
-    grid.heed(mission, &Event::Became { id: frame, life: Life::Started });
-    grid.heed(mission, &Event::Decomposed { id: frame, production });
+    grid.apply(mission, &Event::Became { id: frame, life: Life::Started });
+    grid.apply(mission, &Event::Decomposed { id: frame, production });
     let record = mission.productions().get(usize::from(production)).expect("it exists");
     for (number, edge) in (0..).zip(mission.edges_of(&record)) {
         let component = component(edge.symbol, owner, Some((frame, &edge, number)), Life::Planned);
-        grid.heed(mission, &Event::Planned { id: first + number, component });
+        grid.apply(mission, &Event::Planned { id: first + number, component });
     }
 }
 
@@ -93,16 +94,22 @@ fn h17_the_matrix_of_relations() {
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
     let mut grid = SituationGrid::default();
-    grid.heed(
+    grid.apply(
         &mission,
-        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+        &Event::Planned {
+            id: 0,
+            component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
+        },
     );
     decompose(&mut grid, &mission, 0, 0, 1);
     decompose(&mut grid, &mission, 2, 1, 5);
     // Another behaviour's plan.
-    grid.heed(
+    grid.apply(
         &mission,
-        &Event::Planned { id: 9, component: component(Symbol::Frame(0), 1, None, Life::Scheduled) },
+        &Event::Planned {
+            id: 9,
+            component: component(Symbol::PlanFrame(0), 1, None, Life::Scheduled),
+        },
     );
     let names = ["R", "a", "B", "c", "d", "x", "y", "z?", "S"];
     let nodes: Vec<Node> = [0, 1, 2, 3, 4, 5, 6]
@@ -137,7 +144,7 @@ S  NE NE NE NE NE NE NE NE --
     );
 }
 
-/// H14, H15: descriptions are checked at their time; constraints are inherited downwards.
+/// H14, H15: each description is checked at its time; constraints are inherited downwards.
 #[test]
 fn h14_initial_transient_goal_and_inherited_constraints() {
     let bytes = mission(
@@ -147,9 +154,12 @@ fn h14_initial_transient_goal_and_inherited_constraints() {
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
     let mut grid = SituationGrid::default();
-    grid.heed(
+    grid.apply(
         &mission,
-        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+        &Event::Planned {
+            id: 0,
+            component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
+        },
     );
     decompose(&mut grid, &mission, 0, 0, 1);
     assert_eq!(grid.constraints(&mission, 1), (0.5, 2.0));
@@ -159,16 +169,16 @@ fn h14_initial_transient_goal_and_inherited_constraints() {
     assert_eq!(grid.goal(&mission, 1, 1), evident(1, Violation::Goal, 4));
     assert_eq!(grid.goal(&mission, 1, 4), None);
     let transients = |grid: &SituationGrid| grid.evident(0, 2).collect::<Vec<_>>();
-    assert_eq!(transients(&grid), [], "what does not run is not checked");
-    grid.heed(&mission, &Event::Became { id: 1, life: Life::Started });
+    assert_eq!(transients(&grid), [], "a component that does not run is not checked");
+    grid.apply(&mission, &Event::Became { id: 1, life: Life::Started });
     assert_eq!(
         transients(&grid),
         evident(1, Violation::Transient, 2).into_iter().collect::<Vec<_>>()
     );
 }
 
-/// H13, H22, H26: an interval is in force from its first vertex to its last, in the views of its
-/// own behaviour and of those it is held against; the points of figure 4 tell where it ends.
+/// H13, H22, H26: an interval is in force from its first vertex to its last, in the view of its own
+/// behaviour and, while that sleeps, of all others; the points of figure 4 show where it ends.
 #[test]
 fn h26_intervals_and_the_points_of_figure_4() {
     // forward, back, plough again; "on field" from the entry until back is done.
@@ -179,9 +189,12 @@ fn h26_intervals_and_the_points_of_figure_4() {
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
     let mut grid = SituationGrid::default();
-    grid.heed(
+    grid.apply(
         &mission,
-        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+        &Event::Planned {
+            id: 0,
+            component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
+        },
     );
     decompose(&mut grid, &mission, 0, 0, 1);
     let points = |grid: &SituationGrid| {
@@ -193,22 +206,22 @@ fn h26_intervals_and_the_points_of_figure_4() {
     assert_eq!(points(&grid), [(1, 1, 10), (2, 0, 20)], "point 1 is protected, point 2 is not");
     let own = Signal::Evident { id: 0, what: Violation::Interval, facts: 1 };
     assert_eq!(violations(&grid, 0), [own]);
-    assert_eq!(violations(&grid, 1), [], "in nobody else's view while its behaviour runs");
+    assert_eq!(violations(&grid, 1), [], "in no other view while its behaviour runs");
     let (frame, held) = grid.held(0).next().expect("it is in force");
     let foreign = Signal::Evident { id: 0, what: Violation::Foreign, facts: 1 };
     assert_eq!(Signal::foreign(frame, held, 0), Some(foreign));
     assert_eq!(Signal::foreign(frame, held, 1), None);
     for part in [1, 2] {
-        grid.heed(&mission, &Event::Became { id: part, life: Life::Scheduled });
-        grid.heed(&mission, &Event::Became { id: part, life: Life::Started });
-        grid.heed(&mission, &Event::Became { id: part, life: Life::Finished });
-        grid.heed(&mission, &Event::Deleted { id: part });
+        grid.apply(&mission, &Event::Became { id: part, life: Life::Scheduled });
+        grid.apply(&mission, &Event::Became { id: part, life: Life::Started });
+        grid.apply(&mission, &Event::Became { id: part, life: Life::Finished });
+        grid.apply(&mission, &Event::Deleted { id: part });
     }
     assert_eq!(points(&grid), []);
     assert_eq!(violations(&grid, 0), [], "the interval has ended");
 }
 
-/// H19: a choice that may violate what is protected is named before it is made.
+/// H19: a production that may violate a protected fact is signalled before it is chosen.
 #[test]
 fn h19_a_doubtful_choice_is_named() {
     let bytes = mission(
@@ -222,9 +235,12 @@ fn h19_a_doubtful_choice_is_named() {
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
     let mut grid = SituationGrid::default();
-    grid.heed(
+    grid.apply(
         &mission,
-        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+        &Event::Planned {
+            id: 0,
+            component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
+        },
     );
     decompose(&mut grid, &mission, 0, 0, 1);
     let mut all = vec![];
@@ -232,7 +248,7 @@ fn h19_a_doubtful_choice_is_named() {
     assert_eq!(all, [Signal::Possible { id: 2, why: Doubt::Choice(2), facts: 1 }]);
 }
 
-/// H20, H21: the producer of a later need is deleted, and the need is in doubt before it starts.
+/// H20, H21: if the producer of a need is deleted, the need is in doubt before its consumer starts.
 #[test]
 fn h21_a_lost_producer_is_flagged_before_the_consumer_starts() {
     let bytes = mission(
@@ -243,9 +259,12 @@ fn h21_a_lost_producer_is_flagged_before_the_consumer_starts() {
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
     let mut grid = SituationGrid::default();
-    grid.heed(
+    grid.apply(
         &mission,
-        &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) },
+        &Event::Planned {
+            id: 0,
+            component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
+        },
     );
     decompose(&mut grid, &mission, 0, 0, 1);
     let doubts = |grid: &SituationGrid, facts| {
@@ -254,7 +273,7 @@ fn h21_a_lost_producer_is_flagged_before_the_consumer_starts() {
         all
     };
     assert_eq!(doubts(&grid, 0), []);
-    grid.heed(&mission, &Event::Deleted { id: 1 });
+    grid.apply(&mission, &Event::Deleted { id: 1 });
     let doubt = Signal::Possible { id: 2, why: Doubt::NoProducer, facts: 1 };
     assert_eq!(doubts(&grid, 0), [doubt]);
     assert_eq!(doubts(&grid, 1), [], "it holds already");
@@ -285,7 +304,7 @@ fn random_plan() -> impl Strategy<Value = (Vec<Description>, Vec<(u8, u8)>)> {
     })
 }
 
-/// Whether a need of `consumer` fails in some order of the components that respects the graph.
+/// The needs of `consumer` that fail in at least one order of the components allowed by the graph.
 fn may_fail(
     grid: &SituationGrid,
     mission: &Mission<'_>,
@@ -317,7 +336,7 @@ fn may_fail(
 }
 
 proptest! {
-    /// H21: the doubts are exactly the needs that fail in some order of what is to come.
+    /// H21: the doubts are exactly the needs that fail in at least one order of the components.
     #[test]
     fn h21_doubts_equal_brute_force((descriptions, edges) in random_plan(), facts in 0_u64..8) {
         let actions = (0..).zip(&descriptions);
@@ -326,7 +345,7 @@ proptest! {
         let bytes = mission(&format!("{actions}frame R\n= {}", stages(parts)));
         let mission = Mission::parse(&bytes).expect("it is sound");
         let mut grid = SituationGrid::default();
-        grid.heed(&mission, &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) });
+        grid.apply(&mission, &Event::Planned { id: 0, component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled) });
         decompose(&mut grid, &mission, 0, 0, 1);
         let producible = descriptions.iter().fold(0, |all, description| all | description.add);
         for consumer in 0..descriptions.len() {
@@ -335,7 +354,7 @@ proptest! {
                 if let Signal::Possible { facts, .. } = signal { doubted |= facts; }
             });
             let failing = may_fail(&grid, &mission, &descriptions, consumer, 0, facts);
-            // What nothing in the plan brings about, and nothing destroys, is the world's business.
+            // The grid ignores facts that no component of the plan changes.
             let destructible = descriptions.iter().fold(0, |all, d| all | d.delete & !d.add);
             let ours = producible | destructible & facts;
             prop_assert_eq!(doubted & ours, failing & ours, "consumer {}", consumer);
@@ -353,7 +372,7 @@ proptest! {
         let bytes = mission(&format!("{action}frame R\n= {outer}\nframe B\n= a|a a\n= a"));
         let mission = Mission::parse(&bytes).expect("it is sound");
         let mut grid = SituationGrid::default();
-        grid.heed(&mission, &Event::Planned { id: 0, component: component(Symbol::Frame(0), 0, None, Life::Scheduled) });
+        grid.apply(&mission, &Event::Planned { id: 0, component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled) });
         decompose(&mut grid, &mission, 0, 0, 1);
         let relations = |grid: &SituationGrid| {
             let ids: Vec<Id> = grid.iter().map(|(id, _)| id).collect();

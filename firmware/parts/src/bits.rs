@@ -1,15 +1,15 @@
-//! Sets of small numbers, a bit each.
+//! Sets of small numbers, one bit each.
 //!
-//! Sets of places in the pool and of vertices are `u32`; sets of behaviours, resources and the
-//! edges or productions of one frame are `u16`. The limits of the blob keep all members below
-//! the width of their set.
+//! Sets of slots and of vertices are `u32`. Sets of behaviours, of resources, and of the edges or
+//! productions of one plan frame are `u16`. The limits of the blob keep all members below the width
+//! of their set.
 
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
 
-const _: () = assert!(MAX_COMPONENTS <= u32::BITS as usize, "sets of places are u32");
+const _: () = assert!(MAX_COMPONENTS <= u32::BITS as usize, "sets of slots are u32");
 const _: () = assert!(MAX_BEHAVIOURS <= u16::BITS as usize, "sets of behaviours are u16");
 
-/// The set of this one number; empty from 32 on.
+/// The set of one number; empty if the number is 32 or more.
 ///
 /// ```
 /// assert_eq!(parts::bits::bit(3), 0b1000);
@@ -22,7 +22,7 @@ pub const fn bit(number: u8) -> u32 {
     }
 }
 
-/// As [`bit`], in the narrow sets; empty from 16 on.
+/// As [`bit`], for a set of 16 bits; empty if the number is 16 or more.
 pub const fn bit16(number: u8) -> u16 {
     bit(number) as u16
 }

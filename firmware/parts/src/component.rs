@@ -1,24 +1,24 @@
-//! A part of a live plan, and what happens to it.
+//! A component of a live plan, and the changes to it.
 
 use crate::Life;
 use plan_format::mission::Symbol;
 
-/// A component's place in the pool; used again after the component is deleted.
+/// The number of a component's slot in the pool; reused after the component is deleted.
 pub type Id = u8;
-/// A behaviour, by its index in the mission; its start-up and shut-down activities have owners of
-/// their own.
+/// The owner of a plan: a behaviour, by its index in the mission, or its start-up or shut-down
+/// activity, which has a number of its own.
 pub type Owner = u8;
 
-/// A part of a live plan.
+/// A component of a live plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
     /// The plan frame or atomic action that it stands for.
     pub symbol: Symbol,
-    /// The behaviour whose plan it belongs to.
+    /// The owner of its plan.
     pub owner: Owner,
-    /// The frame that it is part of; `None` for a root.
+    /// The plan frame that contains it; `None` for a root.
     pub parent: Option<Id>,
-    /// Its edge in the parent's production, counted within the production.
+    /// Its edge in the parent's production, numbered within the production.
     pub edge: u8,
     /// Vertex of the parent's production at which it begins.
     pub from: u8,
@@ -26,51 +26,51 @@ pub struct Component {
     pub to: u8,
     /// Life-cycle state.
     pub life: Life,
-    /// Number of frames above it.
+    /// Number of plan frames above it.
     pub depth: u8,
-    /// The production that replaced it, for a decomposed frame: index into the mission.
+    /// The production that replaced it, if it is a decomposed plan frame: index in the mission.
     pub production: Option<u16>,
 }
 
 impl Component {
-    /// Whether it is an atomic action that is being carried out.
+    /// Whether it is an atomic action that runs.
     pub fn is_running(&self) -> bool {
         self.life == Life::Started && matches!(self.symbol, Symbol::Action(_))
     }
 }
 
-/// A change in a live plan. A plan's events, in order, tell everything about it.
+/// A change in a live plan. A plan's events, in order, describe it completely.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
     /// A component entered the plan.
     Planned {
-        /// Its place.
+        /// Its slot.
         id: Id,
         /// The component.
         component: Component,
     },
-    /// A frame chose a production.
+    /// A plan frame chose a production.
     Decomposed {
-        /// The frame.
+        /// Slot of the plan frame.
         id: Id,
         /// Index of the production in the mission.
         production: u16,
     },
-    /// Tail recursion: an equal frame below took this one's place, and begins as if new.
+    /// Tail recursion: the plan frame starts again, in place of an equal one below it.
     Restarted {
-        /// The place.
+        /// Its slot.
         id: Id,
     },
     /// A component's life-cycle state changed.
     Became {
-        /// Its place.
+        /// Its slot.
         id: Id,
         /// The new state.
         life: Life,
     },
     /// A component left the plan.
     Deleted {
-        /// The place that is free now.
+        /// The slot, which is free now.
         id: Id,
     },
 }

@@ -1,21 +1,21 @@
 //! The life cycle of a component.
 
-/// The life cycle of a component (H, "Plan Component Representation").
+/// Life-cycle state of a component (H, "Plan Component Representation").
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Life {
-    /// In the plan; its turn has not come.
+    /// In the plan, but its start vertex is not reached.
     Planned,
-    /// Its turn has come.
+    /// Due to start: its start vertex is reached.
     Scheduled,
-    /// Being carried out, or decomposed.
+    /// An action that runs, or a decomposed plan frame.
     Started,
     /// Interrupted with its behaviour.
     Suspended,
-    /// Carried out; about to leave the pool.
+    /// Done; about to leave the pool.
     Finished,
-    /// Gave an error; about to leave the pool.
+    /// Could not be done; about to leave the pool.
     Failed,
-    /// Given up with a component above or beside it; about to leave the pool.
+    /// Given up because a component above or beside it was; about to leave the pool.
     Abandoned,
 }
 
@@ -25,7 +25,7 @@ impl Life {
         use Life::{Abandoned, Failed, Finished, Planned, Scheduled, Started, Suspended};
         match self {
             Planned => matches!(next, Scheduled | Abandoned),
-            // A frame that falls back is scheduled again.
+            // A plan frame that falls back is scheduled again.
             Scheduled => matches!(next, Started | Finished | Failed | Suspended | Abandoned),
             Started => matches!(next, Scheduled | Finished | Failed | Suspended | Abandoned),
             Suspended => matches!(next, Started | Scheduled | Failed | Abandoned),

@@ -30,7 +30,7 @@ impl<'d> Drawn<'d> {
     /// What an edge carries.
     fn symbol(&self, symbol: Symbol) -> &'d str {
         let name = match symbol {
-            Symbol::Frame(index) => {
+            Symbol::PlanFrame(index) => {
                 self.mission.frames().get(usize::from(index)).map(|frame| frame.name)
             }
             Symbol::Action(index) => {
@@ -41,7 +41,7 @@ impl<'d> Drawn<'d> {
     }
 
     fn frame(&self, index: u16) -> &'d str {
-        self.symbol(Symbol::Frame(index))
+        self.symbol(Symbol::PlanFrame(index))
     }
 
     /// The rows of a rule base: each input with its seven labels.

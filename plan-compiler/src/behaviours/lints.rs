@@ -89,7 +89,7 @@ impl Lints<'_> {
     /// The name of what an edge carries.
     fn symbol(&self, symbol: Symbol) -> &str {
         match symbol {
-            Symbol::Frame(index) => self.syntax.frames.get(usize::from(index)).map(|f| &f.name),
+            Symbol::PlanFrame(index) => self.syntax.frames.get(usize::from(index)).map(|f| &f.name),
             Symbol::Action(index) => self.syntax.actions.get(usize::from(index)).map(|a| &a.name),
         }
         .map_or("", |name| name.as_str())

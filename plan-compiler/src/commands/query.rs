@@ -50,7 +50,7 @@ pub(super) fn run(args: &Query) -> Result<(), Failure> {
 
 /// Map metres of a place; `None` where it is farther away than the frame is good for.
 fn local(blob: &Blob<'_>, lat: f64, lon: f64) -> Result<Option<[f64; 2]>, Failure> {
-    let frame = blob.frame().ok_or_else(|| {
+    let frame = blob.map_frame().ok_or_else(|| {
         Problem::error("the plans have no place on the globe")
             .help("ask by --at X,Y, or give the map a reference: GLOBAL_REF_POINT in an overlay")
     })?;
@@ -62,7 +62,7 @@ fn local(blob: &Blob<'_>, lat: f64, lon: f64) -> Result<Option<[f64; 2]>, Failur
 }
 
 fn too_far(blob: &Blob<'_>) -> Problem {
-    let at = blob.frame().map(|frame| frame.reference());
+    let at = blob.map_frame().map(|frame| frame.reference());
     let at = at.map_or(String::new(), |at| format!(", {}, {}", at.lat_deg(), at.lon_deg()));
     Problem::error("the place is too far away from the map")
         .help(format!("the map lies about its origin{at}; latitude comes first"))

@@ -1,4 +1,4 @@
-//! The blob as a robot sees it: parsed once, then asked every tick.
+//! The blob as the robot uses it: parsed once at boot, then read every tick.
 
 use crate::directory::{Directory, LayerRecord, Origin, PlanRecord, SCHEMA_HASH};
 use crate::error::BlobError;
@@ -13,15 +13,15 @@ use crate::work::Work;
 use crate::{limits, seal};
 use math::{MapFrame, Vec2};
 
-/// Every internalized plan of a mission, with the parameters to drive by.
+/// The internalized plans, the mission and the robot's parameters.
 ///
-/// A view of a few hundred bytes; the plans themselves stay where the blob lies.
+/// A view of a few hundred bytes; the tables stay where the blob is stored.
 #[derive(Clone, Copy, Debug)]
 pub struct Blob<'a> {
     grid: Grid,
     single: SingleGrid,
     origin: Option<Origin>,
-    frame: Option<MapFrame>,
+    map_frame: Option<MapFrame>,
     parameters: Parameters,
     goal: Option<Vec2>,
     sections: Sections<'a>,
@@ -29,13 +29,13 @@ pub struct Blob<'a> {
     bytes: usize,
 }
 
-/// The grid's numbers in single precision, for the look-up at control rate.
+/// The cell grid in single precision, for the look-up at control rate.
 #[derive(Clone, Copy, Debug)]
 struct SingleGrid {
-    /// From the map's coordinates to the grid's. Never -0, so that no sum is.
+    /// From map coordinates to grid coordinates. Never -0, so that no sum is -0.
     shift: Vec2,
     resolution_m: f32,
-    /// The sides in cells, which are below 2^24, as the bits of single precision.
+    /// The sides in cells, as bits of single precision; below 2^24, so they are exact.
     columns_bits: u32,
     rows_bits: u32,
 }
@@ -51,7 +51,7 @@ impl SingleGrid {
     }
 }
 
-/// The sections that plans and layers are read from.
+/// The sections that hold plans and layers.
 #[derive(Clone, Copy, Debug)]
 struct Sections<'a> {
     columns: u32,
@@ -62,21 +62,20 @@ struct Sections<'a> {
     cells: Words<'a>,
 }
 
-/// The grid of a plan without a map: no cells at all.
+/// The cell grid of a blob without a map.
 const NO_GRID: Grid = Grid { columns: 0, rows: 0, resolution_m: 1.0, corner_m: [0.0, 0.0] };
 
 impl<'a> Blob<'a> {
     /// Reads the blob at the start of a region of memory and validates all of it.
     ///
-    /// A region of flash is larger than its blob: what follows the length that the header
-    /// names is ignored. For a file, where nothing may follow, see [`Blob::parse_exact`].
+    /// A region of flash is larger than its blob: bytes past the length in the header are ignored.
+    /// For a file, which must end with its blob, see [`Blob::parse_exact`].
     pub fn parse(region: &'a [u8]) -> Result<Self, BlobError> {
         Self::parse_paced(region, || ())
     }
 
-    /// As [`Blob::parse`], with a call of `beat` now and then, for a watchdog that is awake
-    /// already. What lies between two beats is bounded, and so is their number: by the length of
-    /// the blob ([`limits::MAX_CHECKS_PER_WORD`]).
+    /// As [`Blob::parse`], and calls `beat` at bounded intervals to feed a watchdog that already
+    /// runs. The blob's length bounds the number of beats ([`limits::MAX_CHECKS_PER_WORD`]).
     pub fn parse_paced(region: &'a [u8], mut beat: impl FnMut()) -> Result<Self, BlobError> {
         let sealed = seal::open(region, SCHEMA_HASH, &mut beat)?;
         let (directory, rest) = postcard::take_from_bytes::<Directory<'a>>(sealed.payload)
@@ -103,14 +102,14 @@ impl<'a> Blob<'a> {
             .and_then(|mission| sections.check_references(&mission).map(|()| mission))
             .map_err(|error| BlobError::Mission { error })?;
         let bytes = sealed.blob.len();
-        let plan = Self::new(directory.grid, origin, parameters, goal, sections, bytes);
-        Ok(Self { mission, ..plan })
+        let blob = Self::new(directory.grid, origin, parameters, goal, sections, bytes);
+        Ok(Self { mission, ..blob })
     }
 
     /// As [`Blob::parse`], for a file: refuses bytes after the end of the blob.
     pub fn parse_exact(file: &'a [u8]) -> Result<Self, BlobError> {
-        let plan = Self::parse(file)?;
-        if plan.bytes == file.len() { Ok(plan) } else { Err(BlobError::TrailingBytes) }
+        let blob = Self::parse(file)?;
+        if blob.bytes == file.len() { Ok(blob) } else { Err(BlobError::TrailingBytes) }
     }
 
     fn new(
@@ -122,9 +121,9 @@ impl<'a> Blob<'a> {
         bytes: usize,
     ) -> Self {
         let single = SingleGrid::new(&grid);
-        let frame = origin.map(|o| MapFrame::new(o.place, o.at_m, o.heading_rad));
+        let map_frame = origin.map(|o| MapFrame::new(o.place, o.at_m, o.heading_rad));
         let mission = Mission::default();
-        Self { grid, single, origin, frame, parameters, goal, sections, mission, bytes }
+        Self { grid, single, origin, map_frame, parameters, goal, sections, mission, bytes }
     }
 
     /// The robot's parameters; all in range.
@@ -132,7 +131,7 @@ impl<'a> Blob<'a> {
         &self.parameters
     }
 
-    /// Where the cells lie; 0 x 0 cells without a map.
+    /// The cell grid; 0 x 0 cells without a map.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
@@ -143,11 +142,11 @@ impl<'a> Blob<'a> {
     }
 
     /// The transform from GPS fixes to the map's metres, if the origin is known.
-    pub fn frame(&self) -> Option<&MapFrame> {
-        self.frame.as_ref()
+    pub fn map_frame(&self) -> Option<&MapFrame> {
+        self.map_frame.as_ref()
     }
 
-    /// The goal of the plan that [`Parameters::plan`] names, map metres.
+    /// The goal of the plan [`Parameters::plan`], map metres; `None` without plans.
     pub fn goal(&self) -> Option<Vec2> {
         self.goal
     }
@@ -157,24 +156,24 @@ impl<'a> Blob<'a> {
         self.bytes
     }
 
-    /// The cell that holds a point of the map (metres), in single precision; `None` off the map.
+    /// The cell of a point (map metres), in single precision; `None` off the map.
     #[inline]
     pub fn cell_at(&self, point: Vec2) -> Option<Cell> {
         let SingleGrid { shift, resolution_m, columns_bits, rows_bits } = self.single;
         let column = (point.x + shift.x) / resolution_m;
         let row = (point.y + shift.y) / resolution_m;
-        // As bits, numbers from 0 on are in order, and what is negative or not a number is above
-        // them all. So one comparison leaves only what truncation rounds down to a cell.
+        // As bits, non-negative numbers compare in order, and negative numbers and NaN compare
+        // above them. So one comparison accepts only numbers that truncate to a cell.
         let inside = column.to_bits() < columns_bits && row.to_bits() < rows_bits;
         inside.then_some(Cell::new(column as u32, row as u32))
     }
 
-    /// The behaviours; empty where the parameters' parallel plan is simply followed.
+    /// The behaviours; empty if the robot only follows the plan [`Parameters::plan`].
     pub fn mission(&self) -> Mission<'a> {
         self.mission
     }
 
-    /// How many parallel plans there are.
+    /// Number of parallel plans.
     pub fn plan_count(&self) -> usize {
         self.sections.plan_count()
     }
@@ -197,10 +196,10 @@ impl<'a> Blob<'a> {
 }
 
 impl Blob<'static> {
-    /// A plan without a map: the robot drives by its reactive schemas alone.
+    /// A blob without a map: the robot drives by its reactive schemas alone.
     ///
-    /// The same promises hold as for a parsed plan: parameters out of range are replaced by
-    /// the default ones, an origin or a goal out of its limits is left out.
+    /// It keeps the invariants of a parsed blob: if a parameter is out of its range, all take their
+    /// defaults; an origin or a goal beyond its limits is left out.
     pub fn without_map(parameters: Parameters, origin: Option<Origin>, goal: Option<Vec2>) -> Self {
         let parameters =
             if parameters.check().is_none() { parameters } else { Parameters::default() };
@@ -260,7 +259,7 @@ impl<'a> Sections<'a> {
         for index in 0..plans {
             let record = self.plans.get(index).ok_or(BlobError::Plans)?;
             let count = usize::from(record.layer_count);
-            // Layers stand in the order of their plans, so that none is lost or used twice.
+            // Layers are in the order of their plans, so that each belongs to exactly one.
             if usize::from(record.first_layer) != next_layer
                 || !(1..=limits::MAX_LAYERS).contains(&count)
             {
@@ -280,7 +279,7 @@ impl<'a> Sections<'a> {
         if all { Ok(()) } else { Err(BlobError::Layers) }
     }
 
-    /// Whether the parallel plans and layers that a mission speaks of exist.
+    /// Checks that the parallel plans and layers that a mission refers to exist.
     fn check_references(&self, mission: &Mission<'_>) -> Result<(), MissionError> {
         let has = |plan: u16, layer: u8| {
             self.plan(usize::from(plan)).is_some_and(|plan| plan.layer_count() > usize::from(layer))
@@ -331,12 +330,12 @@ impl<'a> ParallelPlan<'a> {
         Vec2::new(self.record.goal_m[0] as f32, self.record.goal_m[1] as f32)
     }
 
-    /// The goal, map metres, as the compiler was given it.
+    /// The goal, map metres, in the compiler's precision.
     pub fn goal_m(&self) -> [f64; 2] {
         self.record.goal_m
     }
 
-    /// How many layers there are, at least 1.
+    /// Number of layers, at least 1.
     pub fn layer_count(&self) -> usize {
         usize::from(self.record.layer_count)
     }

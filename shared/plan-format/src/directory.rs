@@ -1,5 +1,5 @@
-//! The directory: one postcard message whose byte slices are the sections, read in place;
-//! and the fixed records in the sections.
+//! The directory, a postcard message whose byte slices are the sections, and the records of plans
+//! and layers.
 
 use crate::names::Name;
 use crate::parameters::Parameters;
@@ -69,18 +69,18 @@ pub(crate) struct Directory<'a> {
     pub(crate) plans: &'a [u8],
     /// [`LayerRecord`]s.
     pub(crate) layers: &'a [u8],
-    /// The bytes that names point into, UTF-8.
+    /// The text of all names, UTF-8.
     pub(crate) names: &'a [u8],
     /// [`crate::mission::Mission`]; empty without behaviours.
     pub(crate) mission: &'a [u8],
-    /// How the map was made into cells, for tools: UTF-8, which the robot never looks at.
+    /// The build's map options, for tools: UTF-8. The robot does not read it.
     pub(crate) recipe: &'a [u8],
-    /// The bytes that layers point into.
+    /// The words of all layers.
     pub(crate) cells: &'a [u8],
 }
 
-/// Changes with every name and type in the directory, so that two builds which forgot to
-/// raise the version still refuse each other's blobs.
+/// Changes with every name and type in the directory, so builds with different directories refuse
+/// each other's blobs even if the version was not raised.
 pub(crate) const SCHEMA_HASH: [u8; 8] = Key::for_path::<Directory<'static>>("plans").to_bytes();
 
 record! {
@@ -106,14 +106,14 @@ record! {
         /// Where the roots begin.
         pub(crate) roots: u32,
         pub(crate) root_count: u16,
-        /// Bytes that this layer added.
+        /// Bytes that this layer added to section `cells`.
         pub(crate) bytes: u32,
         pub(crate) counts: Counts,
     }
 }
 
 record! {
-    /// How many cells of a layer are of each kind; together all cells of the grid.
+    /// The number of cells of each kind in a layer; they add up to the cells of the grid.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct Counts {
         /// Free cells with a route, goals included.

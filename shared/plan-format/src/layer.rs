@@ -1,10 +1,10 @@
 //! One internalized plan: the answer of every cell to "where to from here?".
 //!
-//! W, section 2: "the robot's current location is used as an index into the plan". Plane
-//! `terrain` says whether a cell is free and, if not, how to leave it. Plane `routes` names for
-//! each free cell a *root*: another cell, to which one of the cell's optimal paths is as short as
-//! it would be without obstacles. So `cost = cost(root) + octile(cell, root)`, exactly, and the
-//! direction is towards the root. Where roots do not pay, a block holds its costs itself.
+//! W, section 2: "the robot's current location is used as an index into the plan". Plane `terrain`
+//! holds whether a cell is free and, if it is not, how to leave it. Plane `routes` gives each free
+//! cell a *root*: another cell, which an optimal path reaches in as few steps as without obstacles.
+//! So `cost = cost(root) + octile(cell, root)`, exactly, and the direction is towards the root. If
+//! roots would take more space, a block holds the code and the cost of each cell instead.
 
 use crate::directory::{Counts, LayerRecord};
 use crate::error::BlobError;
@@ -19,7 +19,7 @@ use crate::record::Table;
 use crate::words::Words;
 use crate::work::Work;
 
-/// What a layer says about a cell.
+/// A layer's answer for a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
     /// Free, with a route.
@@ -35,14 +35,14 @@ pub enum Answer {
     NoRoute,
     /// An obstacle of this layer.
     Blocked {
-        /// First step towards the nearest free cell with a route, if there is any.
+        /// First step towards the nearest free cell with a route; `None` if there is no such cell.
         escape: Option<Direction>,
     },
-    /// Not a cell of the map.
+    /// Outside the map.
     OffMap,
 }
 
-/// What a layer says about a cell, but for the cost.
+/// A layer's answer for a cell, without the cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
     /// Free, with a route that begins with this optimal step.
@@ -53,10 +53,10 @@ pub enum Step {
     NoRoute,
     /// An obstacle of this layer.
     Blocked {
-        /// First step towards the nearest free cell with a route, if there is any.
+        /// First step towards the nearest free cell with a route; `None` if there is no such cell.
         escape: Option<Direction>,
     },
-    /// Not a cell of the map.
+    /// Outside the map.
     OffMap,
 }
 
@@ -65,11 +65,13 @@ pub enum Step {
 pub struct Layer<'a> {
     pub(crate) columns: u32,
     pub(crate) rows: u32,
-    /// The section that all offsets are counted in.
+    /// Section `cells`; the offsets below count its words.
     pub(crate) section: Words<'a>,
-    /// Where the tables of the planes and the roots begin.
+    /// Where the table of plane `terrain` begins.
     pub(crate) terrain: u32,
+    /// Where the table of plane `routes` begins.
     pub(crate) routes: u32,
+    /// Where the roots begin.
     pub(crate) roots: u32,
     pub(crate) root_count: u32,
     pub(crate) bytes: u32,
@@ -78,19 +80,19 @@ pub struct Layer<'a> {
     pub(crate) name: Name,
 }
 
-/// The parts of a layer that no earlier layer shares and proved.
+/// The parts of a layer that are not proved yet, because no earlier layer shares them.
 #[derive(Clone, Copy)]
 pub(crate) struct Unproved {
     /// Plane `terrain`.
     pub(crate) terrain: bool,
     /// The roots.
     pub(crate) roots: bool,
-    /// Plane `routes`, and the fewest roots of any layer that shares it.
+    /// The fewest roots of the layers that share plane `routes`; `None` if the plane is proved.
     pub(crate) routes_of_roots: Option<u32>,
 }
 
 impl Unproved {
-    /// What remains to be proved for one layer, from its number and all layer records of the blob.
+    /// The unproved parts of a layer, from its number and all layer records of the blob.
     pub(crate) fn of(number: usize, record: &LayerRecord, layers: Table<'_, LayerRecord>) -> Self {
         let (mut terrain, mut roots, mut routes) = (true, true, true);
         let mut fewest = record.root_count;
@@ -109,7 +111,7 @@ impl Unproved {
     }
 }
 
-/// What stands in the planes about a cell.
+/// What the planes hold for a cell.
 enum Found {
     Root { number: u32, straight_first: bool },
     Own(Own),
@@ -125,25 +127,25 @@ impl<'a> Layer<'a> {
         self.name.text(self.names).unwrap_or_default()
     }
 
-    /// Bytes that the layer added to the blob; what it shares with layers before it counts there.
+    /// Bytes that the layer added to the blob. Bytes that it shares count for the earliest layer.
     pub fn bytes(&self) -> usize {
         self.bytes as usize
     }
 
-    /// Bytes that the layer would take as plain arrays: 4 bits of advice and 32 of cost a cell.
+    /// Bytes of the layer as plain arrays: 4 bits of advice and 32 bits of cost per cell.
     pub fn raw_bytes(&self) -> usize {
         let cells = self.columns as usize * self.rows as usize;
         cells.div_ceil(2) + 4 * cells
     }
 
-    /// How many cells are of each kind.
+    /// The number of cells of each kind.
     pub fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// What the layer says about a cell. Constant time; never fails.
+    /// The answer for a cell. Constant time; never fails.
     pub fn look_up(&self, cell: Cell) -> Answer {
-        // Both planes were validated, so no number is ever missing.
+        // Both planes were validated, so each read succeeds.
         match self.find(cell) {
             Found::Root { number, straight_first } => {
                 self.root(number).map_or(Answer::NoRoute, |root| answer(root, cell, straight_first))
@@ -161,7 +163,7 @@ impl<'a> Layer<'a> {
         }
     }
 
-    /// As [`Layer::look_up`], for a sixth less time without the cost.
+    /// As [`Layer::look_up`], without the cost and in a sixth less time.
     pub fn step(&self, cell: Cell) -> Step {
         match self.find(cell) {
             Found::Root { number, straight_first } => match self.root_cell(number) {
@@ -228,8 +230,8 @@ impl<'a> Layer<'a> {
         Some(Root { cell: self.root_cell(number)?, cost })
     }
 
-    /// Proves once that no look-up can fail. Whatever is not `unproved` was proved with an earlier
-    /// layer.
+    /// Proves once that no look-up can fail. The parts that are not `unproved` were proved with an
+    /// earlier layer.
     pub(crate) fn validate(
         &self,
         unproved: Unproved,
@@ -268,7 +270,7 @@ impl<'a> Layer<'a> {
     }
 }
 
-/// What a cell that refers to a root is answered.
+/// The answer for a cell with this root.
 #[inline(always)]
 fn answer(root: Root, cell: Cell, straight_first: bool) -> Answer {
     match first_step(cell, root.cell, straight_first) {

@@ -1,11 +1,11 @@
-//! The layout of a section of cells: what the reader and every packer must agree on.
+//! The layout of section `cells`, on which the reader and every packer must agree.
 //!
-//! `FORMAT.md` gives the words. Here are their numbers, the sizes that follow from them, and the
-//! arithmetic by which a cell that refers to a root gets its cost and its direction.
+//! `FORMAT.md` describes the words. Here are their constants, the sizes that follow, and the
+//! arithmetic that gives a cell its cost and its direction from its root.
 
 use crate::grid::{Cell, Direction, octile};
 
-/// Bytes of a word. Everything in the section is read in whole words.
+/// Bytes of a word. The section is read in whole words.
 pub const WORD_BYTES: usize = 4;
 
 /// Side of a superblock, cells, as a power of two.
@@ -14,20 +14,20 @@ pub const SUPERBLOCK_SHIFT: u32 = 5;
 pub const BLOCKS: usize = 16;
 /// Cells in a block.
 pub const BLOCK_CELLS: usize = 64;
-/// Words of a superblock's descriptors, which stand between its palette and its blocks.
+/// Words of a superblock's descriptors, between its palette and its blocks.
 pub const HEADER_WORDS: u32 = BLOCKS as u32 / 2;
 
 /// Flag in a table: all cells of the superblock have the entry in the other bits. Without the
-/// flag the number is the word at which the superblock's blocks begin.
+/// flag, the number is the offset of the superblock's blocks, in words.
 pub const UNIFORM: u32 = 1 << 31;
 
 /// Bits of a descriptor below its class.
 pub const CLASS_SHIFT: u32 = 13;
 /// Bits of a descriptor below the base of its window in the palette.
 pub const BASE_SHIFT: u32 = 7;
-/// Entries of a palette at which a window may begin.
+/// Number of palette entries at which a window may begin.
 pub const BASES: usize = 1 << (CLASS_SHIFT - BASE_SHIFT);
-/// Most borders in a block. A block of class 1 to this has as many borders as its class.
+/// Most borders in a block. Up to this class, the class is the number of borders.
 pub const MAX_BORDERS: u32 = 2;
 /// Class of blocks with an index of 1 bit for each cell; the next three classes have 2 to 4 bits.
 pub const INDEX_1: u32 = MAX_BORDERS + 1;
@@ -43,7 +43,7 @@ pub const OWN_4_4: u32 = 0;
 pub const OWN_8_8: u32 = 1;
 /// Width of costs: the cost itself in 32 bits. Width 3 means the same.
 pub const OWN_32: u32 = 2;
-/// Words of a block of class [`OWN`] before its groups: the mask of its cells and the base.
+/// Words of a block of class [`OWN`] before its groups: the mask of its cells (2) and the base.
 pub const OWN_HEADER_WORDS: usize = 3;
 /// Cells in a group of a block of class [`OWN`]: their codes of 4 bits fill a word.
 pub const GROUP: usize = 8;
@@ -57,7 +57,7 @@ pub const TERRAIN_BITS: u32 = 4;
 /// Bits of an entry of plane `routes`.
 pub const ROUTE_BITS: u32 = 16;
 /// Entry of plane `routes` for a free cell without a route. Every other entry is twice the number
-/// of a root, plus one where the straight part of the way comes first.
+/// of a root, plus one if the straight part of the path comes first.
 pub const NO_ROUTE_ENTRY: u32 = u16::MAX as u32;
 /// Words of a root: column and row, cost.
 pub const ROOT_WORDS: u32 = 2;
@@ -67,7 +67,7 @@ pub const ROOT_WORDS: u32 = 2;
 pub enum Terrain {
     /// A free cell: entry 0.
     Free,
-    /// A blocked cell that no free cell with a route can be reached from: entry 1.
+    /// A blocked cell from which no free cell with a route can be reached: entry 1.
     NoEscape,
     /// A blocked cell and the first step out of it: entry 2 plus the direction's code.
     Escape(Direction),
@@ -86,7 +86,7 @@ impl Terrain {
         }
     }
 
-    /// The meaning of an entry. Of an entry that [`Terrain::is_entry`] refuses, some escape.
+    /// The meaning of an entry; an arbitrary escape if [`Terrain::is_entry`] refuses the entry.
     #[inline(always)]
     pub(crate) const fn of_entry(entry: u32) -> Self {
         match entry {
@@ -115,7 +115,7 @@ pub const fn index_bits(class: u32) -> u32 {
     class - MAX_BORDERS
 }
 
-/// Entries of the palette that a block of a class below [`OWN`] chooses from.
+/// Entries in the palette window of a block of a class below [`OWN`].
 #[inline]
 pub const fn class_entries(class: u32) -> u32 {
     if class < INDEX_1 { class + 1 } else { 1 << index_bits(class) }
@@ -133,8 +133,8 @@ pub(crate) const fn group_words(width: u32) -> u32 {
     1 + (2 << if width < OWN_32 { width } else { OWN_32 })
 }
 
-/// Words of a block of class [`OWN`], from the width of its costs and the number of its cells that
-/// have their own code and cost.
+/// Words of a block of class [`OWN`], from the width of its costs and the number of cells that have
+/// their own code and cost.
 #[inline]
 pub const fn own_words(width: u32, cells: usize) -> usize {
     let full = group_words(width) as usize;
@@ -143,10 +143,10 @@ pub const fn own_words(width: u32, cells: usize) -> usize {
     OWN_HEADER_WORDS + cells / GROUP * full + last_words
 }
 
-/// A cell that others refer to, and its cost to the goal.
+/// A cell to which other cells refer, and its cost to the goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Root {
-    /// Where it is.
+    /// The cell.
     pub cell: Cell,
     /// Its cost to the goal, units of 1/5741 cell.
     pub cost: u32,
@@ -158,7 +158,7 @@ impl Root {
         [self.cell.to_word(), self.cost]
     }
 
-    /// The cost of a cell whose way leads by this root.
+    /// The cost of a cell that refers to this root.
     #[inline(always)]
     pub fn cost_from(self, cell: Cell) -> u32 {
         let columns = self.cell.column.abs_diff(cell.column);

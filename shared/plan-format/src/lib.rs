@@ -1,12 +1,54 @@
-//! The blob: what the compiler writes and the robot reads in place.
+//! The blob: the plans and the mission that the compiler writes and the robot reads in place.
 //!
-//! See `FORMAT.md` beside this crate for the bytes. [`Blob::parse`] validates everything
-//! once; after that no look-up can fail. A blob that is truncated, flipped, too big for
-//! this build or from another version is refused with a [`BlobError`].
+//! The crate defines what each byte means (`FORMAT.md`), the [`limits`] of every table, and when a
+//! blob is refused. [`Blob::parse`] validates all of it once, at boot; a blob that is truncated,
+//! damaged, too large or from another version is refused with a [`BlobError`].
 //!
-//! Deliberately absent: allocation, `unsafe`, and (without the `std` feature) the writer.
-//! What a layer's words are is a packer's choice: the compiler has one. Here is only their
-//! [`layout`].
+//! ```
+//! # #[cfg(feature = "std")] {
+//! # use plan_format::layout::{Root, Terrain};
+//! # use plan_format::mission::MissionDraft;
+//! # use plan_format::*;
+//! # let plane = |entry| PackedPlane { superblocks: vec![Superblock::Uniform(entry)] };
+//! # let packed = PackedLayer {
+//! #     columns: 3,
+//! #     rows: 1,
+//! #     terrain: plane(Terrain::Free.entry()),
+//! #     routes: plane(0),
+//! #     roots: Root { cell: Cell::new(0, 0), cost: 0 }.words().into(),
+//! #     counts: Counts { free: 3, blocked: 0, unreachable: 0 },
+//! # };
+//! # let layers = vec![LayerDraft { name: "physical".into(), packed }];
+//! # let pier = PlanDraft { name: "pier".into(), goal_m: [0.5, 0.5], layers };
+//! # let flash = write(&Draft {
+//! #     grid: Grid { columns: 3, rows: 1, resolution_m: 1.0, corner_m: [0.0, 0.0] },
+//! #     origin: None,
+//! #     parameters: Parameters::default(),
+//! #     plans: vec![pier],
+//! #     mission: MissionDraft::default(),
+//! # })
+//! # .unwrap();
+//! use math::Vec2;
+//! use plan_format::{Answer, Blob, Direction};
+//!
+//! // Three free cells of 1 m in a row; the goal `pier` is in the westernmost.
+//! let blob = Blob::parse(&flash)?;
+//! let layer = blob.find("pier").and_then(|plan| plan.layer(0)).unwrap();
+//! let cell = blob.cell_at(Vec2::new(2.5, 0.5)).unwrap();
+//! assert_eq!(layer.look_up(cell), Answer::Move { direction: Direction::W, cost: 2 * 5741 });
+//! # }
+//! # Ok::<(), plan_format::BlobError>(())
+//! ```
+//!
+//! Invariants: after parsing, no look-up fails, and each takes constant time. The blob's length
+//! bounds the time that parsing takes. Equal drafts give equal bytes.
+//!
+//! Sources: the plan of a layer is from Wagner and Arkin, "Internalized Plans for
+//! Communication-Sensitive Robot Team Behaviors"; the tables of [`mission`] are from Hasemann,
+//! "Planning, Behaviours, Decomposition, and Monitoring Using Graph Grammars and Fuzzy Logic".
+//!
+//! Deliberately absent: allocation, `unsafe` and, without the feature `std`, the writer. The choice
+//! of a layer's words is the packer's, in the compiler; here is only their [`layout`].
 #![cfg_attr(not(feature = "std"), no_std)]
 
 mod blob;

@@ -1,21 +1,21 @@
-//! Names: texts that stand together in one section, and records that point into it.
+//! Names: one section of text, and the records that point into it.
 
 use crate::limits;
 use crate::record::record;
 
 record! {
-    /// Where a name stands in the section of names.
+    /// The position of a name in the text of all names.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct Name {
-        /// Where it starts, bytes.
+        /// Offset of its first byte.
         pub offset: u16,
-        /// How long it is, bytes.
+        /// Length, bytes.
         pub length: u8,
     }
 }
 
 impl Name {
-    /// The text; `None` where it is out of range or not UTF-8.
+    /// The text; `None` if it is out of range or not UTF-8.
     pub(crate) fn text(self, names: &[u8]) -> Option<&str> {
         let bytes = names.get(usize::from(self.offset)..)?.get(..usize::from(self.length))?;
         core::str::from_utf8(bytes).ok()

@@ -1,9 +1,9 @@
-//! A layer in words, as a packer makes it and the writer puts it into a blob.
+//! A packed layer: the words that a packer makes and the writer stores.
 
 use crate::directory::Counts;
 use crate::layout::WORD_BYTES;
 
-/// The words of one layer. [`crate::write()`] refuses what the reader could not look up.
+/// The words of one layer. [`crate::write()`] refuses a layer that the reader would refuse.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PackedLayer {
     /// Cells from west to east.
@@ -16,17 +16,17 @@ pub struct PackedLayer {
     pub routes: PackedPlane,
     /// The words of all roots, in the order of their numbers; see [`crate::layout::Root::words`].
     pub roots: Vec<u32>,
-    /// How many cells are of each kind.
+    /// The number of cells of each kind.
     pub counts: Counts,
 }
 
 impl PackedLayer {
-    /// How many cells are of each kind.
+    /// The number of cells of each kind.
     pub fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// Most bytes that it takes in a blob, where words that layers share are stored once.
+    /// Upper bound of its bytes in a blob, which stores words that layers share only once.
     pub fn bytes(&self) -> usize {
         WORD_BYTES * (self.terrain.words() + self.routes.words() + self.roots.len())
     }
@@ -35,12 +35,12 @@ impl PackedLayer {
 /// The superblocks of a plane: row by row from the south-west, in the order of the grid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PackedPlane {
-    /// As many as [`crate::layout::superblocks`] of the columns times that of the rows.
+    /// [`crate::layout::superblocks`] of the columns times that of the rows.
     pub superblocks: Vec<Superblock>,
 }
 
 impl PackedPlane {
-    /// Most words that it takes, with its table.
+    /// Upper bound of its words in a blob, table included.
     fn words(&self) -> usize {
         let words = |superblock: &Superblock| match superblock {
             Superblock::Uniform(_) => 1,

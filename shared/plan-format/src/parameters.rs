@@ -3,25 +3,25 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-/// The robot's parameters, carried by every blob. Plain data; [`Parameters::check`] holds
-/// for every value that a reader hands out.
+/// The robot's parameters. Plain data; in a parsed blob, all are within the ranges of
+/// [`Parameters::check`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Parameters {
-    /// Which parallel plan to follow, an index into the blob's plans.
+    /// Index of the parallel plan to follow.
     pub plan: u16,
-    /// How advice and reactive schemas are weighed.
+    /// Weights of the advice and the reactive schemas.
     pub gains: Gains,
-    /// Which layer of the parallel plan to follow, and when that is decided.
+    /// When the layer of the parallel plan is chosen.
     pub selection: Selection,
-    /// How the robot moves.
+    /// The vehicle.
     pub vehicle: Vehicle,
     /// Motor schemas.
     pub schemas: SchemaParameters,
-    /// When a position is good enough.
+    /// When a GPS fix is good enough.
     pub fixes: FixPolicy,
-    /// What to do in trouble.
+    /// What to do off the map or without a route.
     pub trouble: TroublePolicy,
-    /// What the loss of the operator's link does.
+    /// When the operator's link is lost, and what that does.
     pub link: LinkPolicy,
     /// Seed of the noise schema.
     pub seed: u32,
@@ -51,64 +51,64 @@ impl Gains {
     pub const PLAN_ONLY: Self = Self { reactive: 0.0, plan: 1.0, noise: Self::NOISE };
 }
 
-/// Which layer of a parallel plan is followed (W, section 2.3): the most constrained one
-/// that has a route from here, and the position is looked at ...
+/// When the layer of a parallel plan is chosen (W, section 2.3). It is always the most constrained
+/// layer that has a route from the robot's cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Selection {
-    /// ... once, at the start.
+    /// Chosen once, in the first cell from which any layer has a route.
     Static,
-    /// ... every tick, switching back too.
+    /// Chosen every tick, so the robot may return to an earlier layer.
     Dynamic,
 }
 
-/// The body that the commands are for.
+/// How the vehicle turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Steering {
     /// Turns on the spot: differential drive or skid steer.
     Differential,
     /// Car-like: never turns tighter than the minimum radius.
     Ackermann,
-    /// Needs way on to turn, and drifts: never stops to turn.
+    /// Turns only while it moves, and drifts: never stops to turn.
     Boat,
 }
 
-/// How the robot moves. SI units.
+/// The vehicle's size and limits. SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Vehicle {
     /// Kind of steering.
     pub steering: Steering,
-    /// The body fits in a circle of this radius about its centre, metres.
+    /// Radius of the circle about its centre that contains the body, metres.
     pub radius_m: f32,
     /// Speed for a blended vector of length 1, m/s.
     pub base_speed_mps: f32,
-    /// Never faster than this, m/s.
+    /// Maximum speed, m/s.
     pub max_speed_mps: f32,
-    /// Speed where obstacles repel hard, m/s.
+    /// Speed where obstacles repel strongly, m/s.
     pub cautious_speed_mps: f32,
-    /// Never turns faster than this, rad/s.
+    /// Maximum turn rate, rad/s.
     pub max_turn_rate_radps: f32,
-    /// Smallest turning circle, metres; for Ackermann steering.
+    /// Minimum turning radius, metres; for Ackermann steering.
     pub min_turn_radius_m: f32,
-    /// Motion towards any range reading nearer to the body than this is stopped, metres.
+    /// Motion towards a range reading closer to the body than this is stopped, metres.
     pub stop_distance_m: f32,
-    /// Creep straight ahead while the heading is not yet known.
+    /// Whether to creep straight ahead while the heading is unknown.
     pub may_creep: bool,
 }
 
-/// Settings of the motor schemas. Metres unless said otherwise.
+/// Settings of the motor schemas.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct SchemaParameters {
     /// Gain of move-to-goal within the reactive part.
     pub goal_gain: f32,
     /// Gain of avoid-static-obstacle within the reactive part.
     pub avoid_gain: f32,
-    /// Beyond the margin, an obstacle repels up to this distance.
+    /// Beyond the margin, an obstacle repels up to this distance, metres.
     pub avoid_sphere_m: f32,
-    /// An obstacle this near to the body repels at full strength.
+    /// Up to this distance from the body, an obstacle repels at full strength, metres.
     pub avoid_margin_m: f32,
-    /// The goal is reached within this distance.
+    /// The goal is reached within this distance, metres.
     pub goal_tolerance_m: f32,
-    /// Ticks for which the noise schema holds a heading.
+    /// Ticks for which the noise schema keeps a heading.
     pub noise_persistence_ticks: u16,
 }
 
@@ -117,7 +117,7 @@ pub struct SchemaParameters {
 pub struct FixPolicy {
     /// A fix older than this is stale, microseconds.
     pub stale_after_us: u32,
-    /// A fix that is less accurate than this is refused, millimetres.
+    /// A fix less accurate than this is refused, millimetres.
     pub max_accuracy_mm: u32,
     /// A fix that implies a jump faster than this is refused, m/s.
     pub max_jump_mps: f32,
@@ -126,7 +126,7 @@ pub struct FixPolicy {
 /// What to do when a part of the controller's information is missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum OnTrouble {
-    /// Stand still.
+    /// Stop.
     Stop,
     /// Drive by the reactive schemas alone.
     Reactive,
@@ -141,22 +141,22 @@ pub struct TroublePolicy {
     pub no_route: OnTrouble,
 }
 
-/// What an armed robot does when the operator falls silent. A robot that was driven by hand
-/// stands still and is no longer armed, whatever is set here.
+/// What an armed robot does when the operator's link is lost. A robot under manual control always
+/// stops and disarms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum OnLinkLoss {
-    /// Go on with the mission: for plans that lead out of the radio's range.
+    /// Continue the mission: for plans that lead out of radio range.
     Continue,
-    /// Stand still, no longer armed.
+    /// Stop and disarm.
     Disarm,
 }
 
-/// When the operator's link counts as lost, and what that does.
+/// When the operator's link is lost, and what that does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct LinkPolicy {
-    /// The link is lost when nothing was heard for longer than this, microseconds.
+    /// The link is lost after this time without a packet, microseconds.
     pub timeout_us: u32,
-    /// What the loss does.
+    /// The robot's reaction.
     pub on_loss: OnLinkLoss,
 }
 
@@ -198,8 +198,8 @@ impl Default for Parameters {
 }
 
 impl Parameters {
-    /// The name of the first number that is out of its range, with the range; `None` when
-    /// all are fine. One table serves the compiler's message and the reader's refusal.
+    /// The name and the range of the first parameter that is out of its range; `None` if all are
+    /// within. One table serves the compiler's message and the reader's refusal.
     pub fn check(&self) -> Option<(&'static str, f32, f32)> {
         let table = [
             ("gains.reactive", self.gains.reactive, 0.0, 1.0),
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn the_links_timeout_has_a_lowest_and_a_highest_value() {
+    fn the_timeout_of_the_link_has_a_range() {
         for (timeout_us, is_fine) in
             [(99_999, false), (100_000, true), (3_600_000_000, true), (u32::MAX, false)]
         {

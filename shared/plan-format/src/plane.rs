@@ -1,15 +1,15 @@
-//! Planes: one small number for every cell, in palettes, read in constant time.
+//! Planes: one small number per cell, compressed with palettes and read in constant time.
 //!
-//! A plane is a table of superblocks of 32 x 32 cells, a superblock is a palette and 16 blocks of
-//! 8 x 8 cells, and a block is one palette entry for all its cells, or entries on the two sides of
-//! lines, or an index of 1 to 4 bits for each, or each cell's own code and cost. `FORMAT.md` gives
-//! the words.
+//! A plane is a table of superblocks of 32 x 32 cells. A superblock is a palette and 16 blocks of
+//! 8 x 8 cells. A block is one palette entry for all its cells, or entries separated by borders, or
+//! an index of 1 to 4 bits per cell, or a code and a cost per cell. `FORMAT.md` describes the
+//! words.
 //!
-//! Everything is read in words of 4 bytes, so that a read is one comparison and one load, and each
-//! descriptor says where its block lies, so that nothing is added up or searched.
+//! All reads are of words of 4 bytes, so a read is one comparison and one load. Each descriptor
+//! holds the offset of its block, so a look-up neither sums nor searches.
 //!
-//! Invariant: after [`Plane::validate`] every look-up in a palette finds an entry that was checked,
-//! because every window that a descriptor names was. Nothing has to be proved cell by cell.
+//! Invariant: after [`Plane::validate`], each look-up in a palette finds a checked entry, because
+//! every window that a descriptor names is checked. So validation need not visit each cell.
 
 use crate::error::BlobError;
 use crate::grid::{Cell, DIAGONAL_STEP, STRAIGHT_STEP};
@@ -22,7 +22,7 @@ use crate::limits;
 use crate::words::Words;
 use crate::work::Work;
 
-/// What a plane says of a cell.
+/// A plane's value for a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stored {
     /// An entry of the palette.
@@ -31,13 +31,14 @@ pub(crate) enum Stored {
     Own(Own),
 }
 
-/// The address of a cell in a plane: its superblock from bit 10 on, its block from bit 6 on, and
-/// below that its number in the block, row by row. One number, so that it stays in a register.
+/// The address of a cell in a plane: the superblock from bit 10 on, the block in bits 6 to 9, and
+/// the cell's number in the block, row by row, in bits 0 to 5. One number, so it stays in a
+/// register.
 #[derive(Clone, Copy)]
 pub(crate) struct BlockAddress(u32);
 
 impl BlockAddress {
-    /// The address of a cell in a grid, whose width is given in superblocks.
+    /// The address of a cell in a grid of `superblock_columns` superblocks from west to east.
     #[inline(always)]
     pub(crate) fn new(cell: Cell, superblock_columns: u32) -> Self {
         let superblock = (cell.row >> SUPERBLOCK_SHIFT)
@@ -72,16 +73,16 @@ const _: () = assert!(
     "the superblock's number must fit"
 );
 
-/// One plane, read in address. Its entries take `ENTRY_BITS`, 4 or 16.
+/// One plane, read in place. Its entries take `ENTRY_BITS`, 4 or 16.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane<'a, const ENTRY_BITS: u32> {
-    /// The section that words are counted in.
+    /// Section `cells`; offsets count its words.
     pub(crate) section: Words<'a>,
     /// Where the table of superblocks begins.
     pub(crate) table: u32,
 }
 
-/// A descriptor of a block, in the low 16 bits; what is above them means nothing.
+/// A descriptor of a block, in the low 16 bits; the others are ignored.
 #[derive(Clone, Copy)]
 struct Descriptor(u32);
 
@@ -97,29 +98,29 @@ impl Descriptor {
         self.0 >> BASE_SHIFT & (BASES as u32 - 1)
     }
 
-    /// Where the block begins, counted from the superblock's first.
+    /// Where the block begins, in words from the superblock's first block.
     #[inline(always)]
     fn offset(self) -> u32 {
         self.0 & ((1 << BASE_SHIFT) - 1)
     }
 
-    /// The same for a block of cells that have their own code and cost.
+    /// As [`Self::offset`], for a block of class [`OWN`].
     #[inline(always)]
     fn own_offset(self) -> u32 {
         self.0 & ((1 << OWN_SHIFT) - 1)
     }
 
-    /// The width of their costs.
+    /// The width of the costs in a block of class [`OWN`].
     #[inline(always)]
     fn own_width(self) -> u32 {
         self.0 >> OWN_SHIFT & 3
     }
 }
 
-// Numbers of 16 bits or less never straddle two words, so turning a word by any number of bits
-// brings them down. Machines turn by the number modulo 32, which spares its calculation.
+// Fields of up to 16 bits never straddle two words, so a rotation moves a field to the low bits.
+// Rotation takes its count modulo 32, so the code does not compute the modulo.
 impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
-    /// What the plane says of a cell; never `None` in a plane that was validated.
+    /// The value for a cell; never `None` after [`Plane::validate`].
     #[inline(always)]
     pub(crate) fn get(&self, address: BlockAddress) -> Option<Stored> {
         let first = self.section.get(self.table.wrapping_add(address.superblock()))?;
@@ -142,14 +143,14 @@ impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
         self.entry(first, descriptor.base() + index).map(Stored::Entry)
     }
 
-    /// The descriptor of a block, before the first block.
+    /// The descriptor of a block; descriptors precede the first block.
     #[inline(always)]
     fn descriptor(&self, first: u32, block: u32) -> Option<Descriptor> {
         let pair = self.section.get(first.wrapping_sub(HEADER_WORDS).wrapping_add(block / 2))?;
         Some(Descriptor(pair.rotate_right(block << 4)))
     }
 
-    /// An entry of the palette, which ends where the descriptors begin and runs backwards.
+    /// An entry of the palette, which precedes the descriptors and runs backwards.
     #[inline(always)]
     fn entry(&self, first: u32, index: u32) -> Option<u32> {
         let bit = index * ENTRY_BITS;
@@ -157,7 +158,7 @@ impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
         Some(word.rotate_right(bit) & ((1 << ENTRY_BITS) - 1))
     }
 
-    /// How many of a block's borders lie west of a cell.
+    /// The number of a block's borders that are not east of a cell.
     #[inline(always)]
     fn part(&self, data: u32, borders: u32, cell: u32) -> Option<u32> {
         let is_behind = |border: u32| border.rotate_right(cell >> 3 << 2) & 15 <= cell & 7;
@@ -168,8 +169,8 @@ impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
         Some(first + u32::from(is_behind(self.section.get(data + 1)?)))
     }
 
-    /// A cell's index of `bits` bits. Three bits stand as two and then one, so that none straddles
-    /// two words.
+    /// A cell's index of `bits` bits. Three bits are stored as two and then one, so that none
+    /// straddles two words.
     #[inline(always)]
     fn index(&self, data: u32, bits: u32, cell: u32) -> Option<u32> {
         if bits != 3 {
@@ -187,7 +188,7 @@ impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
     }
 
     /// Proves once that every cell of `superblocks` superblocks has an entry that `is_entry`
-    /// accepts or, where `own_allowed`, its own code and cost.
+    /// accepts or, if `own_allowed`, its own code and cost.
     pub(crate) fn validate(
         &self,
         superblocks: u32,
@@ -213,8 +214,8 @@ impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
         Ok(())
     }
 
-    /// How many entries of its palette a superblock's windows reach; `None` where a block does
-    /// not lie within the section or is of a class that the plane does not have.
+    /// The number of palette entries that a superblock's windows reach; `None` if a block exceeds
+    /// the section or its class is not allowed.
     fn entries(&self, first: u32, own_allowed: bool) -> Option<u32> {
         let mut entries = 0;
         for block in 0..BLOCKS as u32 {
@@ -244,18 +245,18 @@ impl<'a, const ENTRY_BITS: u32> Plane<'a, ENTRY_BITS> {
 /// A cell that has its own code and cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Own {
-    /// Where the block begins: a mask of its cells, and the base of their costs.
+    /// Where the block begins: the mask of its cells, then the base of their costs.
     data: u32,
     width: u32,
     /// Where the cell's group of eight begins: a word of codes, then the costs.
     group: u32,
-    /// How many cells of the block stand before it.
+    /// Number of the block's cells before it.
     rank: u32,
 }
 
 impl Own {
-    /// A cell of a block. One that has no code and cost is answered with what stands where its own
-    /// would be; the terrain never asks for it.
+    /// A cell of a block. For a cell that is not in the mask the result is arbitrary; only free
+    /// cells are looked up, and a packer puts those into the mask.
     #[inline(always)]
     fn find(section: Words<'_>, data: u32, width: u32, cell: u32) -> Option<Self> {
         let rank = ones_before(section.get(data)?, section.get(data + 1)?, cell);
@@ -284,8 +285,8 @@ impl Own {
     }
 }
 
-/// How many bits below a bit are set in a mask of two words. The machines that matter have no
-/// instruction for it, so both words are added up together.
+/// The number of bits set below a bit, in a mask of two words. Cortex-M has no instruction for it,
+/// so both words are summed together.
 #[inline(always)]
 fn ones_before(low: u32, high: u32, bit: u32) -> u32 {
     let below = (1u32 << (bit % 32)) - 1;

@@ -1,18 +1,18 @@
-//! Records of fixed size, each declared by one list of its fields, and tables of them.
+//! Records of fixed size, each declared by the list of its fields, and tables of them.
 //!
-//! Numbers are little-endian and unaligned, so that a table is read in place by index. The order
-//! of the fields is the order of the bytes.
+//! Numbers are little-endian and unaligned, and fields are stored in the order of their
+//! declaration, so a table is read in place by index.
 
 use core::marker::PhantomData;
 
 /// A value with a fixed number of bytes.
 pub trait Record: Sized + 'static {
-    /// How many bytes it takes.
+    /// Number of bytes.
     const SIZE: usize;
 
-    /// Reads it; `None` where a tag is unknown. If `STRICT`, `None` also where the bytes are not
-    /// those that [`Record::encode`] writes for the value: a number is out of its type's range, or
-    /// unused bytes are not 0. Only the check of a whole table is strict; the tick relies on it.
+    /// Reads it; `None` if a tag is unknown. If `STRICT`, also `None` if [`Record::encode`] would
+    /// write other bytes for the value: a number exceeds its type, or unused bytes are not 0. Only
+    /// the check of a whole table is strict; the tick relies on that check.
     fn decode<const STRICT: bool>(reader: &mut Reader<'_>) -> Option<Self>;
 
     /// Appends its bytes.
@@ -53,7 +53,7 @@ macro_rules! numbers {
 
 numbers! { u8 u16 u32 u64 f32 f64 }
 
-/// One byte: 0 or 1. Any other counts as 1 unless reading is strict.
+/// One byte: 0 or 1. Other values count as 1 unless reading is strict.
 impl Record for bool {
     const SIZE: usize = 1;
 
@@ -102,7 +102,7 @@ impl Record for [f64; 2] {
     }
 }
 
-/// Declares a struct that is a [`Record`]: size, reader and writer follow from its fields.
+/// Declares a struct that is a [`Record`]; size, reader and writer follow from its fields.
 macro_rules! record {
     (
         $(#[$meta:meta])*
@@ -161,8 +161,8 @@ macro_rules! tags {
     };
 }
 
-/// Makes an enum with fields a [`Record`]: its variants share the bytes of one record, from which
-/// `of_bytes` makes the enum and to which `to_bytes` turns it.
+/// Makes an enum with fields a [`Record`]. Its variants share the bytes of one record; the enum's
+/// `of_bytes` and `to_bytes` convert.
 macro_rules! payload {
     ($name:ident in $bytes:ident) => {
         impl $crate::record::Record for $name {
@@ -210,7 +210,7 @@ impl<'a, T: Record> Table<'a, T> {
         self.bytes.len() / T::SIZE
     }
 
-    /// Whether the table holds nothing.
+    /// Whether the table has no records.
     pub const fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -222,7 +222,7 @@ impl<'a, T: Record> Table<'a, T> {
         T::decode::<false>(&mut Reader(self.bytes.get(from..)?.get(..T::SIZE)?))
     }
 
-    /// The records in order, from `first`, at most `count`.
+    /// At most `count` records from `first` on, in order.
     pub fn range(self, first: u16, count: u8) -> impl Iterator<Item = T> + use<'a, T> {
         let bytes = self.bytes.get(usize::from(first) * T::SIZE..).unwrap_or(&[]);
         Table::<T>::new(bytes).iter().take(count.into())
@@ -234,13 +234,13 @@ impl<'a, T: Record> Table<'a, T> {
         records.map_while(|bytes| T::decode::<false>(&mut Reader(bytes)))
     }
 
-    /// Whether the bytes are whole records and each of them is as it would be written.
+    /// Whether the bytes are whole records, each as [`Record::encode`] writes it.
     pub(crate) fn is_sound(&self) -> bool {
         let mut records = self.bytes.chunks_exact(T::SIZE);
         records.all(|bytes| T::decode::<true>(&mut Reader(bytes)).is_some()) && self.is_whole()
     }
 
-    /// Whether no part of a record follows the last.
+    /// Whether the bytes are a whole number of records.
     pub(crate) fn is_whole(&self) -> bool {
         self.bytes.len().is_multiple_of(T::SIZE)
     }

@@ -1,8 +1,8 @@
 //! The seal around a payload: magic, version, length, kind of payload, checksum.
 //!
-//! It is read before anything else, so that a blob of another version is refused for that reason
-//! and not as rubbish. What the payload says is not its business: it gets bytes and opens to the
-//! same bytes. `FORMAT.md` says where a rollback number and a signature will go.
+//! It is checked first, so that a blob of another version is refused for that reason and not as
+//! damaged. It does not interpret the payload. `FORMAT.md` reserves the places of a rollback number
+//! and a signature.
 
 use crate::error::BlobError;
 use crate::limits;
@@ -17,20 +17,19 @@ pub(crate) const HEADER_BYTES: usize = 28;
 const LENGTH_AT: usize = 12;
 const CHECKSUM_AT: usize = 24;
 
-/// A number that changes with the shape of the payload, so that a reader refuses what it would
-/// misread.
+/// A hash of the payload's type, so that a reader refuses a payload that it would misread.
 pub(crate) type Schema = [u8; 8];
 
 /// The part of a region that is the blob, checksum verified, and its payload after the header.
 pub(crate) struct Sealed<'a> {
     /// Header and payload.
     pub(crate) blob: &'a [u8],
-    /// What follows the header.
+    /// The bytes after the header.
     pub(crate) payload: &'a [u8],
 }
 
-/// Checks the header and the checksum of the blob at the start of a region, with a beat now and
-/// then while it takes time.
+/// Checks the header and the checksum of the blob at the start of a region; calls `beat` at bounded
+/// intervals.
 pub(crate) fn open(
     region: &[u8],
     expected: Schema,
@@ -67,14 +66,14 @@ pub(crate) fn open(
     if crc32(&[before, payload], beat) != checksum {
         return Err(BlobError::Checksum);
     }
-    // After the checksum, so that a damaged hash reads as damage.
+    // After the checksum, so that a damaged hash is reported as damage.
     if schema != expected {
         return Err(BlobError::Schema);
     }
     Ok(Sealed { blob, payload })
 }
 
-/// Puts a header before a payload; `None` where the length does not fit.
+/// Puts a header before a payload; `None` if the blob is too large.
 #[cfg(feature = "std")]
 pub(crate) fn seal(schema: Schema, payload: &[u8]) -> Option<Vec<u8>> {
     let length = HEADER_BYTES + payload.len();
@@ -108,10 +107,10 @@ fn u32_at(bytes: &[u8], offset: usize) -> Option<u32> {
     array_at(bytes, offset).map(u32::from_le_bytes)
 }
 
-/// CRC-32/ISO-HDLC (the one of Ethernet and zip) of the parts one after the other.
+/// CRC-32/ISO-HDLC (as in Ethernet and zip) of the concatenated parts.
 ///
-/// Own code because the tables of the `crc` crate keep a panic path that fails the
-/// panic-free link; a byte-wise table takes about eight instructions a byte.
+/// Own code, because the `crc` crate keeps a panic path, which the panic-free link refuses. A
+/// byte-wise table takes about eight instructions per byte.
 pub(crate) fn crc32(parts: &[&[u8]], mut beat: impl FnMut()) -> u32 {
     let mut crc = u32::MAX;
     for part in parts {
@@ -154,7 +153,7 @@ mod tests {
         assert_eq!(open(&sealed, schema, || ()).unwrap().payload, b"payload");
         let other = open(&sealed, *b"anyother", || ()).err();
         assert_eq!(other, Some(BlobError::Schema));
-        // What follows in the region is neither read nor part of the blob.
+        // The rest of the region is not read and not part of the blob.
         let region = [&sealed[..], b"trailer"].concat();
         assert_eq!(open(&region, schema, || ()).unwrap().blob, sealed);
     }

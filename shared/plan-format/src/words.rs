@@ -7,7 +7,7 @@ use crate::layout::WORD_BYTES;
 pub(crate) struct Words<'a>(&'a [[u8; WORD_BYTES]]);
 
 impl<'a> Words<'a> {
-    /// The words of a section; `None` if it is not a whole number of them.
+    /// The words of a section; `None` if its length is not a multiple of 4.
     pub(crate) fn new(bytes: &'a [u8]) -> Option<Self> {
         let (words, rest) = bytes.as_chunks();
         rest.is_empty().then_some(Self(words))
@@ -24,7 +24,7 @@ impl<'a> Words<'a> {
         self.0.get(index as usize).copied().map(u32::from_le_bytes)
     }
 
-    /// `count` words from an index, if they lie within the section.
+    /// `count` words from an index on; `None` if they exceed the section.
     pub(crate) fn range(self, from: u32, count: u32) -> Option<&'a [[u8; WORD_BYTES]]> {
         self.0.get(from as usize..)?.get(..count as usize)
     }

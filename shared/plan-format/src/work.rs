@@ -1,13 +1,13 @@
-//! How much work a blob may cause before the robot drives, and a beat while it is done.
+//! The budget of checks for validating a blob, and the beat during that work.
 //!
-//! A blob of a few kilobytes can name one table from hundreds of layers, or tables that lie on one
-//! another. Each distinct table is checked once, and all checks together are bounded by the
-//! blob's bytes, so that boot ends in a known time whatever the bytes say.
+//! A blob of a few kilobytes can refer to one table from hundreds of layers, or have tables that
+//! overlap. Each distinct table is checked once, and the blob's length bounds the number of checks,
+//! so boot takes a known time for any input.
 
 use crate::error::BlobError;
 use crate::limits;
 
-/// The checks that are left, and a beat to call while work goes on.
+/// The remaining checks, and the beat.
 pub(crate) struct Work<F> {
     left: u32,
     until_beat: u32,
@@ -15,17 +15,17 @@ pub(crate) struct Work<F> {
 }
 
 impl<F: FnMut()> Work<F> {
-    /// Nothing may be checked yet.
+    /// A budget of 0 checks.
     pub(crate) fn new(beat: F) -> Self {
         Self { left: 0, until_beat: limits::CHECKS_PER_BEAT, beat }
     }
 
-    /// Allows what a section of cells may take, from its number of words.
+    /// Sets the budget, from the number of words in section `cells`.
     pub(crate) fn allow(&mut self, words: usize) {
         self.left = (words as u32).saturating_mul(limits::MAX_CHECKS_PER_WORD);
     }
 
-    /// Takes `checks` from what is left.
+    /// Takes `checks` from the budget; calls the beat if one is due.
     #[inline(always)]
     pub(crate) fn spend(&mut self, checks: u32) -> Result<(), BlobError> {
         self.left = self.left.checked_sub(checks).ok_or(BlobError::Work)?;
@@ -36,7 +36,7 @@ impl<F: FnMut()> Work<F> {
         Ok(())
     }
 
-    /// Calls the beat: work goes on.
+    /// Calls the beat.
     #[inline(never)]
     pub(crate) fn beat(&mut self) {
         self.until_beat = limits::CHECKS_PER_BEAT;

@@ -116,7 +116,7 @@ fn percepts(blob: &Blob<'_>, time_us: u64, random: &mut Random) -> Percepts {
         (corner + reach * f64::from(random.unit() * 1.1 - 0.05)) as f32
     };
     let at = Vec2::new(along(grid.corner_m[0], grid.columns), along(grid.corner_m[1], grid.rows));
-    let fix = blob.frame().map(|frame| Fix {
+    let fix = blob.map_frame().map(|frame| Fix {
         time_us,
         is_valid: random.below(20) > 0,
         place: frame.to_geodetic(at),

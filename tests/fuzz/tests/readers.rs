@@ -27,7 +27,7 @@ const READERS: &[(&str, &str)] = &[
     ("plan-compiler/maps/src/source.rs", "any_map"),
     ("plan-compiler/src/trace.rs", "trace"),
     ("shared/plan-format/src/mission/mod.rs", "blob"),
-    ("shared/plan-format/src/plan.rs", "blob"),
+    ("shared/plan-format/src/blob.rs", "blob"),
     ("shared/robot-io/src/packet.rs", "link"),
     ("shared/robot-io/src/record.rs", "lockstep"),
     ("tests/sim/src/surroundings.rs", "world"),

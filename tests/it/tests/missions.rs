@@ -91,7 +91,7 @@ fn the_overlay_is_the_same_campus() {
     let grid = opar.grid();
     assert_eq!(grid, overlay.grid());
     let places = [opar, overlay].map(|plan| {
-        let frame = plan.frame().expect("the campus lies on the globe");
+        let frame = plan.map_frame().expect("the campus lies on the globe");
         frame.to_geodetic(Vec2::new(200.0, 30.0))
     });
     assert!(places[0].lat_e7.abs_diff(places[1].lat_e7) <= 2, "{places:?}");

@@ -136,7 +136,7 @@ fn fixes_arrive_and_telemetry_leaves_by_uart() {
             }
         }
     });
-    let frame = *scenario.plan().frame().expect("the campus is on the globe");
+    let frame = *scenario.plan().map_frame().expect("the campus is on the globe");
     let mut seen: Vec<CommandRecord> = Vec::new();
     let has = |seen: &[CommandRecord], reason| seen.iter().any(|r| r.commands.reason == reason);
     // Drives north along the street at 1 m/s, a solution every fourth record of telemetry.

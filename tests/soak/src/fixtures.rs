@@ -1,4 +1,4 @@
-//! Missions for particular measurements, and the blobs that carry missions.
+//! Missions for particular measurements, and blobs with missions.
 
 use plan_compiler::field::{Field, GOAL};
 use plan_compiler::pack::pack;
@@ -11,8 +11,8 @@ use plan_format::{
 /// Cells along each side of the map.
 const SIDE: u32 = 20;
 
-/// The blob of a mission on an open map of 20 m by 20 m with two parallel plans, the first of two
-/// layers.
+/// The blob of a mission on an open map of 20 m by 20 m with two parallel plans, of two layers and
+/// of one.
 pub fn blob(mission: MissionDraft) -> Result<Vec<u8>, WriteError> {
     let grid = Grid { columns: SIDE, rows: SIDE, resolution_m: 1.0, corner_m: [0.0, 0.0] };
     let origin = Origin {
@@ -39,7 +39,7 @@ pub fn blob(mission: MissionDraft) -> Result<Vec<u8>, WriteError> {
     })
 }
 
-/// Every cell of an open map leads straight to the goal.
+/// The field of an open map, in which every cell leads straight to the goal.
 fn open_field(column: u32, row: u32) -> Field {
     let cells = || (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
     let sign = |from: u32, to: u32| (i64::from(to) - i64::from(from)).signum() as i32;
@@ -59,8 +59,8 @@ pub fn wave(tick: u32) -> f32 {
     if phase < 1.0 { phase } else { 2.0 - phase }
 }
 
-/// A behaviour that switches an output on and itself round, without an end: an iteration takes no
-/// time, so several fit into a tick.
+/// A behaviour that switches an output on in an endless loop. An iteration takes no time, so a tick
+/// runs several.
 pub fn endless_loop() -> MissionDraft {
     ::fixtures::mission(
         "input time; of time; hold 500; missing 0.5
@@ -71,8 +71,8 @@ pub fn endless_loop() -> MissionDraft {
     )
 }
 
-/// Sixteen behaviours that want the same and do it in steps of 100 ms, round and round; behaviour
-/// `i` is as critical as channel `i` modulo 8 says, the upper eight the other way round.
+/// Sixteen behaviours that share a resource and loop in steps of 100 ms. The criticality of
+/// behaviour `i` rises with channel `i` modulo 8; for the upper eight it falls.
 pub fn sixteen() -> MissionDraft {
     let mut text = String::new();
     for channel in 0..8 {
@@ -89,13 +89,13 @@ pub fn sixteen() -> MissionDraft {
     ::fixtures::mission(&text)
 }
 
-/// The mission of the instruction budget: four behaviours, two and two for the same resource, each
-/// pair changing places as the channels 1 and 3 rise and fall; sixteen rows of one input each, of
-/// which not all are needed; twelve components and more when all have plans; every kind of fact,
-/// descriptions that ask for all of them, protection intervals. Something drives in every tick.
+/// The mission of the instruction budget. Two pairs of behaviours share a resource each, and each
+/// pair alternates as the channels 1 and 3 rise and fall. There are sixteen rows of one input each,
+/// not all of them used; at least twelve components when all behaviours have plans; every kind of
+/// fact; descriptions that use all facts; and protection intervals. An action drives in every tick.
 ///
-/// Most of it needs the fact `on`: `wander` takes it away, and `set` brings it back before the next
-/// needs it. The robot of the measurement stands still, so `stuck` ends what would last.
+/// Most actions need the fact `on`: `wander` deletes it, and `set` adds it again in time. The robot
+/// of the measurement stands still, so the fact `stuck` ends `follow`.
 pub fn budget() -> MissionDraft {
     const WATCHED: &str = "level near inside";
     let limits = format!("keeps {WATCHED}; goal {WATCHED}; speed 1; distance 0.2");

@@ -1,4 +1,4 @@
-//! What must hold after every tick, whatever the mission and the percepts.
+//! What must hold after every tick, for any mission and any percepts.
 
 use behaviour::{Behaviours, Decision, MAX_RUNNING, Phase, REST_US};
 use controller::{Explanation, State};
@@ -8,19 +8,19 @@ use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
 use plan_format::mission::{Mission, Symbol};
 use robot_io::Percepts;
 
-/// What has to be remembered from tick to tick to judge the next.
+/// The state from earlier ticks that the checks of the next tick need.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
-    /// The clock that stands still while the robot may not move, as the behaviours have it.
+    /// The behaviours' clock, which stops while the robot may not move, microseconds.
     now_us: u64,
     seen_us: Option<u64>,
     failed_us: [Option<u64>; MAX_BEHAVIOURS],
-    /// What the plans were.
+    /// The plans after the last tick.
     grid: SituationGrid,
 }
 
 impl Watch {
-    /// Checks everything after a tick; an error says what does not hold.
+    /// Checks every invariant after a tick; the error names the violated one.
     pub fn check(
         &mut self,
         blob: &Blob<'_>,
@@ -30,7 +30,7 @@ impl Watch {
     ) -> Result<(), String> {
         let mission = blob.mission();
         self.commands_are_possible(blob, explanation)?;
-        places_are_used_by_plans_in_progress(&state.behaviours)?;
+        components_belong_to_live_plans(&state.behaviours)?;
         only_what_may_run_together_does(&mission, &state.behaviours)?;
         resources_have_one_holder(&mission, &state.behaviours)?;
         let may_move = percepts.operator.is_armed && !percepts.operator.is_emergency_stop;
@@ -51,14 +51,14 @@ impl Watch {
     ) -> Result<(), String> {
         let commands = &explanation.commands;
         let vehicle = &blob.parameters().vehicle;
-        // Comparisons with what is not a number are false.
+        // Comparisons with NaN are false.
         let is_possible = commands.speed_mps.abs() <= vehicle.max_speed_mps
             && commands.turn_rate_radps.abs() <= vehicle.max_turn_rate_radps;
         if is_possible { Ok(()) } else { Err(format!("impossible commands: {commands:?}")) }
     }
 
-    /// If some behaviour is critical, does not rest and could run, then something runs, the plans
-    /// have changed (actions that take no time may fill a tick), or the report says why not.
+    /// If a behaviour is critical and does not rest, then an action runs, the plans have changed
+    /// (actions that take no time may fill a tick), or the report gives a reason.
     fn no_tick_is_dead(
         &mut self,
         mission: &Mission<'_>,
@@ -66,7 +66,7 @@ impl Watch {
         explanation: &Explanation,
     ) -> Result<(), String> {
         let report = &explanation.report;
-        let tells = |decision: &&Decision| {
+        let is_reason = |decision: &&Decision| {
             !matches!(
                 decision,
                 Decision::Conflict(
@@ -74,15 +74,18 @@ impl Watch {
                 )
             )
         };
-        let is_told = report.decisions.iter().filter(tells).count() > 0 || report.omitted > 0;
+        let is_explained =
+            report.decisions.iter().filter(is_reason).count() > 0 || report.omitted > 0;
         let has_changed = *behaviours.grid() != self.grid;
-        if !is_told && !has_changed && running(behaviours).count() == 0 {
+        if !is_explained && !has_changed && running(behaviours).count() == 0 {
             for (index, behaviour) in mission.behaviours().iter().enumerate() {
                 let is_engaged = is_engaged(behaviours.phase(index));
                 let is_dormant = report.criticalities[index] <= behaviour.dormant;
                 let rests = self.failed_us[index].is_some_and(|at| self.now_us < at + REST_US);
                 if is_engaged || !is_dormant && !rests {
-                    return Err(format!("nothing runs, and nothing says why {index} does not"));
+                    return Err(format!(
+                        "no action runs, and no decision explains why {index} waits"
+                    ));
                 }
             }
         }
@@ -92,7 +95,7 @@ impl Watch {
             }
         }
         if report.omitted > 0 {
-            // Some failure may be among what was not told.
+            // A failure may be among the omitted decisions.
             self.failed_us = [Some(self.now_us); MAX_BEHAVIOURS];
         }
         Ok(())
@@ -110,11 +113,11 @@ fn is_engaged(phase: Phase) -> bool {
     matches!(phase, Phase::StartingUp | Phase::Active | Phase::ShuttingDown)
 }
 
-/// No component outlives the plan it belongs to.
-fn places_are_used_by_plans_in_progress(behaviours: &Behaviours) -> Result<(), String> {
+/// No component outlives its plan.
+fn components_belong_to_live_plans(behaviours: &Behaviours) -> Result<(), String> {
     let grid = behaviours.grid();
     if grid.iter().count() != behaviours.components() {
-        return Err("the grid does not know what lives".into());
+        return Err("the grid has other components than the plans".into());
     }
     for (id, entry) in grid.iter() {
         let index = usize::from(entry.owner) % MAX_BEHAVIOURS;
@@ -126,29 +129,31 @@ fn places_are_used_by_plans_in_progress(behaviours: &Behaviours) -> Result<(), S
             phase != Phase::Idle
         };
         if !may_live {
-            return Err(format!("component {id} of {} lives on: {phase:?}", entry.owner));
+            return Err(format!("component {id} of {} outlives its plan: {phase:?}", entry.owner));
         }
         if entry.parent.is_some_and(|parent| grid.get(parent).is_none()) {
-            return Err(format!("component {id} hangs in the air"));
+            return Err(format!("component {id} has lost its parent"));
         }
     }
     Ok(())
 }
 
-/// H18: within a plan only what is in the relation NE runs together, and never too much.
+/// H18: only components in the relation NE run together within a plan, and the bounds hold.
 fn only_what_may_run_together_does(
     mission: &Mission<'_>,
     behaviours: &Behaviours,
 ) -> Result<(), String> {
     let grid = behaviours.grid();
     if running(behaviours).count() > MAX_RUNNING || behaviours.components() > MAX_COMPONENTS {
-        return Err("more runs than there is room for".into());
+        return Err("more components or actions than the limits allow".into());
     }
     for (x, first) in running(behaviours) {
         for (y, second) in running(behaviours).filter(|&(y, _)| y > x) {
             let relation = grid.relation(mission, Node::from(x), Node::from(y));
             if first.owner == second.owner && relation != Some(Relation::NE) {
-                return Err(format!("{x} and {y} run together, though {relation:?}"));
+                return Err(format!(
+                    "{x} and {y} run together, but their relation is {relation:?}"
+                ));
             }
         }
         let index = usize::from(first.owner) % MAX_BEHAVIOURS;
@@ -159,13 +164,13 @@ fn only_what_may_run_together_does(
     Ok(())
 }
 
-/// H30: no two engaged behaviours need the same.
+/// H30: no two engaged behaviours share a resource.
 fn resources_have_one_holder(mission: &Mission<'_>, behaviours: &Behaviours) -> Result<(), String> {
     let mut taken = 0;
     for (index, behaviour) in mission.behaviours().iter().enumerate() {
         if is_engaged(behaviours.phase(index)) {
             if taken & behaviour.resources != 0 {
-                return Err(format!("behaviour {index} has what another has"));
+                return Err(format!("behaviour {index} shares a resource with another"));
             }
             taken |= behaviour.resources;
         }

@@ -1,16 +1,16 @@
-//! Random missions and inputs for the whole tick, by the million, and what must hold in each.
+//! Random missions and inputs for the whole tick, by the million, and the invariants of each tick.
 //!
-//! Missions are drawn from a seed ([`missions`]), sound by construction, with every kind of record
-//! in them; so is what the robot perceives ([`world`]): inputs that are missing or no numbers,
-//! positions that jump, clocks that stand still, a human who disarms. After each tick the
-//! [`invariants`] are checked; every so often the tick is repeated from a copy of its state and must
-//! do the same. Bytes that are no mission any more must be refused or run like one.
+//! [`missions`] draws missions from a seed. They are sound by construction and use every kind of
+//! record. [`world`] draws the percepts: inputs that are missing or not numbers, positions that
+//! jump, clocks that stand still, an operator who disarms. After each tick the [`invariants`] are
+//! checked. Some ticks are repeated from a copy of their state and must give the same result. A
+//! corrupted mission must be refused or run like any other.
 //!
-//! Invariants: equal seeds give equal runs on every machine; what fails names the seed that gives
+//! Invariants: equal seeds give equal runs on every machine. A failure reports the seed that draws
 //! the failing mission first.
 //!
-//! Deliberately absent: whether what the robot does is sensible. That is what the tests of the
-//! crates and the closed-loop missions are for.
+//! Deliberately absent: whether the robot's actions are sensible. The tests of the crates and the
+//! closed-loop missions check that.
 
 pub mod fixtures;
 pub mod invariants;
@@ -30,39 +30,39 @@ use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use world::World;
 
-/// Ticks of one mission, at most.
+/// Most ticks of one mission.
 const MAX_MISSION_TICKS: u64 = 2_000;
 
-/// One tick in so many is repeated from a copy of its state.
-const REPEATED: u32 = 16;
+/// One tick in this number is repeated from a copy of its state.
+const TICKS_PER_REPEAT: u32 = 16;
 
-/// What happened in a soak.
+/// Statistics of a soak.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Ticks that were run.
     pub ticks: u64,
     /// Missions that were drawn.
     pub missions: u64,
-    /// Spoilt missions that were refused.
+    /// Corrupted missions that were refused.
     pub refused: u64,
     /// The most components that lived at once.
     pub components: usize,
     /// The most actions that ran at once.
     pub running: usize,
-    /// How often each kind of decision was made, and how often what was signalled.
+    /// Number of decisions and signals of each kind.
     pub decisions: BTreeMap<&'static str, u64>,
     /// Hash over all percepts and commands.
     pub hash: u64,
 }
 
-/// What must hold and did not.
+/// A violated invariant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// The seed that gives the failing mission first.
+    /// The seed that draws the failing mission first.
     pub seed: u64,
     /// Tick of that mission.
     pub tick: u64,
-    /// What did not hold.
+    /// The violation.
     pub what: String,
 }
 
@@ -74,8 +74,8 @@ impl fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
-/// Runs missions from a seed on until at least `ticks` ticks are done. `progress` hears of the
-/// number of ticks after every mission.
+/// Runs missions, the first from `seed`, until at least `ticks` ticks are done. Calls `progress`
+/// with the number of ticks after each mission.
 pub fn soak(seed: u64, ticks: u64, progress: &mut dyn FnMut(u64)) -> Result<Summary, Failure> {
     let mut summary = Summary::default();
     let mut hash = TraceHash::default();
@@ -86,7 +86,7 @@ pub fn soak(seed: u64, ticks: u64, progress: &mut dyn FnMut(u64)) -> Result<Summ
         let what = match catch_unwind(run) {
             Ok(Ok(())) => None,
             Ok(Err(what)) => Some(what),
-            Err(_) => Some("it panics".into()),
+            Err(_) => Some("a panic".into()),
         };
         if let Some(what) = what {
             return Err(Failure { seed, tick, what });
@@ -98,7 +98,7 @@ pub fn soak(seed: u64, ticks: u64, progress: &mut dyn FnMut(u64)) -> Result<Summ
     Ok(summary)
 }
 
-/// One mission, spoilt in every fourth case.
+/// Runs one mission; every fourth also in corrupted forms.
 fn mission(
     seed: u64,
     tick: &mut u64,
@@ -108,13 +108,13 @@ fn mission(
     let mut random = Random::new(seed);
     let draft = missions::draw(&mut random);
     if random.chance(0.25) {
-        let (refused, run) = missions::spoil(&draft, &mut random);
+        let (refused, run) = missions::corrupt(&draft, &mut random);
         summary.refused += refused;
         if let Some(blob) = run {
             run_ticks(&blob, &mut random, 50, tick, summary, hash)?;
         }
     }
-    let blob = fixtures::blob(draft).map_err(|error| format!("it is refused: {error}"))?;
+    let blob = fixtures::blob(draft).map_err(|error| format!("the mission is refused: {error}"))?;
     let ticks = 20 + random.below(MAX_MISSION_TICKS - 20);
     run_ticks(&blob, &mut random, ticks, tick, summary, hash)
 }
@@ -127,7 +127,7 @@ fn run_ticks(
     summary: &mut Summary,
     hash: &mut TraceHash,
 ) -> Result<(), String> {
-    let blob = Blob::parse(blob).map_err(|error| format!("it is refused: {error}"))?;
+    let blob = Blob::parse(blob).map_err(|error| format!("the mission is refused: {error}"))?;
     let mut world = World::new(&blob, random);
     let mut state = State::new(&blob);
     let mut watch = Watch::default();
@@ -135,12 +135,12 @@ fn run_ticks(
         *tick += 1;
         summary.ticks += 1;
         let percepts = world.percepts(random);
-        let copy = random.one_in(REPEATED).then(|| state.clone());
+        let copy = random.one_in(TICKS_PER_REPEAT).then(|| state.clone());
         let explanation = controller::explain(&blob, &mut state, &percepts);
         if let Some(mut copy) = copy {
             let again = controller::explain(&blob, &mut copy, &percepts);
             if again != explanation || copy != state {
-                return Err("a repeated tick does something else".into());
+                return Err("a repeated tick gives another result".into());
             }
         }
         watch.check(&blob, &state, &percepts, &explanation)?;
@@ -159,7 +159,7 @@ fn count(summary: &mut Summary, state: &State, explanation: &Explanation) {
     }
 }
 
-/// Every kind of decision that [`kind`] can name.
+/// Every kind of decision, by the names that `kind` gives.
 pub const KINDS: &[&str] = &[
     "prepared",
     "engaged",

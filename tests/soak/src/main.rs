@@ -4,13 +4,13 @@ use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::process::ExitCode;
 
-/// Runs random missions with random inputs through the whole tick and checks what must hold.
+/// Runs random missions with random inputs through the whole tick and checks its invariants.
 #[derive(Parser)]
 struct Arguments {
-    /// How many ticks, at least.
+    /// Least number of ticks to run.
     #[arg(long, default_value_t = 10_000_000)]
     ticks: u64,
-    /// The first mission's seed; every further one has the next.
+    /// Seed of the first mission; each further mission uses the next.
     #[arg(long, default_value_t = 1)]
     seed: u64,
 }
@@ -27,7 +27,7 @@ fn main() -> ExitCode {
     match result {
         Ok(summary) => {
             println!("{} ticks in {} missions", summary.ticks, summary.missions);
-            println!("{} spoilt missions refused", summary.refused);
+            println!("{} corrupted missions refused", summary.refused);
             println!("at most {} components, {} actions", summary.components, summary.running);
             for (kind, count) in &summary.decisions {
                 println!("{count:>12} {kind}");

@@ -1,4 +1,4 @@
-//! Missions drawn by chance, sound by construction, and sound ones spoilt.
+//! Random missions, sound by construction, and corrupted copies of them.
 
 use crate::fixtures;
 use crate::random::Random;
@@ -9,7 +9,7 @@ use plan_format::mission::{
     SwitchPoint, Symbol,
 };
 
-/// A mission. Everything that a sound mission may have occurs in some.
+/// Draws a mission. Every feature of sound missions occurs in some.
 pub fn draw(random: &mut Random) -> MissionDraft {
     let mut artist = Artist { random, draft: MissionDraft::default() };
     artist.inputs_and_rules();
@@ -22,14 +22,14 @@ pub fn draw(random: &mut Random) -> MissionDraft {
     artist.draft
 }
 
-/// Spoils a mission: how many times it was refused as it must be, and, where the spoilt bytes are
-/// still a mission, a blob that carries it.
-pub fn spoil(draft: &MissionDraft, random: &mut Random) -> (u64, Option<Vec<u8>>) {
+/// Corrupts a mission in several ways. Returns how often it was refused and, if the corrupted bytes
+/// are still a mission, a blob with it.
+pub fn corrupt(draft: &MissionDraft, random: &mut Random) -> (u64, Option<Vec<u8>>) {
     let mut refused = 0;
-    for spoil in SPOILS {
-        let mut spoilt = draft.clone();
-        spoil(&mut spoilt);
-        assert!(spoilt.write().is_err(), "what cannot be run is refused");
+    for corrupt in CORRUPTIONS {
+        let mut corrupted = draft.clone();
+        corrupt(&mut corrupted);
+        assert!(corrupted.write().is_err(), "an unsound mission is refused");
         refused += 1;
     }
     let mut bytes = draft.write().expect("a drawn mission is sound");
@@ -43,8 +43,8 @@ pub fn spoil(draft: &MissionDraft, random: &mut Random) -> (u64, Option<Vec<u8>>
     }
 }
 
-/// What makes any sound mission unsound.
-const SPOILS: &[fn(&mut MissionDraft)] = &[
+/// Changes that make any sound mission unsound.
+const CORRUPTIONS: &[fn(&mut MissionDraft)] = &[
     |d| d.inputs[0].high = d.inputs[0].low,
     |d| d.inputs[0].missing = f32::NAN,
     |d| d.rules[0].input = u8::MAX,
@@ -57,13 +57,13 @@ const SPOILS: &[fn(&mut MissionDraft)] = &[
     |d| d.frames[0].threshold = 1.5,
     |d| d.productions[0].vertices = 1,
     |d| d.edges[0].to = d.edges[0].from,
-    |d| d.edges[0].symbol = Symbol::Frame(u16::MAX),
+    |d| d.edges[0].symbol = Symbol::PlanFrame(u16::MAX),
     |d| d.behaviours[0].rules = u16::MAX - 1,
     |d| d.behaviours[0].dormant = f32::INFINITY,
     |d| d.behaviours = vec![d.behaviours[0]; MAX_BEHAVIOURS + 1],
 ];
 
-/// A mission's records as they were read, without their names.
+/// A mission's records, without their names.
 fn copied(mission: &Mission<'_>) -> MissionDraft {
     let mut draft = MissionDraft::default();
     let name = draft.name("");
@@ -89,12 +89,12 @@ struct Artist<'r> {
 }
 
 impl Artist<'_> {
-    /// Inputs that are sensed, rule bases over them, inputs that are results of those, and rule
-    /// bases over all.
+    /// Sensed inputs, rule bases over them, inputs that are results of those, and rule bases over
+    /// all.
     fn inputs_and_rules(&mut self) {
         for _ in 0..self.random.count(1, 6) {
             let source = match self.random.index(10) {
-                0 => Source::DistanceTo { x_m: self.place(), y_m: self.place() },
+                0 => Source::DistanceTo { x_m: self.coordinate(), y_m: self.coordinate() },
                 1 => Source::Time,
                 2 => Source::CostToGoal { plan: self.random.index(2) as u16 },
                 3 => Source::PriceOfConstraint { plan: 0, layer: self.random.index(2) as u8 },
@@ -156,8 +156,8 @@ impl Artist<'_> {
                     high: self.random.between(0.5, 1.0),
                 },
                 1 => FactKind::Near {
-                    x_m: self.place(),
-                    y_m: self.place(),
+                    x_m: self.coordinate(),
+                    y_m: self.coordinate(),
                     radius_m: self.random.between(0.5, 10.0),
                 },
                 2 => FactKind::Inside {
@@ -176,7 +176,7 @@ impl Artist<'_> {
         }
     }
 
-    /// Most of them ask for little, or nothing would ever run.
+    /// Most of them need few facts, or no action would ever run.
     fn descriptions(&mut self) {
         for _ in 0..self.random.count(1, 12) {
             let is_limited = self.random.chance(0.3);
@@ -221,7 +221,7 @@ impl Artist<'_> {
                     advice: self.random.unit(),
                     noise: self.random.unit(),
                 },
-                1 | 2 => ActionKind::GoTo { x_m: self.place(), y_m: self.place() },
+                1 | 2 => ActionKind::GoTo { x_m: self.coordinate(), y_m: self.coordinate() },
                 3 => ActionKind::Wander { for_ms: short_ms },
                 4 => ActionKind::Signal { code: self.random.below(1 << 16) as u16 },
                 5 => ActionKind::SetOutput {
@@ -265,8 +265,8 @@ impl Artist<'_> {
         }
     }
 
-    /// Stages one after the other, some with parallel edges, perhaps an edge past a stage, perhaps
-    /// the frame itself at the end.
+    /// Stages in sequence. Some have parallel edges or an edge that skips the next stage; the last
+    /// one may be the frame itself.
     fn production(&mut self, frame: usize, frames: usize) {
         let name = self.draft.name("");
         let first_edge = self.draft.edges.len() as u16;
@@ -274,7 +274,7 @@ impl Artist<'_> {
         for from in 0..stages {
             let is_last = from + 1 == stages;
             if is_last && self.random.chance(0.3) {
-                self.edge(from, from + 1, Symbol::Frame(frame as u16));
+                self.edge(from, from + 1, Symbol::PlanFrame(frame as u16));
                 break;
             }
             let width = if self.random.chance(0.2) { self.random.count(2, 4) } else { 1 };
@@ -316,7 +316,7 @@ impl Artist<'_> {
 
     fn symbol(&mut self, frames: usize) -> Symbol {
         if self.random.chance(0.25) {
-            Symbol::Frame(self.random.index(frames) as u16)
+            Symbol::PlanFrame(self.random.index(frames) as u16)
         } else {
             Symbol::Action(self.random.index(self.draft.actions.len()) as u16)
         }
@@ -355,8 +355,8 @@ impl Artist<'_> {
         self.random.index(self.draft.descriptions.len()) as u16
     }
 
-    /// A coordinate on the map, or a little beside it, metres.
-    fn place(&mut self) -> f32 {
+    /// A coordinate on the map, or up to 2 m outside it, metres.
+    fn coordinate(&mut self) -> f32 {
         self.random.between(-2.0, 22.0)
     }
 }

@@ -1,14 +1,14 @@
-//! Chance from a seed, the same on every machine.
+//! Random numbers from a seed, the same on every machine.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// A generator of chance.
+/// A generator of random numbers.
 #[derive(Clone, Debug)]
 pub struct Random(ChaCha8Rng);
 
 impl Random {
-    /// The generator of a seed.
+    /// The generator for a seed.
     pub fn new(seed: u64) -> Self {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
@@ -28,23 +28,23 @@ impl Random {
         self.unit() < probability
     }
 
-    /// True once in so many cases.
+    /// True in one of `cases` cases.
     pub fn one_in(&mut self, cases: u32) -> bool {
         self.below(cases.into()) == 0
     }
 
-    /// Below a limit; 0 where there is none below.
+    /// Uniform in `0 .. limit`; 0 if the limit is 0.
     pub fn below(&mut self, limit: u64) -> u64 {
-        // The tiny bias towards small numbers does not matter here.
+        // The slight bias towards small numbers does not matter here.
         self.0.next_u64() % limit.max(1)
     }
 
-    /// An index of something with so many elements.
+    /// An index into `length` elements.
     pub fn index(&mut self, length: usize) -> usize {
         self.below(length as u64) as usize
     }
 
-    /// A number of things: at least `least`, at most `most`.
+    /// Uniform in `least ..= most`.
     pub fn count(&mut self, least: usize, most: usize) -> usize {
         least + self.index(most - least + 1)
     }

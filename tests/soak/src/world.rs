@@ -1,4 +1,4 @@
-//! What the robot perceives, by chance: mostly sensible, now and then anything.
+//! Random percepts: mostly sensible, sometimes arbitrary.
 
 use crate::random::Random;
 use math::{Vec2, scalar, vector};
@@ -8,7 +8,7 @@ use robot_io::{Commands, Fix, Manual, Operator, Percepts, RangeReading};
 /// The usual time between two ticks, microseconds.
 const TICK_US: u64 = 50_000;
 
-/// A body that does what it is told, and sensors that do not.
+/// A body that follows its commands, and unreliable sensors.
 #[derive(Clone, Debug)]
 pub struct World<'a> {
     blob: Blob<'a>,
@@ -21,7 +21,7 @@ pub struct World<'a> {
 }
 
 impl<'a> World<'a> {
-    /// Somewhere on the map.
+    /// A world with the robot at a random position on the map.
     pub fn new(blob: &Blob<'a>, random: &mut Random) -> Self {
         Self {
             blob: *blob,
@@ -34,7 +34,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// What is perceived in this tick.
+    /// The percepts of this tick.
     pub fn percepts(&mut self, random: &mut Random) -> Percepts {
         self.change(random);
         let wild = |random: &mut Random, value: f32| match random.index(400) {
@@ -44,7 +44,7 @@ impl<'a> World<'a> {
             3 => Some(f32::from_bits(random.below(1 << 32) as u32)),
             _ => Some(value),
         };
-        let fix = self.blob.frame().filter(|_| self.has_fix).map(|frame| Fix {
+        let fix = self.blob.map_frame().filter(|_| self.has_fix).map(|frame| Fix {
             time_us: self.time_us,
             is_valid: !random.one_in(100),
             place: frame.to_geodetic(self.position),
@@ -70,7 +70,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Until the next tick.
+    /// Advances to the next tick.
     pub fn go(&mut self, commands: &Commands, random: &mut Random) {
         let seconds = TICK_US as f32 * 1e-6;
         self.position += vector::from_angle(self.heading_rad) * (commands.speed_mps * seconds);
@@ -85,8 +85,7 @@ impl<'a> World<'a> {
         };
     }
 
-    /// Inputs wander; now and then one jumps, stays away or is no number. The human changes his
-    /// mind.
+    /// Inputs vary; sometimes one jumps, is missing or is not a number. The operator interferes.
     fn change(&mut self, random: &mut Random) {
         for input in &mut self.inputs {
             let now = input.filter(|value| value.is_finite()).unwrap_or(0.5);

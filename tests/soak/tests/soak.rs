@@ -1,4 +1,4 @@
-//! A short soak, and what is measured on missions made for it.
+//! A short soak, and measurements on missions made for them.
 
 use behaviour::Decision;
 use controller::{State, explain};
@@ -21,7 +21,8 @@ fn equal_seeds_give_equal_runs() {
     assert_eq!(run(), run());
 }
 
-/// In tick 732 of this mission eight actions that take no time begin and end, and nothing else.
+/// In tick 732 of this mission, eight actions that take no time begin and end, and nothing else
+/// happens.
 #[test]
 fn a_tick_full_of_actions_that_take_no_time_is_not_dead() {
     soak(1666, 1, &mut |_| {}).unwrap_or_else(|failure| panic!("{failure}"));
@@ -36,7 +37,7 @@ fn armed(time_us: u64, inputs: [Option<f32>; 8]) -> Percepts {
     }
 }
 
-/// H07: a million times round through the whole tick, and the pool is as it was.
+/// H07: a million iterations through the whole tick, in constant memory.
 #[test]
 fn a_million_iterations_take_constant_memory() {
     let blob = fixtures::blob(fixtures::endless_loop()).expect("the mission is sound");
@@ -54,8 +55,8 @@ fn a_million_iterations_take_constant_memory() {
     assert!(tick <= 250_000, "an iteration is two steps, and a tick has eight");
 }
 
-/// H36: sixteen behaviours that change places in criticality all the time. Whoever is clearly the
-/// most critical has the robot within the one action that it interrupts nobody in, and a tick.
+/// H36: sixteen behaviours whose criticalities change all the time. A behaviour that is clearly the
+/// most critical has the robot as soon as the running action ends.
 #[test]
 fn sixteen_behaviours_starve_nobody() {
     let blob = fixtures::blob(fixtures::sixteen()).expect("the mission is sound");
@@ -83,11 +84,11 @@ fn sixteen_behaviours_starve_nobody() {
     }
     assert!(switches > 2_000, "only {switches} switches");
     // An action of 100 ms is two ticks of 50 ms.
-    assert!(longest <= 2, "somebody waited for {longest} ticks");
+    assert!(longest <= 2, "a behaviour waited for {longest} ticks");
 }
 
-/// The mission of the instruction budget is what it says: all behaviours have the robot in turn,
-/// twelve components live, and something always drives.
+/// The mission of the instruction budget keeps its promises: each behaviour has the robot in turn,
+/// twelve components live at once, and an action always drives.
 #[test]
 fn the_mission_of_the_budget_is_as_large_as_it_says() {
     let blob = fixtures::blob(fixtures::budget()).expect("the mission is sound");
@@ -98,7 +99,7 @@ fn the_mission_of_the_budget_is_as_large_as_it_says() {
     let (mut most, mut engaged) = (0, 0_u16);
     for tick in 1..=400_u32 {
         let mut percepts = armed(u64::from(tick) * 50_000, [Some(fixtures::wave(tick)); 8]);
-        percepts.fix = blob.frame().map(|frame| robot_io::Fix {
+        percepts.fix = blob.map_frame().map(|frame| robot_io::Fix {
             time_us: percepts.time_us,
             is_valid: true,
             place: frame.to_geodetic(math::Vec2::new(3.5, 3.5)),

@@ -1,8 +1,7 @@
-//! Scripts as text in, what was decided as text out. Missions are written in the notation of
-//! `fixtures`.
+//! Scripts as text in, decisions as text out. Missions are in the notation of `fixtures`.
 //!
-//! A script is one line for some ticks: `fuel=0.5 at=3,4 x20`. What is set stays set. The log has a
-//! line for each tick that differs from the one before.
+//! Each line of a script sets values and runs ticks: `fuel=0.5 at=3,4 x20`. Values keep until they
+//! are set again. The log has a line for each tick that differs from the one before.
 
 use behaviour::{Behaviours, Decision, Observations, Refusal, Report, Running, World};
 use math::{Vec2, vector};
@@ -20,7 +19,7 @@ pub(crate) fn check(mission: &str, script: &str, expected: &str) {
     assert_eq!(lines(&log), lines(expected), "the log is\n{log}");
 }
 
-/// What comes of a script.
+/// The log of a script.
 pub(crate) fn log(mission: &str, script: &str) -> String {
     let blob = blob(mission);
     let mut robot = Robot::new(&blob);
@@ -39,8 +38,8 @@ fn parse<T: std::str::FromStr>(word: &str) -> T {
     word.parse().unwrap_or_else(|_| panic!("`{word}` is not a number"))
 }
 
-/// A world without obstacles: parallel plan 0 leads straight to (50, 0), layer k at 10 k metres
-/// more.
+/// A world without obstacles. Parallel plan 0 leads straight to (50, 0); its layer k costs 10 k
+/// metres more.
 struct Field(Option<Vec2>);
 
 const GOAL: Vec2 = Vec2::new(50.0, 0.0);
@@ -58,12 +57,12 @@ impl World for Field {
         plan == 0 && self.is_at(GOAL)
     }
 
-    fn is_at(&self, place: Vec2) -> bool {
-        self.0.is_some_and(|at| vector::length(place - at) <= 1.0)
+    fn is_at(&self, point: Vec2) -> bool {
+        self.0.is_some_and(|at| vector::length(point - at) <= 1.0)
     }
 }
 
-/// A robot whose inputs are written by hand.
+/// A robot with scripted inputs.
 pub(crate) struct Robot<'a> {
     pub(crate) mission: Mission<'a>,
     pub(crate) behaviours: Behaviours,
@@ -104,8 +103,8 @@ impl<'a> Robot<'a> {
         for word in line.split_whitespace() {
             match word.split_once('=') {
                 Some(("at", "?")) => self.position = None,
-                Some(("at", place)) => {
-                    let (x, y) = place.split_once(',').expect("a place is x,y");
+                Some(("at", point)) => {
+                    let (x, y) = point.split_once(',').expect("a point is x,y");
                     self.position = Some(Vec2::new(parse(x), parse(y)));
                 }
                 Some(("tick", ms)) => self.tick_ms = parse(ms),
@@ -143,7 +142,7 @@ impl<'a> Robot<'a> {
         };
         let mut report = Report::default();
         let running = self.behaviours.step(&self.mission, &seen, &mut report);
-        assert_eq!(report.omitted, 0, "a test shall see everything");
+        assert_eq!(report.omitted, 0, "a test must see every decision");
         let mut parts: Vec<String> =
             report.decisions.iter().filter_map(|decision| self.decision(decision)).collect();
         parts.push(self.names(&running));
@@ -230,7 +229,7 @@ impl<'a> Robot<'a> {
                     Violation::Transient => "cannot go on",
                     Violation::Goal => "missed its goal",
                     Violation::Interval => "lost its protection",
-                    Violation::Foreign => "spoils what a sleeper protects",
+                    Violation::Foreign => "violates what a sleeper protects",
                 },
                 facts,
             ),
@@ -239,7 +238,7 @@ impl<'a> Robot<'a> {
                 match why {
                     Doubt::NoProducer => "may lack",
                     Doubt::Clobberer(_) => "may lose",
-                    Doubt::Choice(_) => "may spoil by a choice",
+                    Doubt::Choice(_) => "may violate by a choice",
                 },
                 facts,
             ),

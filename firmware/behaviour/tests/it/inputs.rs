@@ -2,8 +2,8 @@
 
 use crate::bench::{Robot, blob, check};
 
-/// H46: the last value holds for a time, then the declared one counts; what is not finite is
-/// missing; without any value from the start the declared one counts at once.
+/// H46: the last value is kept for a time, then the declared one is used. A value that is not
+/// finite is missing. An input that never had a value has the declared one at once.
 #[test]
 fn missing_inputs_hold_and_then_count_as_declared() {
     let mission = "
@@ -104,7 +104,7 @@ fn every_kind_of_fact() {
     }
 }
 
-/// Time that jumps, backwards too, neither ends nor begins anything by itself.
+/// A clock that jumps back neither ends nor starts an action.
 #[test]
 fn a_clock_that_jumps_back_stops_nothing() {
     check(

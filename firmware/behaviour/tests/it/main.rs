@@ -1,4 +1,4 @@
-//! The behaviour control system, from observations to what runs and why.
+//! The behaviour control system, from observations to running actions and their reasons.
 
 mod bench;
 mod inputs;

@@ -1,8 +1,8 @@
-//! Initial, transient and goal descriptions, intervals, timeouts and what follows (H10, H13 to H16).
+//! Descriptions, protection intervals and timeouts, and the reactions to them (H10, H13 to H16).
 
 use crate::bench::check;
 
-/// A frame with two ways to do something: the more applicable one fails as `CLAUSE` says.
+/// A frame with two productions. The more applicable one begins with an action with this clause.
 fn two_ways(clause: &str) -> String {
     format!(
         "input a
@@ -20,7 +20,8 @@ fn two_ways(clause: &str) -> String {
     )
 }
 
-/// H10, H14: whatever is violated, the frame chooses anew among what it has not tried.
+/// H10, H14: whichever description is violated, the frame chooses again among its untried
+/// productions.
 #[test]
 fn a_violated_description_makes_the_frame_choose_anew() {
     let script = "hint=0.8333 at=9,0\nat=20,0 x5";
@@ -68,7 +69,7 @@ fn a_violated_description_makes_the_frame_choose_anew() {
     );
 }
 
-/// H14: effects take place at the end, both lists at once, and only if the goal holds.
+/// H14: the effects of both lists occur together at the end, and only if the goal holds.
 #[test]
 fn effects_and_goal_go_together() {
     let log = crate::bench::log(&two_ways("adds done; goal here"), "hint=0.8333 at=9,0\nat=20,0");
@@ -77,7 +78,7 @@ fn effects_and_goal_go_together() {
     let mut robot = crate::bench::Robot::new(&bytes);
     robot.go("hint=0.8333 at=9,0");
     robot.go("at=20,0");
-    assert_eq!(robot.report.facts, 0, "what has missed its goal has no effect");
+    assert_eq!(robot.report.facts, 0, "an action that misses its goal has no effect");
     let bytes = crate::bench::blob(&two_ways("adds done; goal done"));
     let mut robot = crate::bench::Robot::new(&bytes);
     robot.go("hint=0.8333 at=9,0");
@@ -85,7 +86,7 @@ fn effects_and_goal_go_together() {
     assert_eq!(robot.report.facts, 1 << 1, "the goal sees the effects");
 }
 
-/// H13: an interval that is violated while it lasts makes its frame choose anew in that tick.
+/// H13: if an interval in force is violated, its frame chooses again in that tick.
 #[test]
 fn a_violated_interval_falls_back_in_that_tick() {
     check(
@@ -109,7 +110,7 @@ fn a_violated_interval_falls_back_in_that_tick() {
     );
 }
 
-/// At the root, when all has been tried, the behaviour fails and everything is returned.
+/// When the root has tried every production, the behaviour fails.
 #[test]
 fn when_all_has_been_tried_the_behaviour_fails() {
     check(
@@ -122,7 +123,7 @@ fn when_all_has_been_tried_the_behaviour_fails() {
     );
 }
 
-/// H15: the strictest constraint on the way down holds.
+/// H15: the strictest constraint from the root down applies.
 #[test]
 fn constraints_are_inherited() {
     check(
@@ -140,7 +141,7 @@ fn constraints_are_inherited() {
     );
 }
 
-/// Waiting is not being stuck: progress is counted from when an action begins to drive.
+/// Waiting does not count as stuck: progress is measured from the start of each action that drives.
 #[test]
 fn progress_is_counted_for_each_drive() {
     check(
@@ -170,7 +171,7 @@ fn progress_is_counted_for_each_drive() {
     );
 }
 
-/// An action ends as soon as its `until` holds; a signal is reported once at least, an output stays.
+/// An action ends as soon as its `until` holds; a signal is reported at least once.
 #[test]
 fn until_signals_and_outputs() {
     check(
@@ -193,7 +194,7 @@ fn until_signals_and_outputs() {
     );
 }
 
-/// H21: doubts are reported before what they are about is due.
+/// H21: a doubt is reported before its component is due.
 #[test]
 fn doubts_are_reported_in_advance() {
     check(
@@ -214,7 +215,7 @@ fn doubts_are_reported_in_advance() {
     );
 }
 
-/// H22, H23: two behaviours that run together are both looked at.
+/// H22, H23: of two behaviours that run together, the doubts of both are reported.
 #[test]
 fn doubts_of_all_that_run_are_looked_at() {
     let log = crate::bench::log(

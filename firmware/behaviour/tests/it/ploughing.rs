@@ -21,8 +21,8 @@ const FIELD: &str = "
     behaviour refuelling refuel; when fuel PB PB PM PM NB NB NB
 ";
 
-/// H26, figure 4: fuel ZO during `forward`; point 1, at its end, lies in the protection of the
-/// field; the switch is at point 2, and no strip is repeated.
+/// H26, figure 4: fuel becomes ZO during `forward`. At point 1, its end, the protection interval is
+/// in force; the switch is at point 2, and no strip is repeated.
 #[test]
 fn at_fuel_zo_the_switch_is_at_point_2() {
     check(
@@ -69,7 +69,7 @@ fn at_fuel_nm_or_nb_the_switch_is_at_once() {
     }
 }
 
-/// H28 during `back`: it cannot be taken up again from the near side, so the strip begins anew.
+/// H28 during `back`: the action cannot resume from the near side, so the strip starts again.
 #[test]
 fn an_interrupted_back_means_the_strip_again() {
     check(
@@ -93,7 +93,7 @@ fn an_interrupted_back_means_the_strip_again() {
     );
 }
 
-/// Where the world is as it was, what was interrupted is taken up again.
+/// Without a deviation, the interrupted action resumes.
 #[test]
 fn without_a_deviation_an_interrupted_action_is_taken_up_again() {
     check(
@@ -117,8 +117,8 @@ fn without_a_deviation_an_interrupted_action_is_taken_up_again() {
     );
 }
 
-/// A deviation that cannot be mended at once is a failure: beside the field no strip begins. The
-/// behaviour rests, and tries again.
+/// A deviation that persists is a failure: beside the field no strip can start. The behaviour
+/// rests, and tries again.
 #[test]
 fn beside_the_field_nothing_is_ploughed() {
     check(
@@ -140,8 +140,9 @@ fn beside_the_field_nothing_is_ploughed() {
     );
 }
 
-/// Table 6: from PM on the rule is not applicable; the loop ends, and with it the behaviour, which
-/// is still critical and begins again only to find nothing to do. At PB it is dormant.
+/// Table 6: from PM on the production is not applicable, so the loop and the behaviour end. Still
+/// critical, the behaviour starts again, finds no applicable production and fails. At PB it is
+/// dormant.
 #[test]
 fn the_loop_ends_when_the_field_is_ready() {
     check(
@@ -161,7 +162,7 @@ fn the_loop_ends_when_the_field_is_ready() {
     );
 }
 
-/// The paper's figures: ZO is not urgent, PM is what exceeds PS; between the labels the criticality
+/// The paper's values: ZO is not urgent, and PM exceeds PS. Between two labels the criticality
 /// decides.
 #[test]
 fn the_order_of_the_two_behaviours_follows_the_golden_values() {

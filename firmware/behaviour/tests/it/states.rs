@@ -1,9 +1,9 @@
-//! What a behaviour is doing, and how it comes from one state to another (H01, H02, H29, H34).
+//! The life-cycle states of a behaviour and the transitions between them (H01, H02, H29, H34).
 
 use crate::bench::{Robot, blob, check};
 use behaviour::Phase;
 
-/// Two behaviours for one resource, each two steps of 200 ms, with all activities.
+/// Two behaviours that share a resource, each with two steps of 200 ms, a start-up and a shut-down.
 const ALL: &str = "
     input first
     input second
@@ -21,7 +21,7 @@ const ALL: &str = "
     behaviour b work; when second NB NM NS ZO PS PM PB; start-up prepare; shut-down tidy
 ";
 
-/// Every state of a behaviour, and every way from one to another.
+/// Every state of a behaviour, and every transition.
 #[test]
 fn the_states_and_the_ways_between_them() {
     check(
@@ -60,12 +60,12 @@ fn the_states_and_the_ways_between_them() {
         ("x1", [Phase::Sleeping, Phase::StartingUp]),
         ("x1", [Phase::Sleeping, Phase::Active]),
         ("second=0 x4", [Phase::Active, Phase::Sleeping]),
-        // Urgent: at once, without shutting down; the start-up is given up.
+        // Urgent: at once, without a shut-down; the other's start-up is abandoned.
         ("second=1", [Phase::Sleeping, Phase::StartingUp]),
         ("x1", [Phase::Sleeping, Phase::Active]),
         ("first=0 second=0", [Phase::Sleeping, Phase::Active]),
         ("x9", [Phase::Sleeping, Phase::Idle]),
-        // Woken from being dormant.
+        // Critical again, so it wakes.
         ("first=0.5", [Phase::StartingUp, Phase::Idle]),
         ("x1", [Phase::Active, Phase::Idle]),
         ("first=0 x2", [Phase::Idle, Phase::Idle]),
@@ -77,7 +77,7 @@ fn the_states_and_the_ways_between_them() {
         let now = [robot.behaviours.phase(0), robot.behaviours.phase(1)];
         assert_eq!(now, *phases, "row {number}: {line}");
     }
-    assert_eq!(robot.behaviours.components(), 0, "everything is returned");
+    assert_eq!(robot.behaviours.components(), 0, "the pool is empty");
 }
 
 /// H02: the criticality follows the aspect of interest in every tick.
@@ -94,8 +94,8 @@ fn criticalities_follow_their_inputs_each_tick() {
     }
 }
 
-/// H34: the start-up comes before the plan that is engaged and again before it is resumed; the
-/// shut-down before it sleeps, but not after an unconditional switch.
+/// H34: the start-up runs before a plan is engaged and before it is resumed; the shut-down runs
+/// before it sleeps, but not after an unconditional switch.
 #[test]
 fn start_up_and_shut_down_frame_the_work() {
     check(
@@ -131,8 +131,8 @@ fn start_up_and_shut_down_frame_the_work() {
     );
 }
 
-/// H34: a start-up that fails fails the behaviour, which rests; a shut-down that fails does not
-/// keep the other one waiting.
+/// H34: if a start-up fails, its behaviour fails and rests; if a shut-down fails, the other
+/// behaviour proceeds.
 #[test]
 fn activities_that_fail() {
     let never =
@@ -159,8 +159,8 @@ fn activities_that_fail() {
     );
 }
 
-/// H29: a dormant behaviour is not engaged; one that becomes dormant while it works goes on to its
-/// end; one that sleeps wakes only when it is critical again.
+/// H29: a dormant behaviour is not engaged. An active one that becomes dormant completes its plan;
+/// a sleeping one wakes only when it is critical again.
 #[test]
 fn dormant_behaviours_begin_nothing_and_end_what_they_have_begun() {
     let mission = "
@@ -199,7 +199,7 @@ fn dormant_behaviours_begin_nothing_and_end_what_they_have_begun() {
     );
 }
 
-/// A behaviour that fails rests for a second while others have the robot.
+/// A failed behaviour rests for a second while another has the robot.
 #[test]
 fn a_behaviour_that_has_failed_rests() {
     check(
@@ -223,7 +223,7 @@ fn a_behaviour_that_has_failed_rests() {
     );
 }
 
-/// A plan that was interrupted before its root was decomposed is decomposed when it is resumed.
+/// A plan that is interrupted before its root is decomposed is decomposed when it resumes.
 #[test]
 fn a_plan_that_has_not_begun_can_be_interrupted_and_resumed() {
     check(
@@ -248,7 +248,7 @@ fn a_plan_that_has_not_begun_can_be_interrupted_and_resumed() {
     );
 }
 
-/// A pause takes no time away from anything: neither the action nor its timeout goes on.
+/// During a pause, neither the action's time nor its timeout advances.
 #[test]
 fn time_stands_still_during_a_pause() {
     check(

@@ -2,7 +2,7 @@
 
 use crate::bench::check;
 
-/// Two behaviours with three steps each; `PART` is replaced by clauses of the first one.
+/// Two behaviours; the first has three steps and these further clauses.
 fn two(clauses: &str) -> String {
     format!(
         "input first
@@ -50,7 +50,7 @@ fn the_earliest_point_and_the_best_differ() {
     );
 }
 
-/// H38: what is lost is said, at a point and at once.
+/// H38: the lost work is reported, at a point and at once.
 #[test]
 fn the_cost_of_an_unconditional_switch_is_that_of_what_ran() {
     check(
@@ -90,8 +90,8 @@ fn hysteresis_and_dwell_keep_two_behaviours_from_chattering() {
     );
 }
 
-/// H32: two behaviours of nearly equal criticality whose inputs are noisy alternate no more often
-/// than dwell and hysteresis allow.
+/// H32: two behaviours with nearly equal criticalities and noisy inputs alternate only as often as
+/// dwell and hysteresis allow.
 #[test]
 fn noise_makes_nobody_chatter() {
     use crate::bench::{Robot, blob};
@@ -123,7 +123,8 @@ fn noise_makes_nobody_chatter() {
     assert_eq!(switches("hysteresis 0.15"), 0);
 }
 
-/// Whoever has the robot keeps it among equals, wherever they stand in the mission.
+/// Of two equally critical behaviours, the engaged one keeps the robot, whatever their order in the
+/// mission.
 #[test]
 fn equals_do_not_interrupt_each_other() {
     check(
@@ -137,7 +138,7 @@ fn equals_do_not_interrupt_each_other() {
     );
 }
 
-/// Two that are both urgent do not chatter around the threshold.
+/// Two urgent behaviours do not chatter around the threshold.
 #[test]
 fn the_hysteresis_holds_among_the_urgent_too() {
     check(
@@ -152,7 +153,7 @@ fn the_hysteresis_holds_among_the_urgent_too() {
     );
 }
 
-/// From its threshold on a behaviour is engaged at once, dwell or not; without it, it waits.
+/// Above its threshold a behaviour is engaged at once, despite the other's dwell; below, it waits.
 #[test]
 fn urgency_knows_no_dwell() {
     check(
@@ -166,8 +167,8 @@ fn urgency_knows_no_dwell() {
     );
 }
 
-/// H30: a point is a vertex where no action runs. Of parallel branches one reaches its vertices
-/// while the other acts; they are interrupted where they join.
+/// H30: a switching point is a vertex where no action runs. Parallel branches reach vertices at
+/// different times, so they are interrupted where they join.
 #[test]
 fn parallel_branches_are_interrupted_where_they_join() {
     check(
@@ -195,7 +196,8 @@ fn parallel_branches_are_interrupted_where_they_join() {
     );
 }
 
-/// Actions that are done at once pass a vertex within a tick; who waits gets it all the same.
+/// Actions that end at once pass a vertex within a tick; a waiting behaviour still takes over
+/// there.
 #[test]
 fn a_vertex_that_is_passed_within_a_tick_is_a_point_too() {
     check(
@@ -246,9 +248,9 @@ const NESTED: &str = "
     behaviour releasing release; when c NB NM NS ZO PS PM PB
 ";
 
-/// H27, H35: three behaviours, each interrupting the one before. What the first holds excludes the
-/// third, which names it and waits; so the first goes on in its place, before the second is
-/// done, and gives up what it holds.
+/// H27, H35: three behaviours; the second interrupts the first. What the first protects excludes
+/// the third, which reports this and waits. So the first resumes in place of the third, before the
+/// second is done, and finishes what it protects.
 #[test]
 fn an_excluded_behaviour_names_who_excludes_it_and_lets_it_finish() {
     check(
@@ -268,8 +270,8 @@ fn an_excluded_behaviour_names_who_excludes_it_and_lets_it_finish() {
     );
 }
 
-/// H35: from its threshold on it is engaged at last, and the report names the victim; the sleeper
-/// finds its protection lost when it wakes (H28).
+/// H35: above its threshold the excluded behaviour is engaged, and the report names the overruled
+/// one, which finds its protection interval violated when it wakes (H28).
 #[test]
 fn an_urgent_behaviour_overrules_what_excludes_it() {
     check(
@@ -283,10 +285,10 @@ fn an_urgent_behaviour_overrules_what_excludes_it() {
          2: fetching interrupted by standing, standing engaged, [park wait leave], park
          3: wait
          4: fetching overruled by releasing, standing stopped by releasing, releasing engaged, [open], open
-         5: releasing finished, spoils what a sleeper protects: gripped, standing resumed, wait
-         6: spoils what a sleeper protects: gripped, wait
-         7: spoils what a sleeper protects: gripped, fetching waits: standing is at no point, wait
-         8: spoils what a sleeper protects: gripped, standing interrupted by fetching, fetching resumed, lost its protection: gripped, [grip carry put], grip
+         5: releasing finished, violates what a sleeper protects: gripped, standing resumed, wait
+         6: violates what a sleeper protects: gripped, wait
+         7: violates what a sleeper protects: gripped, fetching waits: standing is at no point, wait
+         8: violates what a sleeper protects: gripped, standing interrupted by fetching, fetching resumed, lost its protection: gripped, [grip carry put], grip
          9: carry
          12: put
          13: fetching finished, fetching engaged, [grip carry put], grip
@@ -294,7 +296,7 @@ fn an_urgent_behaviour_overrules_what_excludes_it() {
     );
 }
 
-/// H22, H27: what a sleeping behaviour holds is watched while others have the robot.
+/// H22, H27: what a sleeping behaviour protects is checked while others have the robot.
 #[test]
 fn a_violated_interval_of_a_sleeper_is_reported() {
     check(
@@ -317,14 +319,14 @@ fn a_violated_interval_of_a_sleeper_is_reported() {
         "1: staying engaged, [one two], one
          2: staying interrupted by going, going engaged, [away], away
          3: away
-         4: spoils what a sleeper protects: here, away
-         6: going finished, spoils what a sleeper protects: here, staying resumed, lost its protection: here, [one two], one
+         4: violates what a sleeper protects: here, away
+         6: going finished, violates what a sleeper protects: here, staying resumed, lost its protection: here, [one two], one
          7: lost its protection: here, stay NothingApplicable, staying failed, -
          8: -",
     );
 }
 
-/// What a sleeping behaviour holds is held against others only while it is critical at all.
+/// A sleeping behaviour protects its facts from others only while it is not dormant.
 #[test]
 fn a_dormant_sleeper_protects_nothing() {
     check(

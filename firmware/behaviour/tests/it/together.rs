@@ -1,4 +1,4 @@
-//! Behaviours at the same time (H30, H31), and everything that is bounded.
+//! Behaviours that run together (H30, H31), and the bounds.
 
 use crate::bench::check;
 
@@ -20,7 +20,7 @@ const THREE: &str = "
     behaviour taker all; when c NB NM NS ZO PS PM PB; resources 3
 ";
 
-/// H31: what shares no resource runs together; a conflict makes it exclusive.
+/// H31: behaviours that share no resource run together.
 #[test]
 fn behaviours_that_share_nothing_run_together() {
     check(
@@ -36,8 +36,8 @@ fn behaviours_that_share_nothing_run_together() {
     );
 }
 
-/// A behaviour that needs what two others have gets it from each at its own point: they have no
-/// point in common for a long time.
+/// If a behaviour needs the resources of two others, each yields at its own point: for a long time
+/// they have no common point.
 #[test]
 fn several_in_the_way_yield_one_after_the_other() {
     check(THREE, "a=0.5 b=0.3333 c=0\nc=0.6667 x5\nc=0 x3", "1: driver engaged, looker engaged, [drive driving], [look looking], drive & look
@@ -51,7 +51,7 @@ fn several_in_the_way_yield_one_after_the_other() {
          9: drive & look");
 }
 
-/// Nobody sleeps in vain while another's minimum dwell lasts.
+/// No behaviour is put to sleep while the minimum dwell of another one would still block the claim.
 #[test]
 fn none_yields_while_another_may_not() {
     let dwelling = THREE.replace("resources 1", "resources 1; dwell 900");
@@ -67,7 +67,7 @@ fn none_yields_while_another_may_not() {
          10: taker waits: looker is at no point, driver interrupted by taker, look");
 }
 
-/// While one waits for what another has, the rest of what it needs is used by others.
+/// While a behaviour waits for one resource, others use the other resources that it needs.
 #[test]
 fn who_waits_for_the_heavier_blocks_nobody_else() {
     check(
@@ -79,8 +79,8 @@ fn who_waits_for_the_heavier_blocks_nobody_else() {
     );
 }
 
-/// H05: parallel edges start in one tick and join. No more than eight actions run at once; the
-/// others wait for their turn.
+/// H05: parallel edges start in one tick and join. At most eight actions run at once; the others
+/// wait.
 #[test]
 fn at_most_eight_actions_run_at_once() {
     check(
@@ -98,8 +98,8 @@ fn at_most_eight_actions_run_at_once() {
     );
 }
 
-/// H43: at most eight steps a tick, so a plan that decomposes deeply or passes many actions at once
-/// takes several ticks.
+/// H43: at most eight steps per tick, so a plan of many actions that end at once takes several
+/// ticks.
 #[test]
 fn steps_in_a_tick_are_bounded() {
     check(
@@ -117,7 +117,7 @@ fn steps_in_a_tick_are_bounded() {
     );
 }
 
-/// A pool without room and a plan that is too deep are reported, and fail.
+/// A plan that is too deep, or too large for the pool, fails with a reason.
 #[test]
 fn what_finds_no_room_fails_with_a_reason() {
     check(

@@ -116,7 +116,7 @@ impl<'a> Robot<'a> {
 
     /// What a robot without sensor errors perceives in this pose, armed and with nothing around.
     pub(crate) fn percepts(&self) -> Percepts {
-        let fix = self.blob.frame().map(|frame| Fix {
+        let fix = self.blob.map_frame().map(|frame| Fix {
             time_us: self.time_us,
             is_valid: true,
             place: frame.to_geodetic(self.position),

@@ -23,7 +23,7 @@ impl<'a> Watch<'a> {
     }
 
     fn fix(&self, x: f32, y: f32) -> Fix {
-        let frame = self.blob.frame().expect("there is an origin");
+        let frame = self.blob.map_frame().expect("there is an origin");
         Fix {
             time_us: self.time_us,
             is_valid: true,

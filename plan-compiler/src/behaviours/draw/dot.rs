@@ -85,7 +85,7 @@ fn write_production(
         let _ = writeln!(out, "      p{index}_{vertex} [shape={shape}, label=\"{label}\"];");
     }
     for edge in drawn.mission.edges_of(production) {
-        let style = if matches!(edge.symbol, Symbol::Frame(_)) { "bold" } else { "solid" };
+        let style = if matches!(edge.symbol, Symbol::PlanFrame(_)) { "bold" } else { "solid" };
         let name = drawn.symbol(edge.symbol);
         let text = if edge.work > 0 { format!("{name} ({})", edge.work) } else { name.to_owned() };
         let _ = writeln!(

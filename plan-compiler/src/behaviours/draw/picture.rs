@@ -174,7 +174,7 @@ impl Panel {
             let (from, to) = (columns[usize::from(edge.from)], columns[usize::from(edge.to)]);
             let y = axis + f64::from(lane) * LANE_PX;
             self.edge(from, to, axis, y);
-            let is_frame = matches!(edge.symbol, Symbol::Frame(_));
+            let is_frame = matches!(edge.symbol, Symbol::PlanFrame(_));
             self.component((from + to) / 2.0, y, text, is_frame, &drawn.details(edge.symbol));
         }
         for (vertex, &x) in columns.iter().enumerate() {

@@ -84,7 +84,7 @@ impl Search<'_> {
             let edges = usize::from(production.first_edge);
             let edges = &draft.edges[edges..edges + usize::from(production.edges)];
             let parts = edges.iter().map(|edge| match edge.symbol {
-                Symbol::Frame(inner) => self.of_frame(inner.into()),
+                Symbol::PlanFrame(inner) => self.of_frame(inner.into()),
                 Symbol::Action(_) => Some(SINGLE),
             });
             let parts: Vec<Need> = parts.collect::<Option<_>>()?;

@@ -39,7 +39,7 @@ pub(super) fn reaches(draft: &MissionDraft, from: usize, to: usize) -> bool {
     let mut at = 0;
     while at < seen.len() {
         for symbol in below(draft, seen[at]) {
-            if let Symbol::Frame(index) = symbol {
+            if let Symbol::PlanFrame(index) = symbol {
                 let index = usize::from(index);
                 if index == to {
                     return true;
@@ -74,7 +74,7 @@ impl Lints<'_> {
                 let record = self.draft.productions[first + number];
                 for (index, edge) in production.graph.edges.iter().enumerate() {
                     let at = usize::from(record.first_edge) + index;
-                    let Symbol::Frame(inner) = self.draft.edges[at].symbol else { continue };
+                    let Symbol::PlanFrame(inner) = self.draft.edges[at].symbol else { continue };
                     let inner = usize::from(inner);
                     if (inner == frame || reaches(self.draft, inner, frame))
                         && let Some((message, label, help)) =
@@ -129,7 +129,7 @@ impl Lints<'_> {
         });
         roots.map(usize::from).any(|root| root == frame)
             || (0..self.draft.frames.len()).any(|other| {
-                below(self.draft, other).contains(&Symbol::Frame(frame as u16))
+                below(self.draft, other).contains(&Symbol::PlanFrame(frame as u16))
                     && !reaches(self.draft, frame, other)
                     && other != frame
             })

@@ -137,7 +137,7 @@ fn held_at_points(draft: &MissionDraft, root: usize) -> Vec<Held> {
             let record = draft.productions[production];
             let edges = draft.edges.iter().skip(record.first_edge.into()).take(record.edges.into());
             for edge in edges {
-                if let Symbol::Frame(inner) = edge.symbol {
+                if let Symbol::PlanFrame(inner) = edge.symbol {
                     let held = protected(draft, production, edge.from, edge.to, outer);
                     waiting.push((inner.into(), held, depth + 1));
                 }

@@ -162,14 +162,14 @@ impl Lints<'_> {
             let edges = usize::from(production.first_edge);
             let symbols = draft.edges[edges..edges + usize::from(production.edges)].iter();
             let all_end = symbols.clone().all(|edge| match edge.symbol {
-                Symbol::Frame(inner) => ends[usize::from(inner)],
+                Symbol::PlanFrame(inner) => ends[usize::from(inner)],
                 Symbol::Action(_) => true,
             });
             if all_end {
                 return true;
             }
             is_loop |= symbols.enumerate().any(|(number, edge)| {
-                matches!(edge.symbol, Symbol::Frame(inner)
+                matches!(edge.symbol, Symbol::PlanFrame(inner)
                     if super::recursion::reaches(draft, inner.into(), frame) || usize::from(inner) == frame)
                     && is_last(draft, production, number)
             });

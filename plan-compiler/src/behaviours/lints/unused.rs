@@ -12,11 +12,11 @@ impl Lints<'_> {
         let mut used: Vec<Symbol> = Vec::new();
         for behaviour in &draft.behaviours {
             let frames = [Some(behaviour.root), behaviour.start_up, behaviour.shut_down];
-            used.extend(frames.into_iter().flatten().map(Symbol::Frame));
+            used.extend(frames.into_iter().flatten().map(Symbol::PlanFrame));
         }
         let mut at = 0;
         while let Some(&symbol) = used.get(at) {
-            if let Symbol::Frame(index) = symbol {
+            if let Symbol::PlanFrame(index) = symbol {
                 for inner in below(draft, index.into()) {
                     if !used.contains(&inner) {
                         used.push(inner);
@@ -27,7 +27,7 @@ impl Lints<'_> {
         }
         let syntax = self.syntax;
         let frames = syntax.frames.iter().enumerate().map(|(index, frame)| {
-            ("frame", &frame.name, used.contains(&Symbol::Frame(index as u16)))
+            ("frame", &frame.name, used.contains(&Symbol::PlanFrame(index as u16)))
         });
         let actions = syntax.actions.iter().enumerate().map(|(index, action)| {
             ("action", &action.name, used.contains(&Symbol::Action(index as u16)))
@@ -69,7 +69,7 @@ impl Lints<'_> {
     pub(super) fn side_by_side(&mut self) {
         let (syntax, draft) = (self.syntax, self.draft);
         let resources = |symbol: Symbol| match symbol {
-            Symbol::Frame(index) => draft.frames[usize::from(index)].resources,
+            Symbol::PlanFrame(index) => draft.frames[usize::from(index)].resources,
             Symbol::Action(index) => draft.actions[usize::from(index)].resources,
         };
         let productions = syntax.frames.iter().flat_map(|frame| &frame.productions);

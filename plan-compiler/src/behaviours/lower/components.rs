@@ -146,7 +146,7 @@ impl Lowering<'_> {
     fn symbol(&mut self, name: &str, span: &Span) -> Symbol {
         let syntax = self.syntax;
         if let Some(index) = syntax.frames.iter().position(|frame| frame.name.value == name) {
-            return Symbol::Frame(index as u16);
+            return Symbol::PlanFrame(index as u16);
         }
         if let Some(index) = syntax.actions.iter().position(|action| action.name.value == name) {
             return Symbol::Action(index as u16);

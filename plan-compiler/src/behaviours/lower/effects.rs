@@ -5,7 +5,9 @@ use plan_format::mission::{Facts, MissionDraft, Symbol};
 /// What a component surely makes true, and false, when it has reached its goal.
 pub(crate) fn sure(draft: &MissionDraft, symbol: Symbol) -> (Facts, Facts) {
     let index = match symbol {
-        Symbol::Frame(index) => draft.frames.get(usize::from(index)).map(|frame| frame.description),
+        Symbol::PlanFrame(index) => {
+            draft.frames.get(usize::from(index)).map(|frame| frame.description)
+        }
         Symbol::Action(index) => {
             draft.actions.get(usize::from(index)).map(|action| action.description)
         }
@@ -19,7 +21,7 @@ pub(crate) fn possible(draft: &MissionDraft, symbol: Symbol) -> (Facts, Facts) {
     let (adds, deletes) = sure(draft, symbol);
     match symbol {
         Symbol::Action(_) => (adds, deletes),
-        Symbol::Frame(index) => draft
+        Symbol::PlanFrame(index) => draft
             .frames
             .get(usize::from(index))
             .map_or((adds, deletes), |f| (adds | f.may_add, deletes | f.may_delete)),
@@ -28,7 +30,7 @@ pub(crate) fn possible(draft: &MissionDraft, symbol: Symbol) -> (Facts, Facts) {
 
 fn resources(draft: &MissionDraft, symbol: Symbol) -> u16 {
     match symbol {
-        Symbol::Frame(index) => draft.frames.get(usize::from(index)).map_or(0, |f| f.resources),
+        Symbol::PlanFrame(index) => draft.frames.get(usize::from(index)).map_or(0, |f| f.resources),
         Symbol::Action(index) => draft.actions.get(usize::from(index)).map_or(0, |a| a.resources),
     }
 }
@@ -40,7 +42,7 @@ pub(super) fn spread(draft: &mut MissionDraft) {
         let mut has_grown = false;
         for index in 0..draft.frames.len() {
             let frame = draft.frames[index];
-            let (mut adds, mut deletes) = possible(draft, Symbol::Frame(index as u16));
+            let (mut adds, mut deletes) = possible(draft, Symbol::PlanFrame(index as u16));
             let mut used = frame.resources;
             for symbol in below(draft, index) {
                 let (more, less) = possible(draft, symbol);
@@ -123,7 +125,7 @@ mod tests {
             });
             for &(is_frame, number) in parts {
                 let symbol = if is_frame {
-                    Symbol::Frame(number % frames.len() as u16)
+                    Symbol::PlanFrame(number % frames.len() as u16)
                 } else {
                     Symbol::Action(number % effects.len() as u16)
                 };
@@ -135,10 +137,10 @@ mod tests {
 
     /// By definition: everything that can be reached, each once.
     fn by_search(draft: &MissionDraft, frame: usize) -> (Facts, Facts, u16) {
-        let mut seen = vec![Symbol::Frame(frame as u16)];
+        let mut seen = vec![Symbol::PlanFrame(frame as u16)];
         let mut at = 0;
         while at < seen.len() {
-            if let Symbol::Frame(index) = seen[at] {
+            if let Symbol::PlanFrame(index) = seen[at] {
                 for symbol in below(draft, usize::from(index)) {
                     if !seen.contains(&symbol) {
                         seen.push(symbol);
@@ -151,7 +153,7 @@ mod tests {
             let (more, less) = sure(draft, symbol);
             let occupies = match symbol {
                 Symbol::Action(_) => resources(draft, symbol),
-                Symbol::Frame(_) => 0,
+                Symbol::PlanFrame(_) => 0,
             };
             (adds | more, deletes | less, used | occupies)
         })

@@ -191,7 +191,7 @@ fn causal_link(
     };
     let description = |symbol: Symbol| {
         let index = match symbol {
-            Symbol::Frame(index) => draft.frames.get(usize::from(index))?.description,
+            Symbol::PlanFrame(index) => draft.frames.get(usize::from(index))?.description,
             Symbol::Action(index) => draft.actions.get(usize::from(index))?.description,
         };
         draft.descriptions.get(usize::from(index))

@@ -95,7 +95,7 @@ fn write_table(out: &mut dyn Write, blob: &Blob<'_>, route: &Route) -> Result<()
 
 /// Longitude and latitude of every point; `None` where the plans have no place on the globe.
 fn line(blob: &Blob<'_>, route: &Route) -> Option<Vec<[f64; 2]>> {
-    let frame = blob.frame()?;
+    let frame = blob.map_frame()?;
     let place = |&[x, y]: &Point| {
         let place = frame.to_geodetic(Vec2::new(x as f32, y as f32));
         [place.lon_deg(), place.lat_deg()]

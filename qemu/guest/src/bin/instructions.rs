@@ -175,7 +175,7 @@ mod counts {
     }
 
     fn percepts(blob: &Blob<'_>, at: Vec2, tick: u64) -> Percepts {
-        let frame = blob.frame().expect("the blob is on the globe");
+        let frame = blob.map_frame().expect("the blob is on the globe");
         let time_us = (tick + 1) * PERIOD_US;
         // A different angle each tick, through several turns.
         let turn_rad = tick as f32 * 0.1;

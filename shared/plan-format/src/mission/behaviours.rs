@@ -3,12 +3,12 @@
 use super::Name;
 use crate::record::{record, tags};
 
-/// Which of the possible switching points is taken.
+/// At which of its switching points a behaviour yields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SwitchPoint {
-    /// The first without interfering protection intervals (H).
+    /// The first point without an interfering protection interval (H).
     Earliest,
-    /// The one with the least lost work (H, future work).
+    /// The point with the least lost work (H, future work).
     Best,
 }
 
@@ -20,11 +20,13 @@ record! {
     pub struct Behaviour {
         /// Its name.
         pub name: Name,
-        /// Index of its root frame.
+        /// Index of the plan frame at its root.
         pub root: u16,
-        /// Index of the frame that is run before it is engaged or resumed.
+        /// Index of the plan frame of its start-up activity, which runs before it is engaged or
+        /// resumed.
         pub start_up: Option<u16>,
-        /// Index of the frame that is run before it is put to sleep conditionally.
+        /// Index of the plan frame of its shut-down activity, which runs before it sleeps after a
+        /// conditional switch.
         pub shut_down: Option<u16>,
         /// Index of the rule base of its criticality.
         pub rules: u16,
@@ -32,13 +34,13 @@ record! {
         pub dormant: f32,
         /// Engaged at once from this criticality.
         pub unconditional: f32,
-        /// How much more critical another must be to take over.
+        /// How much more critical another behaviour must be to take over.
         pub hysteresis: f32,
-        /// Not interrupted conditionally within this time, milliseconds.
+        /// Minimum dwell: no conditional interruption within this time, milliseconds.
         pub dwell_ms: u32,
-        /// Which switching point it yields at.
+        /// Where it yields.
         pub switch_point: SwitchPoint,
-        /// What it occupies; behaviours that share nothing run together.
+        /// Resources that it occupies, one bit each; behaviours that share none run together.
         pub resources: u16,
     }
 }

@@ -1,34 +1,39 @@
-//! What must hold for a mission before a robot may run it.
+//! The rules that a mission must keep before a robot may run it.
 
 use super::{ActionKind, Edge, FactKind, Mission, Production, Source, Symbol, Table};
 use crate::limits;
 use crate::record::Record;
 use core::fmt;
 
-/// Why a mission is refused. The doc comment is the message.
+/// Why a mission is refused. `Display` gives the message; the variants' docs say which rule is
+/// broken. The compiler reports each such mistake in the mission file, so a refused mission points
+/// to a faulty writer: compile it again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MissionError {
-    /// a table is not made of whole, known records
+    /// The section is not a postcard message of tables, the bytes of a table are not whole records,
+    /// or a record has an unknown tag or unused bytes that are not 0.
     Tables,
-    /// a table is longer than this build's limits
+    /// A table exceeds its constant in [`limits`]; shared records count once for each use.
     TooLarge,
-    /// a name is not UTF-8 or out of range
+    /// A name points outside the name table or to bytes that are not UTF-8. In a draft, it may have
+    /// been too long: see [`limits::MAX_NAME_BYTES`] and [`limits::MAX_MISSION_NAMES_BYTES`].
     Name,
-    /// a record refers to another that does not exist
+    /// An index points past the end of a table, a plan frame has no production, or a rule base
+    /// builds on itself or on a later one.
     Reference,
-    /// a number is not finite or out of its range
+    /// A coordinate, gain, threshold, time, channel or output is not finite or out of its range.
     Number,
-    /// a production is not a graph from one entry to one exit
+    /// An edge or an interval does not lead to a later vertex, or a vertex has no edge in or out.
     Graph,
 }
 
 impl MissionError {
-    /// Every error's number and text, once.
+    /// Number and message of each error.
     const fn row(self) -> (u8, &'static str) {
         match self {
-            Self::Tables => (1, "a table is not made of whole, known records"),
+            Self::Tables => (1, "a table holds a partial or unknown record"),
             Self::TooLarge => (2, "a table is longer than this build's limits"),
-            Self::Name => (3, "a name is not UTF-8 or out of range"),
+            Self::Name => (3, "a name is out of range or not UTF-8"),
             Self::Reference => (4, "a record refers to another that does not exist"),
             Self::Number => (5, "a number is not finite or out of its range"),
             Self::Graph => (6, "a production is not a graph from one entry to one exit"),
@@ -77,19 +82,19 @@ fn exists<T: Record>(table: Table<'_, T>, index: impl Into<usize>) -> Checked {
     require(index.into() < table.len(), MissionError::Reference)
 }
 
-/// `first .. first + count` lies in a table.
+/// `first .. first + count` lies within a table.
 fn spans<T: Record>(table: Table<'_, T>, first: u16, count: u8) -> Checked {
     let end = usize::from(first) + usize::from(count);
     require(end <= table.len(), MissionError::Reference)
 }
 
-/// A channel or an output that a robot has.
+/// A channel or an output exists on a robot.
 fn below(number: u8, limit: usize) -> Checked {
     require(usize::from(number) < limit, MissionError::Number)
 }
 
-/// All that records name together is within the limit of the table that they name it from.
-fn named(counts: impl Iterator<Item = u8>, limit: usize) -> Checked {
+/// The records that a table refers to, counted once for each reference, are within a limit.
+fn referred(counts: impl Iterator<Item = u8>, limit: usize) -> Checked {
     require(counts.map(usize::from).sum::<usize>() <= limit, MissionError::TooLarge)
 }
 
@@ -141,19 +146,19 @@ fn inputs_and_rules(mission: &Mission<'_>) -> Checked {
             Source::Rules(index) => exists(mission.rule_bases(), index)?,
             Source::Channel(channel) => below(channel, limits::MAX_CHANNELS)?,
             Source::Output(output) => below(output, limits::MAX_OUTPUTS)?,
-            // Parallel plans and layers are the blob's: it checks them.
+            // The blob checks references to parallel plans and layers.
             Source::Time | Source::CostToGoal { .. } | Source::PriceOfConstraint { .. } => {}
         }
     }
     for rule in mission.rules().iter() {
         exists(mission.inputs(), rule.input)?;
     }
-    // Limits hold for what is named, too: a row that many rule bases share is work for each.
-    named(mission.rule_bases().iter().map(|base| base.count), limits::MAX_RULES)?;
+    // A row that several rule bases share is evaluated for each, so it counts for each.
+    referred(mission.rule_bases().iter().map(|base| base.count), limits::MAX_RULES)?;
     for (index, base) in mission.rule_bases().iter().enumerate() {
         require(base.count > 0, MissionError::Number)?;
         spans(mission.rules(), base.first, base.count)?;
-        // Rule bases are evaluated in order, so one may build on earlier results only.
+        // Rule bases are evaluated in order, so each may use earlier results only.
         for rule in mission.rules_of(&base) {
             let input = mission.inputs().get(usize::from(rule.input));
             if let Some(Source::Rules(earlier)) = input.map(|input| input.source) {
@@ -208,7 +213,7 @@ fn components(mission: &Mission<'_>) -> Checked {
             ActionKind::Hold { .. } | ActionKind::Wander { .. } | ActionKind::Signal { .. } => {}
         }
     }
-    named(mission.frames().iter().map(|frame| frame.count), limits::MAX_PRODUCTIONS)?;
+    referred(mission.frames().iter().map(|frame| frame.count), limits::MAX_PRODUCTIONS)?;
     for frame in mission.frames().iter() {
         exists(mission.descriptions(), frame.description)?;
         require(frame.count > 0, MissionError::Reference)?;
@@ -221,8 +226,8 @@ fn components(mission: &Mission<'_>) -> Checked {
 
 fn graphs(mission: &Mission<'_>) -> Checked {
     let productions = || mission.productions().iter();
-    named(productions().map(|production| production.edges), limits::MAX_EDGES)?;
-    named(productions().map(|production| production.intervals), limits::MAX_INTERVALS)?;
+    referred(productions().map(|production| production.edges), limits::MAX_EDGES)?;
+    referred(productions().map(|production| production.intervals), limits::MAX_INTERVALS)?;
     for production in mission.productions().iter() {
         if let Some(rules) = production.rules {
             exists(mission.rule_bases(), rules)?;
@@ -247,7 +252,7 @@ fn graph(mission: &Mission<'_>, production: &Production) -> Checked {
         entered |= 1 << to;
         left |= 1 << from;
         match symbol {
-            Symbol::Frame(index) => exists(mission.frames(), index)?,
+            Symbol::PlanFrame(index) => exists(mission.frames(), index)?,
             Symbol::Action(index) => exists(mission.actions(), index)?,
         }
     }

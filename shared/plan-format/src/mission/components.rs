@@ -1,4 +1,4 @@
-//! What plans are made of: descriptions, atomic actions and plan frames.
+//! The components of plans: descriptions, atomic actions and plan frames.
 
 use super::{Condition, Facts, Name};
 use crate::record::{payload, record};
@@ -7,19 +7,20 @@ record! {
     /// What a component needs, keeps and brings about (H, "Plan Component Representation").
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct Description {
-        /// Holds when it starts.
+        /// Must hold when it starts.
         pub initial: Condition,
-        /// Holds as long as it runs.
+        /// Must hold while it runs.
         pub transient: Condition,
-        /// Holds when it ends.
+        /// Must hold when it ends.
         pub goal: Condition,
         /// Symbols that become true at its end.
         pub add: Facts,
         /// Symbols that become false at its end, and sensed facts that it may make false.
         pub delete: Facts,
-        /// Never faster while it runs, m/s; infinite for no constraint. Inherited downwards.
+        /// Maximum speed while it runs, m/s; infinite for none. Components below inherit it.
         pub max_speed_mps: f32,
-        /// Never nearer to an obstacle while it runs, metres; 0 for no constraint. Inherited downwards.
+        /// Minimum distance from obstacles while it runs, metres; 0 for none. Components below
+        /// inherit it.
         pub min_distance_m: f32,
     }
 }
@@ -27,7 +28,7 @@ record! {
 /// What an atomic action does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ActionKind {
-    /// Drive by a parallel plan until its goal.
+    /// Follow a parallel plan to its goal.
     Follow {
         /// Index of the parallel plan.
         plan: u16,
@@ -38,7 +39,7 @@ pub enum ActionKind {
         /// Weight of the noise.
         noise: f32,
     },
-    /// Drive straight to a place by the reactive schemas.
+    /// Drive straight to a point of the map by the reactive schemas.
     GoTo {
         /// East, metres.
         x_m: f32,
@@ -47,12 +48,12 @@ pub enum ActionKind {
     },
     /// Stand still for a time.
     Hold {
-        /// Milliseconds.
+        /// Duration, milliseconds.
         for_ms: u32,
     },
     /// Drive by the noise schema for a time.
     Wander {
-        /// Milliseconds.
+        /// Duration, milliseconds.
         for_ms: u32,
     },
     /// Report a code once.
@@ -62,15 +63,15 @@ pub enum ActionKind {
     },
     /// Set a digital output.
     SetOutput {
-        /// Which.
+        /// Number of the output.
         output: u8,
-        /// On or off.
+        /// Whether to switch it on.
         is_on: bool,
     },
 }
 
 record! {
-    /// What the variants of [`ActionKind`] share. The last three are the bits of an `f32`.
+    /// The bytes that the variants of [`ActionKind`] share. The last three are bits of an `f32`.
     #[derive(Clone, Copy, PartialEq)]
     struct ActionBytes {
         tag: u8,
@@ -117,7 +118,7 @@ impl ActionKind {
 payload!(ActionKind in ActionBytes);
 
 record! {
-    /// A terminal symbol.
+    /// An atomic action: a terminal symbol of the grammar.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct Action {
         /// Its name.
@@ -126,17 +127,17 @@ record! {
         pub kind: ActionKind,
         /// Index of its description.
         pub description: u16,
-        /// It is over as soon as this holds, if it says anything.
+        /// It ends as soon as this holds; if empty, only the kind ends it.
         pub until: Condition,
-        /// It has failed after this time, milliseconds; never 0.
+        /// It fails after this time, milliseconds; never 0.
         pub timeout_ms: u32,
-        /// What it occupies, one bit each.
+        /// Resources that it occupies, one bit each.
         pub resources: u16,
     }
 }
 
 record! {
-    /// A non-terminal symbol: a conceptual activity that is decomposed.
+    /// A plan frame: a non-terminal symbol of the grammar, which is decomposed.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct PlanFrame {
         /// Its name.
@@ -147,13 +148,13 @@ record! {
         pub count: u8,
         /// Index of its description.
         pub description: u16,
-        /// Productions below this applicability are not considered.
+        /// Minimum applicability of a production.
         pub threshold: f32,
         /// Facts that some action below it may make true.
         pub may_add: Facts,
         /// Facts that some action below it may make false.
         pub may_delete: Facts,
-        /// What the actions below it occupy.
+        /// Resources that the actions below it occupy, one bit each.
         pub resources: u16,
     }
 }

@@ -4,9 +4,10 @@ use super::{
     Action, Behaviour, Description, Edge, Fact, Input, Interval, Mission, MissionError, Name,
     PlanFrame, Production, Rule, RuleBase, Sections,
 };
+use crate::limits;
 use crate::record::Record;
 
-/// A mission as the compiler builds it: the same tables, growing.
+/// A mission that is being built: the tables of [`Mission`], as vectors.
 #[derive(Clone, Debug, Default)]
 #[allow(missing_docs, reason = "the tables of `Mission`, by the same names")]
 pub struct MissionDraft {
@@ -27,18 +28,27 @@ pub struct MissionDraft {
 impl MissionDraft {
     /// Puts a name into the name table, once.
     ///
-    /// # Panics
-    /// If the names of a mission exceed 64 KiB; limits on their number and length prevent that.
+    /// A name that exceeds [`limits::MAX_NAME_BYTES`] or [`limits::MAX_MISSION_NAMES_BYTES`] is not
+    /// stored; [`MissionDraft::write`] then returns [`MissionError::Name`] for the record that uses
+    /// it.
     pub fn name(&mut self, text: &str) -> Name {
-        let offset = self.names.find(text).unwrap_or_else(|| {
-            self.names.push_str(text);
-            self.names.len() - text.len()
-        });
-        let fits = "the limits keep names within 64 KiB";
-        Name { offset: offset.try_into().expect(fits), length: text.len().try_into().expect(fits) }
+        if text.len() > limits::MAX_NAME_BYTES {
+            return NOT_STORED;
+        }
+        let offset = match self.names.find(text) {
+            Some(offset) => offset,
+            None if self.names.len() + text.len() <= limits::MAX_MISSION_NAMES_BYTES => {
+                self.names.push_str(text);
+                self.names.len() - text.len()
+            }
+            None => return NOT_STORED,
+        };
+        // The limits keep offsets below 2^16 and lengths below 2^8.
+        Name { offset: offset as u16, length: text.len() as u8 }
     }
 
-    /// The bytes of the section; empty without behaviours. Refuses what the reader would refuse.
+    /// The bytes of the section; empty without behaviours. Returns an error if [`Mission::parse`]
+    /// would refuse them.
     pub fn write(&self) -> Result<Vec<u8>, MissionError> {
         if self.behaviours.is_empty() {
             return Ok(Vec::new());
@@ -62,6 +72,9 @@ impl MissionDraft {
         Ok(bytes)
     }
 }
+
+/// The name of a record whose text is not in the name table, which is never this long.
+const NOT_STORED: Name = Name { offset: u16::MAX, length: u8::MAX };
 
 fn table<T: Record>(records: &[T]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(records.len() * T::SIZE);

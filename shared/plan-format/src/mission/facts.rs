@@ -1,4 +1,4 @@
-//! What is known of the world, and conditions over it.
+//! Facts about the world, and conditions over them.
 
 use super::Name;
 use crate::record::{payload, record};
@@ -18,28 +18,28 @@ record! {
 }
 
 impl Condition {
-    /// Whether it holds where exactly `facts` do.
+    /// Whether it holds if exactly `facts` hold.
     pub const fn holds(self, facts: Facts) -> bool {
         facts & self.must == self.must && facts & self.must_not == 0
     }
 
-    /// The facts that are not as it wants them.
+    /// The facts that violate it.
     pub const fn violated(self, facts: Facts) -> Facts {
         self.must & !facts | self.must_not & facts
     }
 
-    /// Both at once.
+    /// Both conditions together.
     pub const fn and(self, other: Self) -> Self {
         Self { must: self.must | other.must, must_not: self.must_not | other.must_not }
     }
 
-    /// Whether it says nothing.
+    /// Whether it constrains no fact.
     pub const fn is_empty(self) -> bool {
         self.must == 0 && self.must_not == 0
     }
 }
 
-/// What a fact says.
+/// When a fact holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FactKind {
     /// Set and cleared by the add and delete lists of components.
@@ -51,12 +51,12 @@ pub enum FactKind {
     Level {
         /// Index of the input.
         input: u8,
-        /// Lowest.
+        /// Lowest value.
         low: f32,
-        /// Highest.
+        /// Highest value.
         high: f32,
     },
-    /// The robot is within a distance of a place.
+    /// The robot is within a distance of a point.
     Near {
         /// East, metres.
         x_m: f32,
@@ -67,16 +67,16 @@ pub enum FactKind {
     },
     /// The robot is in a rectangle.
     Inside {
-        /// West, metres.
+        /// Western border, metres.
         west_m: f32,
-        /// South, metres.
+        /// Southern border, metres.
         south_m: f32,
-        /// East, metres.
+        /// Eastern border, metres.
         east_m: f32,
-        /// North, metres.
+        /// Northern border, metres.
         north_m: f32,
     },
-    /// The robot has not come farther than a distance within a time.
+    /// The robot has not moved a distance for longer than a time.
     NoProgress {
         /// Distance, metres.
         distance_m: f32,
@@ -86,7 +86,7 @@ pub enum FactKind {
 }
 
 record! {
-    /// What the variants of [`FactKind`] share: whole numbers, or the bits of an `f32`.
+    /// The bytes that the variants of [`FactKind`] share: integers, or bits of an `f32`.
     #[derive(Clone, Copy, PartialEq)]
     struct FactBytes {
         tag: u8,
@@ -134,7 +134,7 @@ record! {
     pub struct Fact {
         /// Its name.
         pub name: Name,
-        /// What it says.
+        /// When it holds.
         pub kind: FactKind,
     }
 }

@@ -1,13 +1,13 @@
 //! The mission: behaviours, their plans as graph grammars, and the fuzzy rules that choose.
 //!
 //! Source: Hasemann, "Planning, Behaviours, Decomposition, and Monitoring Using Graph Grammars
-//! and Fuzzy Logic" (H). A section of the blob holds one table for each kind of record
-//! ; [`Mission::parse`] checks every record and every reference between them, after
-//! which the tables are read in place and no look-up can fail.
+//! and Fuzzy Logic" (H). The section holds one table for each kind of record. [`Mission::parse`]
+//! checks every record and every reference; after that, the tables are read in place and no look-up
+//! fails.
 //!
-//! Invariants after parsing: rule bases have rules, and refer to earlier rule bases only;
-//! productions are directed acyclic graphs whose edges all lie on a path from the entry (vertex
-//! 0) to the exit (the last vertex); every number is finite or means "no constraint".
+//! Invariants after parsing: each rule base has rules and uses the results of earlier rule bases
+//! only; each production is a directed acyclic graph, and each of its edges lies on a path from the
+//! entry (vertex 0) to the exit (the last vertex); each number is finite or means "no constraint".
 
 mod behaviours;
 mod check;
@@ -54,7 +54,7 @@ pub(crate) struct Sections<'a> {
 pub struct Mission<'a>(Sections<'a>);
 
 impl<'a> Mission<'a> {
-    /// Reads the mission section of a blob and checks all of it; an empty section is a mission
+    /// Reads the mission section of a blob and checks all of it. An empty section is a mission
     /// without behaviours.
     pub fn parse(section: &'a [u8]) -> Result<Self, MissionError> {
         if section.is_empty() {
@@ -80,7 +80,7 @@ impl<'a> Mission<'a> {
         Table::new(self.0.rules)
     }
 
-    /// Rule bases of criticalities, applicabilities and derived inputs.
+    /// Rule bases of criticalities, applicabilities and inputs.
     pub fn rule_bases(&self) -> Table<'a, RuleBase> {
         Table::new(self.0.rule_bases)
     }
@@ -90,7 +90,7 @@ impl<'a> Mission<'a> {
         Table::new(self.0.facts)
     }
 
-    /// Descriptions of frames and actions.
+    /// Descriptions of plan frames and actions.
     pub fn descriptions(&self) -> Table<'a, Description> {
         Table::new(self.0.descriptions)
     }
@@ -105,17 +105,17 @@ impl<'a> Mission<'a> {
         Table::new(self.0.frames)
     }
 
-    /// Productions, those of a frame one after the other.
+    /// Productions, grouped by plan frame.
     pub fn productions(&self) -> Table<'a, Production> {
         Table::new(self.0.productions)
     }
 
-    /// Edges, those of a production one after the other.
+    /// Edges, grouped by production.
     pub fn edges(&self) -> Table<'a, Edge> {
         Table::new(self.0.edges)
     }
 
-    /// Protection intervals, those of a production one after the other.
+    /// Protection intervals, grouped by production.
     pub fn intervals(&self) -> Table<'a, Interval> {
         Table::new(self.0.intervals)
     }
@@ -130,7 +130,7 @@ impl<'a> Mission<'a> {
         self.rules().range(base.first, base.count)
     }
 
-    /// The productions of a frame, in the order of their numbers.
+    /// The productions of a plan frame, in the order of their numbers.
     pub fn productions_of(&self, frame: &PlanFrame) -> impl Iterator<Item = Production> + use<'a> {
         self.productions().range(frame.first, frame.count)
     }
@@ -148,16 +148,16 @@ impl<'a> Mission<'a> {
         self.intervals().range(production.first_interval, production.intervals)
     }
 
-    /// The text of a name; empty where there is none.
+    /// The text of a name; empty if it is out of range.
     pub fn name(&self, name: Name) -> &'a str {
         name.text(self.0.names).unwrap_or("")
     }
 
-    /// The description of a frame or an action.
+    /// The description of a plan frame or an action.
     #[inline]
     pub fn description(&self, symbol: Symbol) -> Option<Description> {
         let index = match symbol {
-            Symbol::Frame(index) => self.frames().get(usize::from(index))?.description,
+            Symbol::PlanFrame(index) => self.frames().get(usize::from(index))?.description,
             Symbol::Action(index) => self.actions().get(usize::from(index))?.description,
         };
         self.descriptions().get(usize::from(index))
@@ -169,7 +169,8 @@ mod tests {
     use super::*;
     use crate::record::Record;
 
-    /// One behaviour whose frame `work` is `step` twice and then `work` again, and another way.
+    /// One behaviour. Its plan frame `work` has two productions: two parallel `step`s and then
+    /// `work` again, or one `step`.
     fn draft() -> MissionDraft {
         let mut draft = MissionDraft::default();
         let name = draft.name("fuel");
@@ -232,7 +233,7 @@ mod tests {
         for (from, to, symbol) in [
             (0, 1, Symbol::Action(0)),
             (0, 1, Symbol::Action(0)),
-            (1, 2, Symbol::Frame(0)),
+            (1, 2, Symbol::PlanFrame(0)),
             (0, 1, Symbol::Action(0)),
         ] {
             draft.edges.push(Edge { from, to, symbol, work: 7 });
@@ -275,7 +276,7 @@ mod tests {
         assert_eq!(mission.name(mission.frames().get(0).unwrap().name), "work");
     }
 
-    /// The bytes of every kind of record, as the first writer of the format laid them.
+    /// The bytes of every kind of record, as the first writer of the format wrote them.
     #[test]
     fn every_record_has_the_bytes_of_the_format() {
         let mut draft = draft();
@@ -315,19 +316,19 @@ mod tests {
         let mut bytes = Vec::new();
         input.encode(&mut bytes);
         assert!(Table::<Input>::new(&bytes).is_sound());
-        // After the name: tag, low and high byte of the channel, then bytes without a use.
+        // After the name: tag, low and high byte of the channel, then unused bytes.
         for unused in 5..16 {
             let mut bytes = bytes.clone();
             bytes[unused] = 1;
             let table = Table::<Input>::new(&bytes);
-            assert_eq!(table.get(0), Some(input), "reading alone is lenient");
+            assert_eq!(table.get(0), Some(input), "reading is lenient");
             assert!(!table.is_sound(), "byte {unused}");
         }
         let mut derived = Vec::new();
         draft().intervals[0].encode(&mut derived);
         derived[2] = 2;
         assert!(!Table::<Interval>::new(&derived).is_sound());
-        assert!(!Table::<Input>::new(&bytes[..31]).is_sound(), "a part of a record");
+        assert!(!Table::<Input>::new(&bytes[..31]).is_sound(), "a partial record");
     }
 
     #[test]
@@ -351,7 +352,7 @@ mod tests {
         assert_eq!(refused(&|d| d.inputs[0].source = Source::Output(16)), MissionError::Number);
         let name = Name { offset: 500, length: 2 };
         assert_eq!(refused(&|d| d.actions[0].name = name), MissionError::Name);
-        // Three rows that 64 rule bases share are 192 rows to evaluate.
+        // Three rows that 64 rule bases share are 192 evaluations.
         let shared = |d: &mut MissionDraft| {
             d.rules = vec![d.rules[0]; 3];
             d.rule_bases = vec![RuleBase { count: 3, ..d.rule_bases[0] }; 64];
@@ -359,6 +360,28 @@ mod tests {
         assert_eq!(refused(&shared), MissionError::TooLarge);
         let many = |d: &mut MissionDraft| d.behaviours = vec![d.behaviours[0]; 17];
         assert_eq!(refused(&many), MissionError::TooLarge);
+    }
+
+    #[test]
+    fn names_beyond_the_limits_are_an_error() {
+        use crate::limits::{MAX_MISSION_NAMES_BYTES, MAX_NAME_BYTES};
+        let named = |name: &dyn Fn(&mut MissionDraft) -> Name| {
+            let mut draft = draft();
+            draft.actions[0].name = name(&mut draft);
+            draft.write().map(|_| ())
+        };
+        assert_eq!(named(&|d| d.name(&"n".repeat(MAX_NAME_BYTES))), Ok(()));
+        assert_eq!(named(&|d| d.name(&"n".repeat(MAX_NAME_BYTES + 1))), Err(MissionError::Name));
+        let after = |names: usize| {
+            move |d: &mut MissionDraft| {
+                (0..names).for_each(|number| _ = d.name(&format!("{number:0MAX_NAME_BYTES$}")));
+                d.name("one more")
+            }
+        };
+        let most = MAX_MISSION_NAMES_BYTES / MAX_NAME_BYTES;
+        assert_eq!(named(&after(most - 2)), Ok(()));
+        // More bytes than an offset can count.
+        assert_eq!(named(&after(3_000)), Err(MissionError::Name));
     }
 
     #[test]
@@ -370,7 +393,7 @@ mod tests {
         for bit in 0..bytes.len() * 8 {
             let mut flipped = bytes.clone();
             flipped[bit / 8] ^= 1 << (bit % 8);
-            // The blob's checksum catches flips; here only the absence of panics counts.
+            // The blob's checksum catches flips; this test is only about panics.
             if let Ok(mission) = Mission::parse(&flipped) {
                 assert_eq!(mission.behaviours().len(), 1);
             }

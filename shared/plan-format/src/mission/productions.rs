@@ -1,10 +1,11 @@
-//! How frames are decomposed: productions, their edges and their protection intervals.
+//! How plan frames are decomposed: productions, their edges and their protection intervals.
 
 use super::{Condition, Name};
 use crate::record::{payload, record};
 
 record! {
-    /// One way to decompose a frame: a double-pointed graph, entry vertex 0, exit the last one.
+    /// One way to decompose a plan frame: a double-pointed graph. Its entry is vertex 0, its exit
+    /// the last vertex.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub struct Production {
         /// Its name.
@@ -24,11 +25,11 @@ record! {
     }
 }
 
-/// What an edge carries.
+/// The label of an edge: a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Symbol {
     /// A plan frame, by index.
-    Frame(u16),
+    PlanFrame(u16),
     /// An atomic action, by index.
     Action(u16),
 }
@@ -45,7 +46,7 @@ impl Symbol {
     #[inline]
     fn of_bytes(SymbolBytes { tag, index }: SymbolBytes) -> Option<Self> {
         match tag {
-            0 => Some(Self::Frame(index)),
+            0 => Some(Self::PlanFrame(index)),
             1 => Some(Self::Action(index)),
             _ => None,
         }
@@ -53,7 +54,7 @@ impl Symbol {
 
     fn to_bytes(self) -> SymbolBytes {
         match self {
-            Self::Frame(index) => SymbolBytes { tag: 0, index },
+            Self::PlanFrame(index) => SymbolBytes { tag: 0, index },
             Self::Action(index) => SymbolBytes { tag: 1, index },
         }
     }
@@ -65,29 +66,29 @@ record! {
     /// A component between two partial states.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub struct Edge {
-        /// Vertex it leaves.
+        /// Vertex at which it begins.
         pub from: u8,
-        /// Vertex it reaches; always above `from`.
+        /// Vertex at which it ends; always above `from`.
         pub to: u8,
-        /// What it carries.
+        /// The component.
         pub symbol: Symbol,
-        /// What it costs to interrupt the behaviour right after it: the work that will have to be
-        /// done again; any unit, the same for all edges.
+        /// Work lost if the behaviour is interrupted right after it; any unit, the same for all
+        /// edges.
         pub work: u16,
     }
 }
 
 record! {
-    /// A protection interval: the condition holds from one vertex of a production to another.
+    /// A protection interval: a condition must hold from one vertex of a production to another.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub struct Interval {
         /// Vertex at which it begins.
         pub from: u8,
         /// Vertex at which it ends.
         pub to: u8,
-        /// Derived by the compiler from a single producer and a single consumer.
+        /// Whether the compiler derived it from a single producer and a single consumer.
         pub is_derived: bool,
-        /// What it protects.
+        /// What must hold.
         pub condition: Condition,
     }
 }

@@ -28,7 +28,7 @@ impl Label {
     pub const ALL: [Self; 7] =
         [Self::NB, Self::NM, Self::NS, Self::ZO, Self::PS, Self::PM, Self::PB];
 
-    /// The label of a number; what is above 6 counts as PB.
+    /// The label of a number; numbers above 6 give PB.
     pub const fn from_index(index: u8) -> Self {
         match index {
             0 => Self::NB,
@@ -42,8 +42,8 @@ impl Label {
     }
 }
 
-/// Seven labels, NB's first, as the blob has them: three bits each. An inference looks at two of
-/// them, so they stay packed.
+/// Seven labels, that for NB first, packed as in the blob: three bits each. An inference reads only
+/// two of them, so they stay packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row(u32);
 
@@ -51,21 +51,21 @@ impl Row {
     /// Bits that make up a row.
     const BITS: u32 = (1 << (3 * Label::ALL.len())) - 1;
 
-    /// The label at a place 0 ..= 6; places beyond have the last.
-    pub const fn get(self, place: usize) -> Label {
-        let place = if place < Label::ALL.len() { place } else { Label::ALL.len() - 1 };
-        Label::from_index((self.0 >> (3 * place) & 7) as u8)
+    /// The label at an index, 0 ..= 6; larger indices give the last.
+    pub const fn get(self, index: usize) -> Label {
+        let index = if index < Label::ALL.len() { index } else { Label::ALL.len() - 1 };
+        Label::from_index((self.0 >> (3 * index) & 7) as u8)
     }
 
-    /// All seven.
+    /// All seven labels.
     pub fn labels(self) -> [Label; 7] {
-        [0, 1, 2, 3, 4, 5, 6].map(|place| self.get(place))
+        [0, 1, 2, 3, 4, 5, 6].map(|index| self.get(index))
     }
 
-    /// A row as it stands in the blob; `None` where some three bits are no label.
+    /// A row from its bits in the blob; `None` if three of the bits are not a label.
     fn unpack(bits: u32) -> Option<Self> {
         let all_three = bits & bits >> 1 & bits >> 2;
-        // The lowest bit of each three.
+        // The lowest bit of each group of three.
         let is_label = all_three & 0o1_111_111 == 0;
         (is_label && bits <= Self::BITS).then_some(Self(bits))
     }
@@ -96,7 +96,7 @@ impl Record for Row {
 pub enum Source {
     /// An input channel of the percepts (battery, fuel, link, custom).
     Channel(u8),
-    /// Distance from the robot to a place, metres.
+    /// Distance from the robot to a point, metres.
     DistanceTo {
         /// East, metres.
         x_m: f32,
@@ -111,7 +111,8 @@ pub enum Source {
         /// Index of the parallel plan.
         plan: u16,
     },
-    /// What a layer's constraint costs from here: its cost less that of layer 0, metres.
+    /// Price of a layer's constraint at the robot's cell: the cost of the layer minus that of layer
+    /// 0, metres.
     PriceOfConstraint {
         /// Index of the parallel plan.
         plan: u16,
@@ -125,7 +126,7 @@ pub enum Source {
 }
 
 record! {
-    /// What the variants of [`Source`] share. Coordinates are the bits of an `f32`.
+    /// The bytes that the variants of [`Source`] share. Coordinates are bits of an `f32`.
     #[derive(Clone, Copy, Default, PartialEq)]
     struct SourceBytes {
         tag: u8,
@@ -180,13 +181,13 @@ record! {
         pub name: Name,
         /// Where its value comes from.
         pub source: Source,
-        /// The value that is wholly NB; may be above `high`.
+        /// The value that is fully NB; may be above `high`.
         pub low: f32,
-        /// The value that is wholly PB.
+        /// The value that is fully PB.
         pub high: f32,
-        /// For how long the last value stands in for a missing one, milliseconds.
+        /// Time for which the last value replaces a missing one, milliseconds.
         pub hold_ms: u32,
-        /// What a missing value counts as after that, in the universe's unit.
+        /// The value that replaces a missing one after that, in the unit of the universe.
         pub missing: f32,
     }
 }
@@ -197,12 +198,12 @@ record! {
     pub struct Rule {
         /// Index of the input.
         pub input: u8,
-        /// The result's label for each of the input's seven.
+        /// The result's label for each label of the input.
         pub labels: Row,
     }
 }
 
-/// How a rule's consequence is cut to the degree of its premise.
+/// How the degree of a rule's premise limits its consequence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inference {
     /// Clipped at the degree.
@@ -214,14 +215,14 @@ pub enum Inference {
 tags!(Inference { Min = 0, Product = 1, });
 
 record! {
-    /// Some rules whose results are summed into one number (H, table 3).
+    /// Rules whose results are combined into one number (H, table 3).
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub struct RuleBase {
         /// Index of the first rule.
         pub first: u16,
         /// Number of rules, at least 1.
         pub count: u8,
-        /// How consequences are cut.
+        /// How premises limit consequences.
         pub inference: Inference,
     }
 }

@@ -63,7 +63,7 @@ fn h12_the_interval_is_where_the_paper_has_it() {
     let names: Vec<&str> = mission
         .edges_of(&production)
         .map(|edge| match edge.symbol {
-            Symbol::Frame(index) => mission.frames().get(index.into()).expect("checked").name,
+            Symbol::PlanFrame(index) => mission.frames().get(index.into()).expect("checked").name,
             Symbol::Action(index) => mission.actions().get(index.into()).expect("checked").name,
         })
         .map(|name| mission.name(name))

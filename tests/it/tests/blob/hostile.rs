@@ -142,7 +142,7 @@ fn percepts(blob: &Blob<'_>, tick: u64) -> Percepts {
     let time_us = tick * 50_000;
     let corner = blob.grid().corner_m;
     let at = math::Vec2::new(corner[0] as f32 + tick as f32 * 0.5, corner[1] as f32 + 0.5);
-    let fix = blob.frame().map(|frame| Fix {
+    let fix = blob.map_frame().map(|frame| Fix {
         time_us,
         is_valid: true,
         place: frame.to_geodetic(at),

@@ -148,7 +148,7 @@ impl Plan {
         act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T,
     ) -> T {
         let Self { forest, grid } = self;
-        act(forest, &mut |event| grid.heed(mission, &event))
+        act(forest, &mut |event| grid.apply(mission, &event))
     }
 
     /// The actions that run, and how long each may, milliseconds.
@@ -230,7 +230,7 @@ impl Plan {
                 continue;
             };
             match plan.forest.get(id).map(|component| component.symbol) {
-                Some(Symbol::Frame(frame)) => plan.choices(mission, id, frame, &mut open),
+                Some(Symbol::PlanFrame(frame)) => plan.choices(mission, id, frame, &mut open),
                 _ => {
                     plan.change(mission, |forest, tell| forest.start(id, tell));
                     open.push(plan);
