@@ -27,8 +27,8 @@ const UART_BYTES: usize = 256;
 const PWM: Hertz = khz(20);
 /// The crystal of the kit. For another crystal, change this and the divider in [`clocks`].
 const CRYSTAL: Hertz = mhz(12);
-/// Watchdog timeout: five ticks. The check of the blob feeds the watchdog too. The chip's slow clock,
-/// 17 to 47 kHz instead of 32, makes it 170 to 470 ms.
+/// Watchdog timeout: five ticks. The check of the blob feeds the watchdog too. The chip's slow
+/// clock, 17 to 47 kHz instead of 32, makes it 170 to 470 ms.
 const WATCHDOG_US: u32 = 250_000;
 
 /// What the tasks share.

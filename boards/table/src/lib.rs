@@ -2,7 +2,7 @@
 //!
 //! Decides where program, plans and RAM of a board are. Runs on the host only: in the compiler, in
 //! the QEMU harness, in tests, and in the build scripts of the boards and of the QEMU guest, for
-//! which [`link`] writes `memory.x`.
+//! which [`link()`] writes `memory.x`.
 //!
 //! ```
 //! let board = board_table::Board::find("pico2").unwrap();

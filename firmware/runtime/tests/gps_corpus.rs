@@ -219,7 +219,7 @@ fn void_lasts_until_an_rmc_is_valid_again() {
 }
 
 #[test]
-fn gga_that_is_faster_than_rmc_counts_and_has_velocity_where_rmc_is_fresh() {
+fn gga_faster_than_rmc_counts_and_has_velocity_where_rmc_is_fresh() {
     // Ten, five and two GGA per RMC, either first; ten seconds.
     for every in [10, 5, 2] {
         for both in [GOOD, GOOD_GGA_FIRST] {

@@ -23,7 +23,7 @@ impl Noise {
         Self { generator: if mixed == 0 { 0x9e37_79b8 } else { mixed }, left_ticks: 0 }
     }
 
-    /// The unit vector for this tick. The heading changes every `persistence_ticks` (0 counts as 1).
+    /// The unit vector for this tick. The heading changes every `persistence_ticks`, at least 1.
     pub fn next(&mut self, persistence_ticks: u16) -> Vec2 {
         if self.left_ticks == 0 {
             self.generator = xorshift(self.generator);

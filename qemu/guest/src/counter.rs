@@ -19,7 +19,7 @@ mod timer0 {
 impl Counter {
     /// Starts the timer. It wraps after 32 bits: 171 s of machine time.
     pub fn start() -> Self {
-        // SAFETY: these are the registers of TIMER0 on this machine; nothing else in the image uses it.
+        // SAFETY: these are registers of TIMER0 on this machine; nothing else in the image uses it.
         unsafe {
             timer0::RELOAD.write_volatile(u32::MAX);
             timer0::VALUE.write_volatile(u32::MAX);
