@@ -9,14 +9,13 @@ use robot_io::{CommandRecord, Commands, Operator, Percepts};
 use runtime::mixer::Mixer;
 use runtime::{Observer, Robot, time};
 
-/// Measure these on the rover; the plan's parameters hold its limits.
+/// Measure these on the rover. The blob's parameters have its limits.
 const MIXER: Mixer = Mixer { track_m: 0.4, full_speed_mps: 2.0 };
-/// PWM steps: the 16 MHz clock divided by them gives 20 kHz, which nobody hears.
+/// PWM steps: the 16 MHz clock divided by them gives 20 kHz, which is inaudible.
 const FULL_DUTY: u16 = 800;
-/// The watchdog bites when five ticks are missed, or when the check of the blob has not gone on for
-/// as long: between two of its beats lie at most some three million instructions, a twentieth of
-/// a second. In periods of 32,768 Hz. The reset floats
-/// the motor pins, which a motor driver reads as: coast.
+/// Watchdog timeout, in periods of 32,768 Hz: five ticks. The check of the blob feeds the watchdog
+/// at least every three million instructions, a twentieth of a second. A reset floats the motor
+/// pins, and the motor driver then coasts.
 const WATCHDOG_PERIODS: u32 = 32_768 / 4;
 
 /// Two motors behind an H bridge with two inputs each, such as a DRV8833.
@@ -30,7 +29,8 @@ pub(crate) struct Rover {
 }
 
 impl Rover {
-    /// Motors stand still. `motor_pins`: left ahead, left astern, right ahead, right astern.
+    /// A rover with stopped motors. `motor_pins`: left ahead, left astern, right ahead, right
+    /// astern.
     pub(crate) fn new(
         pwm: Peri<'static, PWM0>,
         motor_pins: [Peri<'static, AnyPin>; 4],
@@ -47,8 +47,8 @@ impl Rover {
         let mut config = wdt::Config::default();
         config.timeout_ticks = WATCHDOG_PERIODS;
         config.action_during_debug_halt = HaltConfig::Pause;
-        // Refused only if it runs already with other settings, as after a reset by a
-        // debugger; then the next power-up has it.
+        // Fails only if the watchdog already runs with other settings, as after a reset by a
+        // debugger; then it works from the next power-up on.
         let watchdog = Watchdog::try_new::<_, 1>(watchdog, config).ok().map(|(_, [handle])| handle);
         if watchdog.is_none() {
             defmt::warn!("no watchdog until the next power-up");
@@ -63,8 +63,7 @@ impl Rover {
         }
     }
 
-    /// Each press of the button arms or disarms. Read once a tick, which is slower than contacts
-    /// bounce.
+    /// Each press of the button arms or disarms. Ticks are longer than contacts bounce.
     fn by_button(&mut self) -> Operator {
         let is_pressed = self.button.is_low();
         self.is_armed ^= is_pressed && !self.was_pressed;
@@ -78,8 +77,8 @@ impl Robot for Rover {
         Some(self.pace.next().await)
     }
 
-    /// The kit alone has no compass, odometry or range sensors: the heading is the course of
-    /// the fixes, and nothing but the plan keeps the rover off obstacles. Add yours here.
+    /// The kit has no compass, odometry or range sensors: the heading is the course of the fixes,
+    /// and only the plan keeps the rover away from obstacles. Add your sensors here.
     async fn sense(&mut self, percepts: &mut Percepts) {
         percepts.operator = self.by_button();
     }
@@ -96,11 +95,11 @@ impl Robot for Rover {
     }
 }
 
-/// The light, lit while the robot is armed.
+/// An LED, lit while the robot is armed.
 pub(crate) struct Light(Output<'static>);
 
 impl Light {
-    /// Dark.
+    /// An LED that is off.
     pub(crate) fn new(pin: Peri<'static, AnyPin>) -> Self {
         Self(Output::new(pin, Level::High, OutputDrive::Standard))
     }
@@ -117,6 +116,6 @@ impl Observer for Light {
 fn duties(output: f32) -> [DutyCycle; 2] {
     let ahead = (output.max(0.0) * f32::from(FULL_DUTY)) as u16;
     let astern = ((-output).max(0.0) * f32::from(FULL_DUTY)) as u16;
-    // Inverted polarity means: high while the counter is below the duty.
+    // With inverted polarity the pin is high while the counter is below the duty.
     [DutyCycle::inverted(ahead), DutyCycle::inverted(astern)]
 }

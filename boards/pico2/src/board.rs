@@ -17,11 +17,11 @@ use static_cell::ConstStaticCell;
 
 use crate::robot::{self, Light, Rover};
 
-/// What the receiver sends at: u-blox from the factory, series 9 and 10 (8 and older: 9600).
+/// The receiver's baud rate: factory setting of u-blox series 9 and 10 (8 and older: 9600).
 const GPS_BAUD: u32 = 38_400;
-/// What the radio's modem sends at.
+/// Baud rate of the radio modem.
 const LINK_BAUD: u32 = 115_200;
-/// Bytes that a UART takes in while the processor is elsewhere: 20 ms at 115,200 baud.
+/// Bytes that a UART buffers while the processor is busy: 20 ms at 115,200 baud.
 const UART_BYTES: usize = 256;
 
 /// What the tasks share.
@@ -35,7 +35,7 @@ bind_interrupts!(struct Interrupts {
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let p = embassy_rp::init(embassy_rp::config::Config::default());
-    // The drivers use these buffers for as long as the program runs.
+    // The drivers use these buffers as long as the program runs.
     static GPS_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
     static GPS_TX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
     static LINK_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
@@ -59,23 +59,23 @@ async fn main(spawner: Spawner) {
         LINK_RX.take(),
         at(LINK_BAUD),
     );
-    // The motors stand still and the watchdog is awake before anything is looked at that came from
-    // outside. Looking through a blob takes up to seconds and feeds it on the way; where that hangs,
-    // the watchdog resets the rover, which then begins anew, at a stand.
+    // The motors stop and the watchdog starts before the program reads any data from outside. The
+    // check of a blob takes up to seconds and feeds the watchdog; if it hangs, the watchdog resets
+    // the rover, which restarts with its motors stopped.
     let left = Pwm::new_output_ab(p.PWM_SLICE0, p.PIN_16, p.PIN_17, robot::stopped());
     let right = Pwm::new_output_ab(p.PWM_SLICE1, p.PIN_18, p.PIN_19, robot::stopped());
     let button = Input::new(p.PIN_15, Pull::Up);
     let watchdog = Watchdog::new(p.WATCHDOG);
     let mut rover = Rover::new(left, right, button, watchdog);
     let light = Light(Output::new(p.PIN_25, Level::Low));
-    // Without a sound blob this rover stands still and takes manual commands only.
+    // Without a valid blob this rover stands still and accepts manual commands only.
     let region = runtime::plan_region();
     let loaded = runtime::load_paced(region, &Fallback::default(), || rover.feed_watchdog());
 
-    // The receiver is not configured, so nothing is sent to it.
+    // This board does not configure the receiver, so it sends nothing to it.
     let (_, gps) = gps.split();
     let (telemetry, operator) = link.split();
-    // A task can be spawned once, and each is.
+    // Each task is spawned once, so spawning cannot fail.
     spawner.spawn(gps_task(gps).unwrap());
     spawner.spawn(operator_task(operator).unwrap());
     spawner.spawn(telemetry_task(telemetry).unwrap());

@@ -8,12 +8,11 @@ use robot_io::{CommandRecord, Commands, Operator, Percepts};
 use runtime::mixer::Mixer;
 use runtime::{Observer, Robot, time};
 
-/// Measure these on the rover; the plan's parameters hold its limits.
+/// Measure these on the rover. The blob's parameters have its limits.
 const MIXER: Mixer = Mixer { track_m: 0.4, full_speed_mps: 2.0 };
-/// PWM steps: the 150 MHz clock divided by them gives 20 kHz, which nobody hears.
+/// PWM steps: the 150 MHz clock divided by them gives 20 kHz, which is inaudible.
 const FULL_DUTY: u16 = 7_500;
-/// The watchdog bites when five ticks are missed, or when the check of the blob has not gone on for
-/// as long.
+/// Watchdog timeout: five ticks. The check of the blob feeds the watchdog too.
 const WATCHDOG: Duration = Duration::from_millis(250);
 
 /// Two motors behind an H bridge with two inputs each, such as a DRV8833.
@@ -28,7 +27,7 @@ pub(crate) struct Rover {
 }
 
 impl Rover {
-    /// Motors stand still, as [`stopped`] has them, and the watchdog runs.
+    /// A rover with motors set by [`stopped`] and a running watchdog.
     pub(crate) fn new(
         left: Pwm<'static>,
         right: Pwm<'static>,
@@ -48,8 +47,7 @@ impl Rover {
         }
     }
 
-    /// Each press of the button arms or disarms. Read once a tick, which is slower than contacts
-    /// bounce.
+    /// Each press of the button arms or disarms. Ticks are longer than contacts bounce.
     fn by_button(&mut self) -> Operator {
         let is_pressed = self.button.is_low();
         self.is_armed ^= is_pressed && !self.was_pressed;
@@ -63,8 +61,8 @@ impl Robot for Rover {
         Some(self.pace.next().await)
     }
 
-    /// The kit alone has no compass, odometry or range sensors: the heading is the course of
-    /// the fixes, and nothing but the plan keeps the rover off obstacles. Add yours here.
+    /// The kit has no compass, odometry or range sensors: the heading is the course of the fixes,
+    /// and only the plan keeps the rover away from obstacles. Add your sensors here.
     async fn sense(&mut self, percepts: &mut Percepts) {
         percepts.operator = self.by_button();
     }
@@ -80,7 +78,7 @@ impl Robot for Rover {
     }
 }
 
-/// The light, lit while the robot is armed.
+/// An LED, lit while the robot is armed.
 pub(crate) struct Light(pub(crate) Output<'static>);
 
 impl Observer for Light {
@@ -90,18 +88,18 @@ impl Observer for Light {
     }
 }
 
-/// A motor that stands still.
+/// PWM settings of a stopped motor.
 pub(crate) fn stopped() -> pwm::Config {
     turning(0.0)
 }
 
-/// The two inputs of one motor, A ahead and B astern, for a drive of -1 ..= 1.
-fn turning(drive: f32) -> pwm::Config {
-    let duty = |drive: f32| (drive.clamp(0.0, 1.0) * f32::from(FULL_DUTY)) as u16;
+/// PWM settings of the two inputs of one motor, A ahead and B astern, for an output of -1 ..= 1.
+fn turning(output: f32) -> pwm::Config {
+    let duty = |share: f32| (share.clamp(0.0, 1.0) * f32::from(FULL_DUTY)) as u16;
     let mut config = pwm::Config::default();
     // The counter takes FULL_DUTY values, from 0.
     config.top = FULL_DUTY - 1;
-    config.compare_a = duty(drive);
-    config.compare_b = duty(-drive);
+    config.compare_a = duty(output);
+    config.compare_b = duty(-output);
     config
 }

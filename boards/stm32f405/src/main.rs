@@ -1,8 +1,8 @@
 //! Wayfield on the Adafruit Feather STM32F405: a rover with two motors, a GPS receiver and a radio.
 //!
-//! This file is the architecture of the firmware: which task runs on which pins. Everything
-//! that decides lies in other crates; `robot.rs` is what this board does to a motor and a
-//! button. To make another board, copy the folder (see `boards/README.md`).
+//! `board.rs` connects tasks to pins, as below; `robot.rs` drives this board's motors and reads
+//! its button. All decisions are in other crates. To add a board, copy the folder (see
+//! `boards/README.md`).
 //!
 //! ```text
 //! GPS --- USART3 -> gps -------- SLOTS.fixes -----+
@@ -16,7 +16,7 @@ mod board;
 #[cfg(target_os = "none")]
 mod robot;
 
-/// What happens when the program for the board is started on a host.
+/// Explains itself when started on a host.
 #[cfg(not(target_os = "none"))]
 fn main() {
     println!("This program runs on an STM32F405RG. In its folder, with the board connected:");

@@ -9,7 +9,7 @@ use robot_io::{CommandRecord, Commands, Operator, Percepts};
 use runtime::mixer::Mixer;
 use runtime::{Observer, Robot, time};
 
-/// Measure these on the rover; the plan's parameters hold its limits.
+/// Measure these on the rover. The blob's parameters have its limits.
 const MIXER: Mixer = Mixer { track_m: 0.4, full_speed_mps: 2.0 };
 /// Channels of the left motor's timer: ahead, astern.
 const LEFT: [Channel; 2] = [Channel::Ch1, Channel::Ch2];
@@ -28,7 +28,7 @@ pub(crate) struct Rover {
 }
 
 impl Rover {
-    /// Motors stand still and the watchdog runs.
+    /// A rover with stopped motors and a running watchdog.
     pub(crate) fn new(
         mut left: SimplePwm<'static, TIM3>,
         mut right: SimplePwm<'static, TIM4>,
@@ -54,8 +54,7 @@ impl Rover {
         }
     }
 
-    /// Each press of the button arms or disarms. Read once a tick, which is slower than contacts
-    /// bounce.
+    /// Each press of the button arms or disarms. Ticks are longer than contacts bounce.
     fn by_button(&mut self) -> Operator {
         let is_pressed = self.button.is_low();
         self.is_armed ^= is_pressed && !self.was_pressed;
@@ -69,8 +68,8 @@ impl Robot for Rover {
         Some(self.pace.next().await)
     }
 
-    /// The kit alone has no compass, odometry or range sensors: the heading is the course of
-    /// the fixes, and nothing but the plan keeps the rover off obstacles. Add yours here.
+    /// The kit has no compass, odometry or range sensors: the heading is the course of the fixes,
+    /// and only the plan keeps the rover away from obstacles. Add your sensors here.
     async fn sense(&mut self, percepts: &mut Percepts) {
         percepts.operator = self.by_button();
     }
@@ -86,7 +85,7 @@ impl Robot for Rover {
     }
 }
 
-/// The light, lit while the robot is armed.
+/// An LED, lit while the robot is armed.
 pub(crate) struct Light(pub(crate) Output<'static>);
 
 impl Observer for Light {
@@ -96,15 +95,15 @@ impl Observer for Light {
     }
 }
 
-/// Drives the two inputs of one motor, ahead and astern, by -1 ..= 1.
+/// Sets the two inputs of one motor, ahead and astern, for an output of -1 ..= 1.
 fn turn<T: GeneralInstance4Channel>(
     motor: &mut SimplePwm<'static, T>,
     [ahead, astern]: [Channel; 2],
-    drive: f32,
+    output: f32,
 ) {
-    for (channel, drive) in [(ahead, drive), (astern, -drive)] {
+    for (channel, share) in [(ahead, output), (astern, -output)] {
         let mut channel = motor.channel(channel);
         let full = channel.max_duty_cycle();
-        channel.set_duty_cycle((drive.clamp(0.0, 1.0) * full as f32) as u32);
+        channel.set_duty_cycle((share.clamp(0.0, 1.0) * full as f32) as u32);
     }
 }

@@ -17,18 +17,17 @@ use static_cell::ConstStaticCell;
 
 use crate::robot::{Light, Rover};
 
-/// What the receiver sends at: u-blox from the factory, series 9 and 10 (8 and older: 9600).
+/// The receiver's baud rate: factory setting of u-blox series 9 and 10 (8 and older: 9600).
 const GPS_BAUD: u32 = 38_400;
-/// What the radio's modem sends at.
+/// Baud rate of the radio modem.
 const LINK_BAUD: u32 = 115_200;
-/// Bytes that a UART takes in while the processor is elsewhere: 20 ms at 115,200 baud.
+/// Bytes that a UART buffers while the processor is busy: 20 ms at 115,200 baud.
 const UART_BYTES: usize = 256;
-/// PWM that nobody hears.
+/// PWM frequency, inaudible.
 const PWM: Hertz = khz(20);
-/// The crystal of the kit. Where another is fitted, this and the divider in [`clocks`] change.
+/// The crystal of the kit. For another crystal, change this and the divider in [`clocks`].
 const CRYSTAL: Hertz = mhz(25);
-/// The watchdog bites when five ticks are missed, or when the check of the blob has not gone on for
-/// as long.
+/// Watchdog timeout: five ticks. The check of the blob feeds the watchdog too.
 const WATCHDOG_US: u32 = 250_000;
 
 /// What the tasks share.
@@ -42,7 +41,7 @@ bind_interrupts!(struct Interrupts {
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let p = embassy_stm32::init(clocks());
-    // The drivers use these buffers for as long as the program runs.
+    // The drivers use these buffers as long as the program runs.
     static GPS_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
     static GPS_TX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
     static LINK_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
@@ -68,9 +67,9 @@ async fn main(spawner: Spawner) {
         at(LINK_BAUD),
     )
     .unwrap();
-    // The motors stand still and the watchdog is awake before anything is looked at that came from
-    // outside. Looking through a blob takes up to seconds and feeds it on the way; where that hangs,
-    // the watchdog resets the rover, which then begins anew, at a stand.
+    // The motors stop and the watchdog starts before the program reads any data from outside. The
+    // check of a blob takes up to seconds and feeds the watchdog; if it hangs, the watchdog resets
+    // the rover, which restarts with its motors stopped.
     let motors = SimplePwm::new(
         p.TIM3,
         Some(PwmPin::new(p.PA6, OutputType::PushPull)),
@@ -84,14 +83,14 @@ async fn main(spawner: Spawner) {
     let watchdog = IndependentWatchdog::new(p.IWDG1, WATCHDOG_US);
     let mut rover = Rover::new(motors, button, watchdog);
     let light = Light(Output::new(p.PE3, Level::Low, Speed::Low));
-    // Without a sound blob this rover stands still and takes manual commands only.
+    // Without a valid blob this rover stands still and accepts manual commands only.
     let region = runtime::plan_region();
     let loaded = runtime::load_paced(region, &Fallback::default(), || rover.feed_watchdog());
 
-    // The receiver is not configured, so nothing is sent to it.
+    // This board does not configure the receiver, so it sends nothing to it.
     let (_, gps) = gps.split();
     let (telemetry, operator) = link.split();
-    // A task can be spawned once, and each is.
+    // Each task is spawned once, so spawning cannot fail.
     spawner.spawn(gps_task(gps).unwrap());
     spawner.spawn(operator_task(operator).unwrap());
     spawner.spawn(telemetry_task(telemetry).unwrap());
@@ -124,7 +123,7 @@ fn at(baudrate: u32) -> usart::Config {
     config
 }
 
-/// 400 MHz from the crystal, all timers at 200 MHz.
+/// 400 MHz from the crystal; all timers run at 200 MHz.
 fn clocks() -> Config {
     let mut config = Config::default();
     let rcc = &mut config.rcc;

@@ -1,5 +1,5 @@
-//! How much memory a linked image takes, read from its section headers (ELF-32, little-endian,
-//! after the "Tool Interface Standard: Executable and Linking Format", version 1.2).
+//! Reads the memory use of a linked image from its section headers (ELF-32, little-endian, after
+//! the "Tool Interface Standard: Executable and Linking Format", version 1.2).
 
 /// Bytes of an image, as `size` counts them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,7 +17,7 @@ const NOBITS: u32 = 8;
 const WRITE: u32 = 1;
 const ALLOC: u32 = 2;
 
-/// The sizes of an image; `None` if it is not an ELF-32 file or is cut off.
+/// The sizes of an image; `None` if it is truncated or not an ELF-32 file.
 pub fn sizes(image: &[u8]) -> Option<Sizes> {
     let half = |at: usize| Some(usize::from(u16::from_le_bytes(*image.get(at..)?.first_chunk()?)));
     let word = |at: usize| Some(u32::from_le_bytes(*image.get(at..)?.first_chunk()?));
@@ -60,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn sections_count_by_what_they_occupy() {
+    fn sections_count_by_the_memory_they_occupy() {
         // Null, code, constants, statics, zeroed statics, debug information.
         let sections =
             [(0, 0, 0), (1, 6, 1000), (1, 2, 200), (1, 3, 30), (8, 3, 4), (1, 0, 50_000)];

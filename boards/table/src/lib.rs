@@ -1,12 +1,21 @@
-//! The table of boards and emulated machines, `boards/boards.toml`, as values.
+//! Reads the table of boards and emulated machines, `boards/boards.toml`.
 //!
-//! Runs on the host only: in the compiler, in the QEMU harness, in tests, and in the build
-//! scripts of the boards and of the QEMU guest, for which [`link`] writes `memory.x`.
+//! Decides where program, plans and RAM of a board are. Runs on the host only: in the compiler, in
+//! the QEMU harness, in tests, and in the build scripts of the boards and of the QEMU guest, for
+//! which [`link()`] writes `memory.x`.
 //!
-//! Invariants: a table with a missing, unknown or ill-typed key is an error, never a default;
-//! the regions of a row neither overlap nor leave the 32-bit address space.
+//! ```
+//! let board = board_table::Board::find("pico2").unwrap();
+//! assert_eq!(board.memory.plans.address, 0x1020_0000);
+//! assert_eq!(board.slot_bytes(), 512 << 10);
+//! ```
 //!
-//! Deliberately absent: pins and clocks, which are a board's own code.
+//! Invariants: a missing, unknown or ill-typed key is an error, never a default; the regions of a
+//! row neither overlap nor leave the 32-bit address space.
+//!
+//! Source: the datasheets of the chips, and QEMU's documentation of its machines.
+//!
+//! Deliberately absent: pins and clocks, which are in each board's code.
 
 pub mod elf;
 mod link;
@@ -22,13 +31,12 @@ pub static BOARDS: LazyLock<Vec<Board>> = LazyLock::new(|| TABLE.boards.clone())
 /// Every emulated machine, in the order of the file.
 pub static MACHINES: LazyLock<Vec<Machine>> = LazyLock::new(|| TABLE.machines.clone());
 
-// The file is compiled in and a test reads it, so this cannot fail outside a build with a
-// broken table.
+// The file is compiled in and a test reads it, so this fails only in a build with a broken table.
 static TABLE: LazyLock<Table> = LazyLock::new(|| {
     read::table(include_str!("../../boards.toml")).unwrap_or_else(|e| panic!("{e}"))
 });
 
-/// What the file holds.
+/// The contents of the file.
 #[derive(Debug)]
 struct Table {
     boards: Vec<Board>,
@@ -38,39 +46,39 @@ struct Table {
 /// A board, built or planned.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Board {
-    /// Its folder in `boards/`, and what `--board` takes.
+    /// The board's folder in `boards/`, and the argument of `--board`.
     pub name: String,
     /// The chip, as probe-rs calls it.
     pub chip: String,
     /// Rust's name for the processor.
     pub target: String,
-    /// Where everything lies.
+    /// Flash and RAM.
     pub memory: Memory,
-    /// What the chip erases at once in the plan region, bytes.
+    /// Erase unit of the chip in the plan region, bytes.
     pub erase_bytes: usize,
-    /// The UF2 family that the chip's boot loader accepts, where it has one.
+    /// The UF2 family that the chip's boot loader accepts; `None` if it does not accept UF2.
     pub uf2_family: Option<u32>,
-    /// What there is of its firmware.
+    /// State of its firmware.
     pub state: State,
 }
 
 /// A machine that QEMU emulates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Machine {
-    /// As `qemu-system-arm -machine` takes it.
+    /// The argument of `qemu-system-arm -machine`.
     pub name: String,
     /// Rust's name for the processor.
     pub target: String,
-    /// Where everything lies.
+    /// Flash and RAM.
     pub memory: Memory,
 }
 
-/// How far a board has come.
+/// State of a board's firmware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// Plans can be compiled for it; it has no firmware.
     Planned,
-    /// Its firmware is built and linked in CI and was not tried on hardware.
+    /// CI builds and links its firmware; it has not been tried on hardware.
     Built,
     /// Its firmware drove a robot.
     Tried,
@@ -88,25 +96,25 @@ impl State {
 pub struct Memory {
     /// Flash for the program.
     pub program: Region,
-    /// Flash for the plans, which are flashed on their own.
+    /// Flash for the plans, which are flashed separately.
     pub plans: Region,
     /// RAM, the stack included.
     pub ram: Region,
-    /// The lowest part of `ram`.
+    /// Size of the stack, the lowest part of `ram`.
     pub stack_bytes: usize,
 }
 
 /// A range of addresses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Region {
-    /// Its first byte.
+    /// Address of the first byte.
     pub address: u32,
-    /// Its length.
+    /// Number of bytes.
     pub bytes: usize,
 }
 
 impl Region {
-    /// Its addresses; the end is one past the last.
+    /// The addresses; the end is one past the last.
     pub const fn range(&self) -> Range<u64> {
         self.address as u64..self.address as u64 + self.bytes as u64
     }
@@ -120,7 +128,7 @@ impl Memory {
 }
 
 impl Board {
-    /// The board of a name.
+    /// The board with a name.
     pub fn find(name: &str) -> Option<&'static Self> {
         BOARDS.iter().find(|board| board.name == name)
     }
@@ -132,7 +140,7 @@ impl Board {
 }
 
 impl Machine {
-    /// The machine of a name.
+    /// The machine with a name.
     pub fn find(name: &str) -> Option<&'static Self> {
         MACHINES.iter().find(|machine| machine.name == name)
     }

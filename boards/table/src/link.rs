@@ -1,15 +1,15 @@
-//! What the build script of a board tells the linker.
+//! The linker arguments from a board's build script.
 
 use std::path::PathBuf;
 use std::{env, fs};
 
 use crate::{Board, MACHINES, Memory, Region};
 
-/// Links a board by the row of its package's name: writes `memory.x`, with `sections` at its
+/// Links a board by the row with its package's name: writes `memory.x`, with `sections` at its
 /// end, and passes the arguments that every board needs. Does nothing on a host.
 ///
 /// # Panics
-/// Where the table has no such row, or the row is for another target: the build then fails.
+/// If the table has no such row, or if the row is for another target. The build then fails.
 pub fn link(sections: &str) {
     if !is_bare_metal() {
         return;
@@ -25,7 +25,7 @@ pub fn link(sections: &str) {
 /// Links for the QEMU machine of the target and returns its name; `None` on a host.
 ///
 /// # Panics
-/// Where the table has no machine for the target: the build then fails.
+/// If the table has no machine for the target. The build then fails.
 pub fn link_machine() -> Option<&'static str> {
     if !is_bare_metal() {
         return None;
@@ -43,7 +43,7 @@ fn write(memory: &Memory, sections: &str) {
     let script = memory_x(memory) + sections;
     fs::write(folder.join("memory.x"), script).expect("the output folder is writable");
     println!("cargo::rustc-link-search={}", folder.display());
-    // Not by rustflags: those in a configuration are lost when RUSTFLAGS is set.
+    // Not in rustflags: RUSTFLAGS in the environment would replace those of a configuration file.
     for argument in ["--nmagic", "-Tlink.x"] {
         println!("cargo::rustc-link-arg-bins={argument}");
     }
@@ -63,12 +63,12 @@ fn memory_x(memory: &Memory) -> String {
          MEMORY\n\
          {{\n\
          {}\
-         {}  /* The stack lies lowest, so that an overflow leaves the RAM and faults instead of\n     \
+         {}  /* The stack is lowest, so that an overflow leaves the RAM and faults instead of\n     \
          overwriting data. */\n\
          {}{}}}\n\
          _stack_start = ORIGIN(STACK) + LENGTH(STACK);\n\
          _stack_end = ORIGIN(STACK);\n\
-         /* The plans are flashed on their own, never as part of the program's image. */\n\
+         /* The plans are flashed separately, never as part of the program's image. */\n\
          _plan_start = ORIGIN(PLAN);\n\
          _plan_end = ORIGIN(PLAN) + LENGTH(PLAN);\n",
         line("FLASH", program),
@@ -78,7 +78,7 @@ fn memory_x(memory: &Memory) -> String {
     )
 }
 
-/// Names the chip for probe-rs. Takes no memory on the chip.
+/// A section that names the chip for probe-rs. It occupies no memory on the chip.
 fn chip_section(chip: &str) -> String {
     let bytes: String = chip.bytes().map(|byte| format!(" BYTE({byte:#04x})")).collect();
     format!("SECTIONS\n{{\n  .probe-rs.chip 0 (INFO) : {{{bytes} }}\n}}\n")

@@ -1,5 +1,5 @@
-//! Prints the sizes of the boards' firmware images, as the rows of the table in
-//! `boards/README.md`, and compares them with it. Build the images first, each in its folder:
+//! Prints the sizes of the boards' firmware images as rows of the table in `boards/README.md`,
+//! and compares them with that table. Build the images first, each in its folder:
 //! `cargo build --profile firmware`.
 
 use std::path::{Path, PathBuf};
@@ -8,7 +8,8 @@ use std::{env, fs};
 
 use board_table::{BOARDS, Board, elf};
 
-/// How far an image may be from the README, in percent: the paths in it differ between machines.
+/// Largest difference between an image and the README, percent: paths in the image differ between
+/// machines.
 const TOLERANCE_PERCENT: u32 = 2;
 
 fn main() -> ExitCode {
@@ -21,7 +22,7 @@ fn main() -> ExitCode {
             Ok(sizes) => {
                 println!("{}", row(&board.name, sizes));
                 if !readme.lines().any(|line| is_close(line, &board.name, sizes)) {
-                    eprintln!("boards/README.md has no row like that one");
+                    eprintln!("boards/README.md has no row close to this one");
                     is_right = false;
                 }
             }
@@ -37,7 +38,8 @@ fn main() -> ExitCode {
 fn measured(target: &Path, board: &Board) -> Result<[u32; 3], String> {
     let path = target.join(&board.target).join("firmware").join(&board.name);
     let image = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-    let sizes = elf::sizes(&image).ok_or_else(|| format!("{}: no image", path.display()))?;
+    let sizes = elf::sizes(&image)
+        .ok_or_else(|| format!("{}: not a complete ELF-32 image", path.display()))?;
     Ok([sizes.text, sizes.data, sizes.bss])
 }
 
@@ -57,7 +59,7 @@ fn is_close(line: &str, name: &str, sizes: [u32; 3]) -> bool {
         })
 }
 
-/// With a comma before each three digits.
+/// The number with a comma before every three digits.
 fn grouped(number: u32) -> String {
     let digits = number.to_string();
     let groups: Vec<&str> =

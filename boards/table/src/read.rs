@@ -1,4 +1,4 @@
-//! TOML to values. Every key is taken out of its row, so that what is left is unknown.
+//! TOML to values. Reading removes each key from its row, so the keys that remain are unknown.
 
 use toml_edit::{DocumentMut, InlineTable, Item, Table as Keys, Value};
 
@@ -41,7 +41,7 @@ fn board(name: &str, keys: &mut Keys) -> Result<Board, String> {
     if erase_bytes == 0 || !is_whole {
         return Err("the two slots of `plans` are not whole erase units".into());
     }
-    // Intel HEX addresses 64 KiB at a time, and a region that starts one keeps records whole.
+    // Intel HEX addresses 64 KiB at a time; an aligned region keeps its records whole.
     if !address.is_multiple_of(0x1_0000) {
         return Err("`plans` does not start at a multiple of 64 KiB".into());
     }
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn every_mistake_is_refused_by_name() {
+    fn every_mistake_is_reported_by_name() {
         for (right, wrong, problem) in [
             ("chip = \"C\"\n", "", "[board.rover]: `chip` is not a text"),
             ("state = \"tried\"", "state = \"done\"", "`state` is \"done\""),

@@ -1,25 +1,38 @@
-//! Where to from here? The look-up of a parallel plan, and the choice of its layer.
+//! Looks up a parallel plan: which layer to follow, and where to go from here.
 //!
-//! [`advise`] decides which layer of a parallel plan is followed and what it advises in the
-//! robot's cell. The rule is the paper's first one: the most constrained layer that has a
-//! route from here. Whether a layer has a route is one read of the robot's own cell, so all
-//! layers are compared within one tick.
+//! [`advise`] decides which layer of a parallel plan the robot follows and what that layer
+//! advises in the robot's cell. The rule is the paper's first one: the most constrained layer
+//! that has a route from here. One read of the robot's cell shows whether a layer has a route,
+//! so one tick compares all layers.
 //!
-//! - [`Selection::Static`] chooses once, in the first cell from which any layer has a route.
-//!   A choice is never revised. Where the chosen layer later has no route, because the robot
-//!   was pushed there, the answer is [`Kind::NoRoute`] and the mission's policy decides; a
-//!   mission that wants the next layer instead asks for the dynamic selection.
-//! - [`Selection::Dynamic`] chooses every tick, back to a more constrained layer too.
+//! - [`Selection::Static`] chooses once, in the first cell from which any layer has a route, and
+//!   never revises the choice. If the robot is pushed to a cell where the chosen layer has no
+//!   route, the answer is [`Kind::NoRoute`] and the mission's policy decides. A mission that
+//!   wants the next layer instead selects dynamically.
+//! - [`Selection::Dynamic`] chooses every tick, and returns to a more constrained layer too.
 //!
-//! In an obstacle of the followed layer the advice is the way out of it. An obstacle of a
-//! less constrained layer is left first, and no way out leads into one.
+//! In an obstacle of the followed layer the advice is the escape from it. The robot leaves an
+//! obstacle of a less constrained layer first, and no escape leads into one.
 //!
-//! Invariants: constant time, whatever the map; total: no route, a blocked cell and a
-//! position off the map are answers, not errors; an advised step never enters an obstacle of
-//! a less constrained layer.
+//! ```
+//! use advice::{Advice, Choice, Kind, advise};
+//! use plan_format::parameters::Selection;
+//! use plan_format::{Blob, Cell};
+//! /// Index of the layer to follow in `cell` of the blob's first parallel plan.
+//! fn layer(blob: &Blob<'_>, cell: Cell) -> Option<u8> {
+//!     let plan = blob.parallel_plan(0)?;
+//!     let advice = advise(&plan, Some(cell), Selection::Dynamic, &mut Choice::default());
+//!     (advice.kind == Kind::Move).then_some(advice.layer?)
+//! }
+//! # assert_eq!(layer(&Blob::without_map(Default::default(), None, None), Cell::new(0, 0)), None);
+//! ```
+//!
+//! Invariants: constant time on every map; total: no route, a blocked cell and a position off
+//! the map are answers, not errors; an advised step never enters an obstacle of a less
+//! constrained layer.
 //!
 //! Source: W (Wagner and Arkin, "Internalized Plans for Communication-Sensitive Robot Team
-//! Behaviors"), sections 2.2 and 2.3; escapes from blocked cells are our own addition.
+//! Behaviors"), sections 2.2 and 2.3; the escapes from blocked cells are an addition.
 //!
 //! Deliberately absent: searching, smoothing of the eight directions (the blend does that),
 //! selection by gains.
@@ -32,24 +45,24 @@ use serde::{Deserialize, Serialize};
 /// What a parallel plan advises in one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Advice {
-    /// What kind of advice it is.
+    /// Kind of advice.
     pub kind: Kind,
     /// The advised step; `None` unless the kind is [`Kind::Move`] or [`Kind::Escape`].
     pub direction: Option<Direction>,
-    /// Index of the layer that gave the advice, 0 for the least constrained; `None` where no
-    /// layer was asked or none has anything to say.
+    /// Index of the layer that gave the advice, 0 for the least constrained; `None` if no layer
+    /// gave any.
     pub layer: Option<u8>,
     /// Cost to the goal in units of 1/5741 cell (see [`plan_format::grid::cost_metres`]);
-    /// `None` where no route is known.
+    /// `None` without a route.
     pub cost: Option<u32>,
 }
 
-/// The kinds of advice.
+/// A kind of advice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A first step of an optimal route.
     Move,
-    /// This is the goal's cell.
+    /// The robot is in the goal's cell.
     Goal,
     /// A step out of an obstacle.
     Escape,
@@ -59,7 +72,7 @@ pub enum Kind {
     OffMap,
 }
 
-/// The layer that a static selection has settled on. Part of the controller's state.
+/// The layer that a static selection chose. Part of the controller's state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Choice(Option<u8>);
 
@@ -81,7 +94,7 @@ impl Advice {
 
 /// What `plan` advises in `cell` (`None`: off the map).
 ///
-/// `choice` is read and set by the static selection only.
+/// Only the static selection reads and sets `choice`.
 pub fn advise(
     plan: &ParallelPlan<'_>,
     cell: Option<Cell>,
@@ -101,12 +114,12 @@ pub fn advise(
     advice
 }
 
-/// The paper's first rule. One read for each layer.
+/// The paper's first rule. One read per layer.
 fn most_constrained_with_route(plan: &ParallelPlan<'_>, cell: Cell) -> Option<(u8, Advice)> {
     layers(plan).rev().find_map(|layer| Some((layer, route(look_up(plan, layer, cell), layer)?)))
 }
 
-/// The advice of the one layer that was chosen.
+/// The advice of the chosen layer.
 fn followed(plan: &ParallelPlan<'_>, cell: Cell, layer: u8) -> Advice {
     let answer = look_up(plan, layer, cell);
     match (route(answer, layer), answer) {
@@ -117,11 +130,11 @@ fn followed(plan: &ParallelPlan<'_>, cell: Cell, layer: u8) -> Advice {
     }
 }
 
-/// The way out of an obstacle of `layer`.
+/// The advice in an obstacle of `layer`.
 ///
-/// Layers are nested, so the first one that blocks the cell holds the obstacle that matters
-/// most. Its way out is the shortest through blocked cells and may pass through obstacles of
-/// the layers below, in which the robot is not: then the layer just below is followed instead.
+/// Layers are nested, so the obstacle of the first layer that blocks the cell matters most. Its
+/// escape is the shortest path through blocked cells and may lead into an obstacle of a layer
+/// below. In that case the layer just below gives the advice.
 fn out_of(plan: &ParallelPlan<'_>, cell: Cell, layer: u8) -> Advice {
     let blocks = |&layer: &u8| is_blocked(plan, layer, cell);
     let first = layers(plan).take_while(|&below| below < layer).find(blocks).unwrap_or(layer);
@@ -141,8 +154,8 @@ fn out_of(plan: &ParallelPlan<'_>, cell: Cell, layer: u8) -> Advice {
     }
 }
 
-/// The advice where no layer has a route. Only the least constrained layer's way out counts:
-/// a cell that is free in it and has no route is walled in.
+/// The advice if no layer has a route. Only the least constrained layer's escape counts: a cell
+/// that is free in that layer but has no route is walled in.
 fn out_of_the_least_constrained(plan: &ParallelPlan<'_>, cell: Cell) -> Advice {
     match step(plan, 0, cell) {
         Step::Blocked { escape: Some(direction) } => escaping(direction, 0),
@@ -152,7 +165,7 @@ fn out_of_the_least_constrained(plan: &ParallelPlan<'_>, cell: Cell) -> Advice {
 }
 
 fn step_is_blocked(plan: &ParallelPlan<'_>, layer: u8, cell: Cell, direction: Direction) -> bool {
-    // A step off the map either has no target or one that is answered as off the map.
+    // A step off the map has no target cell, or one that the layer answers as off the map.
     let target = cell.neighbour(direction, u32::MAX, u32::MAX);
     target.is_some_and(|target| is_blocked(plan, layer, target))
 }
@@ -178,12 +191,12 @@ fn look_up(plan: &ParallelPlan<'_>, layer: u8, cell: Cell) -> Answer {
     plan.layer(usize::from(layer)).map_or(Answer::OffMap, |layer| layer.look_up(cell))
 }
 
-/// As [`look_up`], where the cost is not needed.
+/// As [`look_up`], without the cost.
 fn step(plan: &ParallelPlan<'_>, layer: u8, cell: Cell) -> Step {
     plan.layer(usize::from(layer)).map_or(Step::OffMap, |layer| layer.step(cell))
 }
 
-/// Indices of the layers, the least constrained first.
+/// Indices of the layers, least constrained first.
 fn layers(plan: &ParallelPlan<'_>) -> core::ops::Range<u8> {
     // The format allows far fewer than 256 layers.
     0..plan.layer_count() as u8

@@ -1,8 +1,8 @@
-//! Which layer is followed, and what it advises, on layers drawn as text.
+//! Which layer the advice follows, and what it is, on layers drawn as text.
 //!
-//! A drawing has a character a cell, the northern row first: `> ^ < v` and `9 7 1 3` (as on a
-//! numeric keypad) are moves, `G` is the goal, `?` free without a route, `#` blocked without
-//! an escape, `e n w s` blocked with an escape in that direction.
+//! A drawing has one character per cell, the northern row first: `> ^ < v` and `9 7 1 3` (as on
+//! a numeric keypad) are moves, `G` the goal, `?` free without a route, `#` blocked without an
+//! escape, `e n w s` blocked with an escape in that direction.
 
 use advice::{Advice, Choice, Kind, advise};
 use plan_compiler::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
@@ -50,7 +50,7 @@ fn w22_the_most_constrained_layer_with_a_route_is_followed() {
     }
 }
 
-/// W19: eight layers are compared within one tick. W25: every tick anew.
+/// W19: one tick compares eight layers. W25: every tick compares them again.
 #[test]
 fn w25_dynamic_selection_switches_at_that_tick_and_back() {
     let layers = [FREE, FREE, FREE, FREE, FREE, FREE, FREE, CUT];
@@ -79,7 +79,7 @@ fn w24_a_static_choice_without_a_route_says_so_instead_of_changing() {
     });
 }
 
-/// W29: what a start-up check reports.
+/// W29: what a check before the start reports.
 #[test]
 fn w29_nothing_is_chosen_before_there_is_a_route() {
     with_plan(&["e>>>G"], |plan| {
@@ -117,8 +117,8 @@ fn w23_no_route_blocked_and_off_the_map_are_answers() {
     }
 }
 
-/// The way out of an obstacle is the shortest through blocked cells and knows nothing of
-/// other layers; it must still not lead into their obstacles.
+/// An escape is the shortest path through blocked cells of one layer, regardless of other layers;
+/// the advice must still not lead into their obstacles.
 #[test]
 fn w21_no_way_out_leads_into_a_less_constrained_obstacle() {
     let physical = "
@@ -130,12 +130,12 @@ fn w21_no_way_out_leads_into_a_less_constrained_obstacle() {
         ^nnn^
         ^wwe^";
     let table = [
-        // In an obstacle of the comms layer alone, whose way out is free of physical ones.
+        // In an obstacle of the comms layer only; its escape is free of physical obstacles.
         ((2, 1), 1, Kind::Escape, Direction::N),
         ((3, 0), 1, Kind::Escape, Direction::E),
-        // Its way out west is a physical obstacle: the physical layer is followed.
+        // The escape west is a physical obstacle: the physical layer gives the advice.
         ((2, 0), 0, Kind::Move, Direction::NE),
-        // In a physical obstacle, which is left first.
+        // In a physical obstacle: leave that first.
         ((1, 0), 0, Kind::Escape, Direction::N),
     ];
     for (cell, layer, kind, direction) in table {
@@ -155,7 +155,7 @@ fn layers_along(layers: &[&str], selection: Selection, walk: &[(u32, u32)]) -> V
     })
 }
 
-/// The static choice of a start in `cell`, which is the most constrained layer.
+/// The static choice after a start in `cell`: the most constrained layer.
 fn chosen(plan: &ParallelPlan<'_>, cell: (u32, u32)) -> Choice {
     let mut choice = Choice::default();
     advise(plan, Some(at(cell)), Static, &mut choice);
@@ -188,12 +188,12 @@ fn with_plan<T>(layers: &[&str], test: impl FnOnce(&ParallelPlan<'_>) -> T) -> T
         plans: vec![blob],
         mission: MissionDraft::default(),
     };
-    let blob = plan_format::write(&draft).expect("the draft is sound");
-    let blob = Blob::parse(&blob).expect("the blob is sound");
+    let blob = plan_format::write(&draft).expect("the draft is valid");
+    let blob = Blob::parse(&blob).expect("the blob is valid");
     test(&blob.parallel_plan(0).expect("there is one plan"))
 }
 
-/// The field of a drawing, and its goal. Costs are those of the drawn routes.
+/// The field of a drawing, and its goal. Costs follow the drawn routes.
 fn drawn(drawing: &str) -> (Field, Cell) {
     let lines: Vec<Vec<char>> =
         drawing.split_whitespace().rev().map(|line| line.chars().collect()).collect();

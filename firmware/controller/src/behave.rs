@@ -1,11 +1,12 @@
 //! What the mission's behaviours want the robot to do.
 //!
-//! A blob without behaviours wants one thing: to follow the parallel plan of its parameters. With
-//! behaviours, the atomic actions that run say where to go, how fast at most, and which outputs
-//! are on; a behaviour that drives holds the resource `motion`, so at most one action drives.
+//! Without behaviours, the robot follows the parallel plan of the blob's parameters. With
+//! behaviours, the running atomic actions set the destination, the maximum speed and the
+//! outputs. A behaviour that drives has the resource `motion`, so at most one action drives.
 //!
-//! Behaviours stand still while the robot is not armed or the emergency stop is pressed: their
-//! plans wait as they are. While it is driven by hand they go on, since what they watch does.
+//! Behaviours pause while the robot is disarmed or the emergency stop is pressed: their plans
+//! keep their state. They continue during manual driving, because the world that they watch
+//! continues too.
 
 use behaviour::{Behaviours, Observations, Report, Running, World};
 use math::{Vec2, vector};
@@ -20,42 +21,43 @@ use crate::guidance::{self, Guidance, Target};
 const _: () = assert!(robot_io::limits::MAX_CHANNELS == plan_format::limits::MAX_CHANNELS);
 const _: () = assert!(robot_io::limits::MAX_OUTPUTS == plan_format::limits::MAX_OUTPUTS);
 
-/// What is wanted in one tick.
+/// What the behaviours want in one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intent {
     errand: Errand,
-    /// Weight of the noise where an action names none.
+    /// Weight of the noise for actions that set no gains.
     noise: f32,
-    /// Never faster, m/s.
+    /// Highest speed that the actions allow, m/s.
     max_speed_mps: f32,
-    /// Never nearer to an obstacle, metres.
+    /// Smallest distance to an obstacle that the actions allow, metres.
     min_distance_m: f32,
     /// Digital outputs, one bit each.
     outputs: u16,
-    /// A code to report; 0 for none.
+    /// Signal code to report; 0 for none.
     signal: u16,
 }
 
-/// What the robot is to do with its motors.
+/// What an intent asks of the motors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Errand {
     Follow(Target),
     GoTo(Vec2),
     Wander,
-    /// Stand still, and why.
+    /// Stand still for this reason.
     None(Reason),
 }
 
-/// Where to: by a plan, or straight.
+/// How to reach the destination of an intent.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Steering {
+pub enum Approach {
     /// By the advice of a parallel plan.
-    Plan(Target),
-    /// By the reactive schemas.
+    ByPlan(Target),
+    /// By the reactive schemas only.
     Straight(Guidance),
 }
 
-/// Lets the behaviours take their step, and says what they want; why goes into the report.
+/// Advances the behaviours by one step and returns what they want. Their decisions go into
+/// the report.
 pub fn behave(
     blob: &Blob<'_>,
     behaviours: &mut Behaviours,
@@ -92,7 +94,7 @@ pub fn behave(
 }
 
 impl Intent {
-    /// What the running actions want, all together.
+    /// This intent, changed by every running action.
     fn of(self, running: &Running) -> Self {
         running.iter().fold(self, |intent, part| {
             let errand = match part.kind {
@@ -115,7 +117,7 @@ impl Intent {
         })
     }
 
-    /// The vehicle within the constraints of what runs.
+    /// The vehicle with the constraints of the running actions applied.
     pub fn constrained(&self, vehicle: &Vehicle) -> Vehicle {
         Vehicle {
             max_speed_mps: vehicle.max_speed_mps.min(self.max_speed_mps),
@@ -124,35 +126,35 @@ impl Intent {
         }
     }
 
-    /// Commands with the outputs and the signal that are wanted.
+    /// The commands with the outputs and the signal of this intent.
     pub fn with_outputs(&self, commands: Commands) -> Commands {
         Commands { outputs: self.outputs, signal: self.signal, ..commands }
     }
 
-    /// Where to from a position; an error says why the robot stands still.
-    pub fn target(&self, position: Vec2) -> Result<Steering, Reason> {
+    /// The approach from a position. The error is the reason to stand still.
+    pub fn approach(&self, position: Vec2) -> Result<Approach, Reason> {
         let straight = |goal, noise| {
             let gains = Gains { reactive: 1.0, plan: 0.0, noise };
-            Steering::Straight(Guidance { step: None, goal, gains, reason: Reason::Driving })
+            Approach::Straight(Guidance { step: None, goal, gains, reason: Reason::Driving })
         };
         match self.errand {
-            Errand::Follow(target) => Ok(Steering::Plan(target)),
+            Errand::Follow(target) => Ok(Approach::ByPlan(target)),
             Errand::GoTo(goal) => Ok(straight(goal, self.noise)),
-            // Where the robot is attracts it nowhere; what is left is noise and repulsion.
+            // A goal at the robot's own position attracts nowhere: noise and repulsion remain.
             Errand::Wander => Ok(straight(position, 1.0)),
             Errand::None(reason) => Err(reason),
         }
     }
 }
 
-/// What the plans say about where the robot is.
+/// Answers the behaviours' questions about the robot's position from the plans.
 struct Surroundings<'s, 'p> {
     blob: &'s Blob<'p>,
     position: Option<Vec2>,
 }
 
 impl Surroundings<'_, '_> {
-    /// Cost to the goal of a parallel plan by one of its layers, in units of the plan.
+    /// Cost to the goal of a parallel plan in one of its layers, in the plan's cost units.
     fn cost(&self, plan: u16, layer: usize) -> Option<u32> {
         let cell = self.blob.cell_at(self.position?)?;
         match self.blob.parallel_plan(usize::from(plan))?.layer(layer)?.look_up(cell) {

@@ -1,15 +1,15 @@
-//! From the blended vector to speed and turn rate.
+//! Turns the blended vector into speed and turn rate.
 //!
-//! The vector's length times the base speed is the speed, up to the maximum; its direction is
-//! where the robot turns, slowing down by the cosine of the heading error. The three kinds of
-//! steering differ in what they do while the error is large:
+//! The speed is the vector's length times the base speed, up to the maximum. The robot turns
+//! towards the vector's direction and slows down by the cosine of the heading error. The three
+//! kinds of steering differ while that error is large:
 //! - differential: stops and turns on the spot;
-//! - Ackermann: keeps some way on, since without it there is no turning;
-//! - boat: keeps at least the cautious speed, since without it there is no steering.
+//! - Ackermann: keeps some speed, because it cannot turn without;
+//! - boat: keeps at least the cautious speed, because its rudder needs flow.
 //!
-//! The last two back away from what repels them hard from ahead, while turning.
+//! The last two reverse, while turning, from an obstacle close ahead.
 //!
-//! Limits are not applied here: see [`crate::limit`].
+//! [`crate::limit`] applies the limits.
 
 use math::{Vec2, scalar, vector};
 use plan_format::parameters::{Steering, Vehicle};
@@ -17,51 +17,51 @@ use robot_io::{Commands, Percepts, Reason, Receiver};
 
 use crate::sense::COURSE_SPEED_MPS;
 
-/// Turn rate for each radian of heading error, 1/s: the error halves in about a third of a
-/// second, which is several ticks and slower than any vehicle's own steering.
+/// Turn rate per radian of heading error, 1/s. The error halves in about a third of a second:
+/// several ticks, and slower than any vehicle's own steering.
 const TURN_GAIN_PER_S: f32 = 2.0;
 
-/// What is left of an Ackermann vehicle's speed where the cosine would leave less.
-const LEAST_WAY: f32 = 0.3;
+/// Smallest share of its speed that an Ackermann vehicle keeps while it turns.
+const MIN_SPEED_SHARE: f32 = 0.3;
 
-/// Speed while looking for the heading, m/s: a little above what gives a course.
+/// Speed while searching for the heading, m/s: a little above what gives a course.
 const CREEP_SPEED_MPS: f32 = 0.6;
 const _: () = assert!(CREEP_SPEED_MPS > COURSE_SPEED_MPS);
 
-/// A speed and a turn rate without a reason yet.
+/// A speed and a turn rate, without the reason that commands have.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
-    /// m/s ahead.
+pub struct Twist {
+    /// Speed ahead, m/s.
     pub speed_mps: f32,
-    /// rad/s counter-clockwise.
+    /// Turn rate, rad/s counter-clockwise.
     pub turn_rate_radps: f32,
 }
 
-impl Motion {
-    /// The commands for this motion.
+impl Twist {
+    /// The commands for this twist.
     pub fn because(self, reason: Reason) -> Commands {
         let Self { speed_mps, turn_rate_radps } = self;
         Commands { speed_mps, turn_rate_radps, reason, ..Commands::stop(reason) }
     }
 }
 
-/// The motion along `blended` (map axes, 1 = base speed) of a vehicle that heads to
-/// `heading_rad`. `is_repelled`: an obstacle within the margin is part of the sum.
+/// The twist along `blended` (map axes, length 1 = base speed) of a vehicle with the heading
+/// `heading_rad`. `is_repelled`: the sum contains an obstacle within the margin.
 ///
 /// ```
 /// use controller::drive::drive;
 /// use math::vector;
 /// let vehicle = plan_format::Parameters::default().vehicle;
 /// // Half a radian to the left of the heading: a turn rate of twice the error, and the base
-/// // speed of 1.4 m/s less by the cosine.
-/// let motion = drive(&vehicle, vector::from_angle(0.5), 0.0, false);
-/// assert!((motion.turn_rate_radps - 1.0).abs() < 0.01);
-/// assert!((motion.speed_mps - 1.4 * 0.8776).abs() < 0.005);
+/// // speed of 1.4 m/s times the cosine.
+/// let twist = drive(&vehicle, vector::from_angle(0.5), 0.0, false);
+/// assert!((twist.turn_rate_radps - 1.0).abs() < 0.01);
+/// assert!((twist.speed_mps - 1.4 * 0.8776).abs() < 0.005);
 /// ```
-pub fn drive(vehicle: &Vehicle, blended: Vec2, heading_rad: f32, is_repelled: bool) -> Motion {
+pub fn drive(vehicle: &Vehicle, blended: Vec2, heading_rad: f32, is_repelled: bool) -> Twist {
     let length = vector::length(blended);
     if length == 0.0 {
-        return Motion { speed_mps: 0.0, turn_rate_radps: 0.0 };
+        return Twist { speed_mps: 0.0, turn_rate_radps: 0.0 };
     }
     let top_mps = if is_repelled { vehicle.cautious_speed_mps } else { vehicle.max_speed_mps };
     let speed_mps = (length * vehicle.base_speed_mps).min(top_mps);
@@ -71,21 +71,21 @@ pub fn drive(vehicle: &Vehicle, blended: Vec2, heading_rad: f32, is_repelled: bo
     let speed_mps = match vehicle.steering {
         Steering::Differential => speed_mps * scalar::clamp(cosine, 0.0, 1.0),
         _ if cosine < 0.0 && is_repelled => -speed_mps,
-        Steering::Ackermann => speed_mps * scalar::clamp(cosine, LEAST_WAY, 1.0),
+        Steering::Ackermann => speed_mps * scalar::clamp(cosine, MIN_SPEED_SHARE, 1.0),
         Steering::Boat => (speed_mps * cosine).max(speed_mps.min(vehicle.cautious_speed_mps)),
     };
-    Motion { speed_mps, turn_rate_radps }
+    Twist { speed_mps, turn_rate_radps }
 }
 
-/// Straight ahead until the course over ground tells the heading; an error where that is not
-/// allowed or cannot succeed.
+/// Drives straight ahead until the course over ground gives the heading. An error if the
+/// vehicle may not creep or if creeping cannot give a course.
 pub fn creep(vehicle: &Vehicle, percepts: &Percepts) -> Result<Commands, Reason> {
-    // Many receivers leave the course out while they stand still.
-    let tells_course = percepts.receiver == Receiver::Sound
+    // Many receivers omit the course while they stand still.
+    let gives_course = percepts.receiver == Receiver::Sound
         || percepts.fix.is_some_and(|fix| fix.velocity_mmps.is_some());
-    if vehicle.may_creep && tells_course && vehicle.max_speed_mps > COURSE_SPEED_MPS {
-        let motion = Motion { speed_mps: CREEP_SPEED_MPS, turn_rate_radps: 0.0 };
-        Ok(motion.because(Reason::NoHeading))
+    if vehicle.may_creep && gives_course && vehicle.max_speed_mps > COURSE_SPEED_MPS {
+        let twist = Twist { speed_mps: CREEP_SPEED_MPS, turn_rate_radps: 0.0 };
+        Ok(twist.because(Reason::NoHeading))
     } else {
         Err(Reason::NoHeading)
     }
@@ -128,13 +128,10 @@ mod tests {
         ];
         for (steering, length, angle_rad, is_repelled, speed_mps, turn_rate_radps) in table {
             let blended = vector::from_angle(angle_rad) * length;
-            let motion = drive(&vehicle(steering), blended, 0.0, is_repelled);
+            let twist = drive(&vehicle(steering), blended, 0.0, is_repelled);
             let case = (steering, length, angle_rad);
-            assert!((motion.speed_mps - speed_mps).abs() < 5e-3, "{case:?}: {motion:?}");
-            assert!(
-                (motion.turn_rate_radps - turn_rate_radps).abs() < 1e-2,
-                "{case:?}: {motion:?}"
-            );
+            assert!((twist.speed_mps - speed_mps).abs() < 5e-3, "{case:?}: {twist:?}");
+            assert!((twist.turn_rate_radps - turn_rate_radps).abs() < 1e-2, "{case:?}: {twist:?}");
         }
     }
 
@@ -142,8 +139,8 @@ mod tests {
     fn the_error_is_relative_to_the_heading() {
         for heading_rad in [-3.0, -1.0, 0.0, 2.0, 3.1] {
             let blended = vector::from_angle(heading_rad + 0.25);
-            let motion = drive(&vehicle(Differential), blended, heading_rad, false);
-            assert!((motion.turn_rate_radps - 0.5).abs() < 2e-2, "{heading_rad}: {motion:?}");
+            let twist = drive(&vehicle(Differential), blended, heading_rad, false);
+            assert!((twist.turn_rate_radps - 0.5).abs() < 2e-2, "{heading_rad}: {twist:?}");
         }
     }
 

@@ -1,4 +1,4 @@
-//! Where to, by which weights, and whether at all: the advice in its context.
+//! Puts the advice into context: decides whether to drive, where to and with which gains.
 
 use advice::{Choice, Kind, advise};
 use math::{Vec2, vector};
@@ -7,10 +7,10 @@ use plan_format::parameters::{Gains, OnTrouble};
 use plan_format::{Blob, Direction};
 use robot_io::Reason;
 
-/// What the schemas need to know of plan and goal in one tick.
+/// What the schemas need from plan and goal in one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Guidance {
-    /// The advised step, if there is one.
+    /// The advised step; `None` without advice.
     pub step: Option<Direction>,
     /// The goal, map metres.
     pub goal: Vec2,
@@ -20,7 +20,7 @@ pub struct Guidance {
     pub reason: Reason,
 }
 
-/// Which parallel plan to follow, and by which weights.
+/// Which parallel plan to follow, and with which gains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     /// Index of the parallel plan.
@@ -29,29 +29,29 @@ pub struct Target {
     pub gains: Gains,
 }
 
-/// How far the robot has come with its plan.
+/// The robot's progress with its parallel plan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// The parallel plan that this is about.
+    /// Index of the parallel plan.
     pub plan: u16,
-    /// The layer of a static selection.
+    /// The layer that a static selection chose.
     pub choice: Choice,
-    /// The goal has been reached and not been left since.
+    /// The robot has reached the goal and has not left it since.
     pub is_at_goal: bool,
 }
 
-/// A robot that has arrived stands still until it is this many tolerances away from the goal:
-/// a position that wavers by less than a tolerance must not set it in motion again.
+/// A robot at its goal stands still until it is this many tolerances away from it: a position
+/// that wavers by less than a tolerance must not start it again.
 const LEAVING: f32 = 2.0;
 
-/// The longest obstacle-free path over cells is this much longer than the straight line:
-/// the square root of 4 - 2 sqrt 2, at 22.5 degrees.
+/// Length of the longest obstacle-free path over cells, divided by the straight line: the
+/// square root of 4 - 2 sqrt 2, at 22.5 degrees.
 const OCTILE_EXCESS: f32 = 1.082_392_2;
 
-/// Asks the plan. An error says why the robot has nowhere to go.
+/// Looks up the plan. The error is the reason to stand still.
 ///
-/// Until the robot is armed every choice is provisional: it starts from where it is armed.
-/// So a static selection is made anew, and an arrival forgotten, when it is disarmed.
+/// Every choice is provisional until the operator arms the robot, because the mission starts at
+/// that position. So disarming resets the static selection and the arrival.
 pub fn guide(
     blob: &Blob<'_>,
     target: &Target,
@@ -63,7 +63,7 @@ pub fn guide(
         *progress = Progress { plan: target.plan, ..Progress::default() };
     }
     let parallel_plan = blob.parallel_plan(usize::from(target.plan));
-    // Without a map the fallback's goal is all there is.
+    // Without a map, only the fallback can have a goal.
     let goal = parallel_plan.map(|plan| plan.goal()).or(blob.goal()).ok_or(Reason::NoPlan)?;
     let distance_m = vector::length(goal - position);
     let guided = weigh(blob, target, progress, position, goal, distance_m);
@@ -88,12 +88,12 @@ fn weigh(
     let without_advice = |gains, reason| {
         if is_near { Err(Reason::AtGoal) } else { Ok(Guidance { step: None, goal, gains, reason }) }
     };
-    // Without advice the reactive schemas must drive alone, also where they weigh nothing.
+    // Without advice the reactive schemas must drive, even if their own gain is 0.
     let reactive_only = Gains { reactive: 1.0, plan: 0.0, noise: target.gains.noise };
     let Some(parallel_plan) = blob.parallel_plan(usize::from(target.plan)) else {
         return without_advice(reactive_only, Reason::NoPlan);
     };
-    // Advice without weight is not asked for, so that not even its troubles have an effect.
+    // With a gain of 0 the plan is not looked up, so its trouble has no effect either.
     if target.gains.plan == 0.0 {
         return without_advice(target.gains, Reason::Driving);
     }
@@ -117,11 +117,11 @@ fn weigh(
     }
 }
 
-/// Whether no obstacle is between here and the goal: the route is no longer than a free one
-/// could be. Being near the goal, but on the other side of a wall, is not being there.
+/// Whether the path to the goal can be free of obstacles: the route is no longer than a free
+/// path could be. A robot near the goal but behind a wall has not arrived.
 pub(crate) fn has_free_path(blob: &Blob<'_>, cost: Option<u32>, distance_m: f32) -> bool {
     let resolution_m = blob.grid().resolution_m as f32;
-    // Both ends are up to half a cell's diagonal away from the centres that costs are for.
+    // Costs are from centre to centre; both ends are up to half a cell's diagonal off.
     let free_m = OCTILE_EXCESS * (distance_m + core::f32::consts::SQRT_2 * resolution_m);
     let cost_m = cost.unwrap_or(u32::MAX) as f32 * (resolution_m / STRAIGHT_STEP as f32);
     cost_m <= free_m

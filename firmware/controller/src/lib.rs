@@ -1,79 +1,122 @@
-//! The tick: what the robot perceives goes in, what it shall do comes out.
+//! The tick: turns percepts into commands.
 //!
-//! [`tick`] decides everything about motion, in this order:
+//! [`tick`] decides how the robot moves, in this order:
 //!
-//! | step | module | what happens |
+//! | step | module | what it does |
 //! |---|---|---|
-//! | sense | [`sense`] | fixes are judged, position and heading are kept up |
-//! | monitor, criticalities, switch, decompose | [`behave`] | behaviours decide what to do |
-//! | advise | [`guidance`] | the plan is asked; arrival and trouble are told apart |
-//! | schemas, blend | `schemas` | vectors are computed and summed by their gains |
-//! | drive | [`drive`] | the sum becomes speed and turn rate |
-//! | limit | [`limit`] | operator and obstacles have the last word |
+//! | sense | [`sense`] | judges fixes, estimates position and heading |
+//! | monitor, criticalities, switch, decompose | [`behave`] | lets the behaviours decide what to do |
+//! | advise | [`guidance`] | looks up the plan, detects arrival and trouble |
+//! | schemas, blend | `schemas` | computes vectors and sums them by their gains |
+//! | drive | [`drive`] | turns the sum into speed and turn rate |
+//! | limit | [`limit`] | clamps both by operator, obstacles and vehicle |
+//!
+//! ```
+//! use controller::{State, tick};
+//! use math::{GeoPoint, Vec2};
+//! use plan_format::{Blob, Origin, Parameters};
+//! use robot_io::{Fix, Operator, Percepts, Reason};
+//! // A robot without a map, 100 m west of its goal, that heads east.
+//! let place = GeoPoint::from_degrees(45.0, 8.0).unwrap();
+//! let origin = Origin { place, at_m: [0.0, 0.0], heading_rad: 0.0 };
+//! let goal = Vec2::new(100.0, 0.0);
+//! let blob = Blob::without_map(Parameters::default(), Some(origin), Some(goal));
+//! let mut state = State::new(&blob);
+//! let fix = Fix { time_us: 0, is_valid: true, place, accuracy_mm: 500, velocity_mmps: None };
+//! let mut percepts = Percepts { fix: Some(fix), heading_rad: Some(0.0), ..Percepts::default() };
+//! assert_eq!(tick(&blob, &mut state, &percepts).reason, Reason::Disarmed);
+//! percepts.operator = Operator { is_armed: true, ..Operator::default() };
+//! let commands = tick(&blob, &mut state, &percepts);
+//! assert!(commands.speed_mps > 1.0);
+//! assert_eq!(commands.reason, Reason::NoPlan);
+//! ```
 //!
 //! # Invariants
 //! - Pure: the commands depend on the arguments only; time is in the percepts. Equal plan,
 //!   state and percepts give equal commands and equal next state, on every target.
-//! - Total: no percept, however wrong, causes a panic, and trouble is data: every stop has a
+//! - Total: no percept, however wrong, causes a panic. Trouble is data: every stop has a
 //!   [`Reason`].
-//! - Commands are finite and within the vehicle's limits, always.
-//! - A plan is advice. Without a map, and with a planning gain of 0, the robot drives by its
-//!   reactive schemas alone, bit for bit as if there had never been a plan.
+//! - Commands are always finite and within the vehicle's limits.
+//! - A plan is advice. Without a map, or with a planning gain of 0, the robot drives by its
+//!   reactive schemas only, bit for bit as if it had never had a plan.
 //!
 //! # Glossary
-//! One word for each idea, in code, files, help and docs. Each with an example.
+//! One word for each idea, in code, files, help and docs. An example follows each definition.
 //!
-//! - **advice**: the step and the cost of an internalized plan in the robot's cell: "north-east,
-//!   51.6 m to the gate".
-//! - **applicability**: how well a production fits now, 0 ..= 1: refuelling at the near station
-//!   0.9, at the far one 0.4.
-//! - **aspect of interest**: an input that rules judge, mapped to 0 ..= 1: the fuel level.
-//! - **atomic action**: a step that the robot carries out itself: follow a plan, hold, set an
-//!   output.
-//! - **behaviour**: a task with a plan and a criticality: plough the field.
-//! - **blob**: the file that carries plans, mission and parameters to the robot: `plans.bin`.
-//! - **cell grid**: the map's cells, their size and their corner: 250 by 250 cells of 1 m.
-//! - **commands**: speed, turn rate, outputs and the reason for them; the result of a tick.
-//! - **component**: a part of a live plan: the second strip that is being ploughed.
-//! - **criticality**: how much a behaviour needs the robot now, 0 ..= 1: refuelling 0.8 with the
-//!   tank nearly empty.
-//! - **drive**: to turn a vector into speed and turn rate: 0.5 rad to the left gives 1 rad/s.
-//! - **errand**: what an intent asks of the motors: follow a plan, go to a point, wander, nothing.
-//! - **fix**: one solution of the GPS receiver: 51.4779 N, 0.0015 W, to 1.5 m.
-//! - **gain**: weight of a schema or a group of schemas in the blend: 0.66 for the advice.
-//! - **guidance**: advice, goal and gains for one tick, after arrival and trouble are decided.
-//! - **hold**: to stand still on purpose, an atomic action: wait 10 s for the tank to fill. What a
-//!   protection interval keeps is *held*.
-//! - **intent**: what the behaviours want in one tick: follow the plan `gate`, at 1 m/s at most.
-//! - **layer**: one internalized plan: a goal and a set of constraints: `gate/comms`.
-//! - **link**: the radio link to the operator, and only that: lost after 1 s of silence.
-//! - **map frame**: the tangent plane that turns latitude and longitude into the map's metres.
-//! - **mixer**: turns speed and turn rate into the outputs of two motors.
-//! - **motion**: a speed and a turn rate: 1.4 m/s straight ahead.
-//! - **observer**: watches ticks from outside and changes nothing: the counter of instructions.
-//! - **packet**: the bytes of one value on the link, with checksum and end mark.
-//! - **parallel plan**: layers with one goal, each more constrained than the one before: `gate`.
-//! - **percepts**: all that one tick may know: fix, ranges, heading, inputs, operator, time.
-//! - **place**: a point of the globe, latitude and longitude. A *position* is in map metres.
-//! - **plan frame**: a task that is replaced by one of its productions: `Strip`.
-//! - **production**: a graph of components that can replace a plan frame: lower, drive, lift.
-//! - **protection interval**: from where to where in a plan a fact must hold: the plough is down
-//!   from the first to the last metre of a strip.
-//! - **run**: to carry out a mission from its first tick to its last.
-//! - **schema**: turns percepts into a vector: away from the obstacle ahead.
-//! - **serial plan**: a production of follow actions, one after another: first `gate`, then
-//!   `depot`.
-//! - **situation grid**: what live plans assume, and whether it still holds: "fuel is needed
-//!   later, and no step provides it".
-//! - **steering**: of a vehicle, how it turns; of an intent, by a plan or straight to a goal.
-//! - **tick**: one run of [`tick`], 20 a second by default.
-//! - **transport**: carries records to and from a robot in lockstep: two pipes.
+//! - **advice**: the step and the cost that an internalized plan gives in the robot's cell.
+//!   Example: "north-east, 51.6 m to the gate".
+//! - **applicability**: how well a production fits now, 0 ..= 1. Example: refuelling at the near
+//!   station 0.9, at the far one 0.4.
+//! - **approach**: how an intent is carried out: by the advice of a plan or straight to a point.
+//!   Example: straight to (25.5, 15.5).
+//! - **aspect of interest** (input): a measured value that rules judge, mapped to 0 ..= 1.
+//!   Example: a fuel level of 12 of 40 litres is 0.3.
+//! - **atomic action**: a step that the robot carries out itself. Example: set output 3.
+//! - **behaviour**: a task with a plan and a criticality. Example: plough the field.
+//! - **blob**: the file that carries plans, mission and parameters to the robot. Example:
+//!   `plans.bin`.
+//! - **cell grid**: the map's cells, with their size and south-west corner. Example: 250 by 250
+//!   cells of 1 m from (0, 0).
+//! - **commands**: the result of a tick: speed, turn rate, outputs, signal and the reason.
+//!   Example: 1.4 m/s, 0.2 rad/s, `Driving`.
+//! - **component**: a part of a live plan. Example: the second strip of the field.
+//! - **criticality**: how much a behaviour needs the robot now, 0 ..= 1. Example: refuelling 0.8
+//!   with the tank nearly empty.
+//! - **drive**: to turn a vector into speed and turn rate. Example: a vector 0.5 rad to the left
+//!   gives 1 rad/s.
+//! - **errand**: the part of an intent that concerns the motors. Example: follow the plan `gate`.
+//! - **fix**: one solution of the GPS receiver. Example: 51.4779 N, 0.0015 W, to 1.5 m.
+//! - **gain**: the weight of a schema, or of a group of schemas, in the blend. Example: 0.66 for
+//!   the advice.
+//! - **guidance**: advice, goal and gains for one tick, once arrival and trouble are decided.
+//!   Example: step north-east, goal (100, 40), 0.34 reactive and 0.66 advice.
+//! - **hold**: the atomic action of standing still. Example: hold for 10 s while the tank fills.
+//! - **intent**: what the behaviours want in one tick. Example: follow the plan `gate`, at 1 m/s
+//!   at most.
+//! - **layer**: one internalized plan: a goal and a set of constraints. Example: `gate/comms`.
+//! - **link**: the radio link to the operator. Example: lost after 1 s of silence.
+//! - **map frame**: the tangent plane that turns latitude and longitude into map metres. Example:
+//!   45.0009 N is 100 m north of a reference at 45 N.
+//! - **mission**: what the robot is to do, as a file or in the blob. Example:
+//!   `plough.mission.toml`.
+//! - **mixer**: turns speed and turn rate into the outputs of two motors. Example: 0.25 left and
+//!   0.75 right.
+//! - **motion**: the resource that every driving action needs, so that at most one drives.
+//!   Example: ploughing and refuelling never drive at the same time.
+//! - **observer**: watches ticks from outside and changes nothing. Example: the counter of
+//!   instructions.
+//! - **packet**: the bytes of one value on the link, with checksum and end mark. Example: 8 bytes
+//!   for an emergency stop.
+//! - **parallel plan**: layers with one goal, each more constrained than the one before. Example:
+//!   `gate`, with the layers `physical` and `comms`.
+//! - **percepts**: everything that one tick may use. Example: fix, ranges, heading, inputs,
+//!   operator and time.
+//! - **place**: a point on the globe. A *position* is in map metres. Example: 51.4779 N, 0.0015 W.
+//! - **plan frame**: a task that one of its productions replaces. Example: `Strip`.
+//! - **production**: a graph of components that can replace a plan frame. Example: lower the
+//!   plough, drive, lift it.
+//! - **protection interval**: the part of a plan during which a fact must hold. Example: the
+//!   plough is down from the first to the last metre of a strip.
+//! - **run**: the act of carrying out a mission, from its first tick to its last. Example: two
+//!   runs with one trace hash.
+//! - **scenario**: what a simulation simulates: world, robots, faults and seed. Example: two
+//!   robots meet in a corridor.
+//! - **schema**: turns percepts into a vector. Example: away from the obstacle ahead.
+//! - **serial plan**: a production of follow actions, one after another. Example: first `gate`,
+//!   then `depot`.
+//! - **simulation**: a run of simulated robots through a scenario. Example: 4,000 ticks with a GPS
+//!   error of 1 m.
+//! - **situation grid**: what live plans assume, and whether it still holds. Example: "fuel is
+//!   needed later, and no step provides it".
+//! - **tick**: one call of [`tick`]. Example: at 20 Hz, the one 50 ms after the last.
+//! - **transport**: carries records to and from a robot in lockstep. Example: the two pipes to
+//!   QEMU.
 //!
 //! Source: W (Wagner and Arkin, "Internalized Plans for Communication-Sensitive Robot Team
 //! Behaviors"); the drive follows the values of its experiments.
 //!
-//! Deliberately absent: clocks, drivers, logging, allocation; a filter that fuses sensors
-//! (receivers and IMUs bring their own; here a good fix is taken as it is).
+//! Deliberately absent: clocks, drivers, logging, allocation, and a filter that fuses sensors:
+//! receivers and IMUs bring their own, and the tick uses a good fix unchanged.
 #![no_std]
 
 pub mod behave;
@@ -89,20 +132,20 @@ use plan_format::parameters::Vehicle;
 use robot_io::{Commands, Percepts, Reason};
 use schemas::{Noise, Vectors};
 
-/// All that one tick leaves to the next: plain data that can be kept, compared and replayed.
+/// Everything that one tick passes to the next: plain data to store, compare and replay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// Position, heading and what they rest on.
+    /// Position, heading and the data that they come from.
     pub track: sense::Track,
     /// The behaviours of the mission and their live plans.
     pub behaviours: Behaviours,
-    /// The chosen layer, and whether the goal is reached.
+    /// The chosen layer, and whether the robot is at the goal.
     pub progress: guidance::Progress,
     /// The noise schema.
     pub noise: Noise,
 }
 
-/// The state is kept in static memory; its budget is 8 KB.
+/// Boards keep the state in static memory; its budget is 8 KB.
 const _: () = assert!(size_of::<State>() <= 8 * 1024);
 
 impl State {
@@ -128,11 +171,11 @@ pub fn tick(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Commands
 pub struct Explanation {
     /// The result.
     pub commands: Commands,
-    /// Where the robot believes to be.
+    /// The estimate of position and heading.
     pub sensed: sense::Sensed,
     /// What the behaviours decided.
     pub report: behaviour::Report,
-    /// How the schemas were blended; `None` where the robot stood still before it came to that.
+    /// How the schemas were blended; `None` if the tick stopped or crept before the blend.
     pub blend: Option<Blend>,
 }
 
@@ -143,11 +186,11 @@ pub struct Blend {
     pub guidance: guidance::Guidance,
     /// The schemas' vectors, map axes.
     pub vectors: Vectors,
-    /// Their weighted sum; length 1 is the base speed.
+    /// The weighted sum of the vectors; length 1 is the base speed.
     pub sum: math::Vec2,
 }
 
-/// As [`tick`], which is this without the explanation.
+/// Does what [`tick`] does and returns the explanation too.
 #[inline]
 pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Explanation {
     let percepts = percepts.sanitised();
@@ -163,8 +206,8 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     Explanation { commands, sensed, report, blend }
 }
 
-/// What the robot would do if neither operator nor obstacles objected; an error says why it
-/// stands still.
+/// The commands before operator and obstacles limit them. The error is the reason to stand
+/// still.
 fn decide(
     blob: &Blob<'_>,
     vehicle: &Vehicle,
@@ -176,11 +219,11 @@ fn decide(
     let schema = &blob.parameters().schemas;
     let position = sensed.position?;
     let is_armed = percepts.operator.is_armed;
-    let guidance = match intent.target(position)? {
-        behave::Steering::Plan(target) => {
+    let guidance = match intent.approach(position)? {
+        behave::Approach::ByPlan(target) => {
             guidance::guide(blob, &target, &mut state.progress, position, is_armed)?
         }
-        behave::Steering::Straight(guidance) => guidance,
+        behave::Approach::Straight(guidance) => guidance,
     };
     let Some(heading_rad) = sensed.heading_rad else {
         return drive::creep(vehicle, percepts).map(|commands| (commands, None));

@@ -1,4 +1,4 @@
-//! The last word: operator, obstacles, and the vehicle's limits.
+//! The last step of a tick: operator, obstacles and the vehicle's limits.
 
 use math::scalar;
 use plan_format::parameters::{Steering, Vehicle};
@@ -6,11 +6,11 @@ use robot_io::{Commands, Percepts, RangeReading, Reason};
 
 /// Clamps the wanted commands by operator, obstacles and vehicle limits.
 ///
-/// Emergency stop, disarm and manual override outrank everything, in this order. A manual
-/// command is bounded by what the vehicle can do and by nothing else: the human who steers
-/// may have to leave a place that the sensors take for an obstacle.
+/// Emergency stop, disarm and manual override outrank everything, in this order. Only the
+/// vehicle's limits bound a manual command: the driver may have to leave a position that the
+/// sensors mistake for an obstacle.
 ///
-/// Without them, motion towards any range reading inside the stop distance is stopped,
+/// Otherwise the robot does not move towards a range reading inside the stop distance,
 /// whatever the gains. A vehicle that can turn on the spot still turns.
 ///
 /// ```
@@ -55,26 +55,26 @@ pub fn limit(vehicle: &Vehicle, percepts: &Percepts, wanted: Commands) -> Comman
     bounded(vehicle, wanted)
 }
 
-/// Whether the body would touch the reading's point if it moved on straight, and the point is
-/// inside the stop distance. What is beside the body does not count: along a wall the robot
-/// may go however near it is.
+/// Whether the point of the reading is inside the stop distance and the body would touch it by
+/// driving straight on. Points beside the body do not count: the robot may drive along a wall
+/// at any distance.
 fn is_in_the_way(vehicle: &Vehicle, speed_mps: f32, reading: &RangeReading) -> bool {
     let gap_m = reading.distance_m - vehicle.radius_m;
-    // The comparison comes first because most readings are far away and cost no more than it.
+    // Most readings are far away, so this cheap comparison comes first.
     if gap_m >= vehicle.stop_distance_m {
         return false;
     }
     let ahead = scalar::cos(reading.bearing_rad) * speed_mps;
-    // A body without a radius must be stopped, too; so the swept path has a least width.
+    // A body without a radius must stop too, so the swept path has a minimum width.
     let half_width_m = vehicle.radius_m.max(0.5 * vehicle.stop_distance_m);
     let aside_m = scalar::sin(reading.bearing_rad) * reading.distance_m;
     ahead > 0.0 && aside_m.abs() <= half_width_m
 }
 
-/// Within the vehicle's limits; whatever is not a number stands still.
+/// Clamps to the vehicle's limits; a value that is not finite becomes 0.
 fn bounded(vehicle: &Vehicle, commands: Commands) -> Commands {
     let within = |value: f32, most: f32| {
-        // Adding 0 makes 0 of -0, on whose sign after a minimum or maximum targets disagree.
+        // Adding 0 turns -0 into 0: targets disagree on its sign after a minimum or maximum.
         if value.is_finite() { scalar::clamp(value, -most, most) + 0.0 } else { 0.0 }
     };
     let speed_mps = within(commands.speed_mps, vehicle.max_speed_mps);
@@ -186,7 +186,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever is wanted, the body does not touch what it drives towards.
+        /// The body never touches what it drives towards, whatever the wanted commands.
         #[test]
         fn nothing_inside_the_stop_distance_is_driven_into(
             bearing_rad in -3.1_f32..3.1, distance_m in 0.3_f32..0.6,
@@ -199,7 +199,7 @@ mod tests {
                 scalar::cos(bearing_rad) * distance_m,
                 scalar::sin(bearing_rad) * distance_m,
             );
-            // Moved on straight until beside the point, the body is this far from it.
+            // Distance from the centre to the point when the body passes it on a straight line.
             let closest = if ahead * commands.speed_mps > 0.0 { aside.abs() } else { distance_m };
             prop_assert!(commands.speed_mps == 0.0 || closest >= vehicle.radius_m - 1e-6);
         }

@@ -1,14 +1,13 @@
-//! Where the robot is and where it heads: fixes judged, dead reckoning between them.
+//! Estimates position and heading: judges fixes and dead-reckons between them.
 //!
-//! Position: a good fix is taken as it is; until the next one the position is carried on by
-//! speed and heading. When no good fix has come for the stale time, the position is unknown.
+//! Position: a good fix, unchanged; between fixes, speed and heading carry it on. The position
+//! is unknown once no good fix has arrived for the stale time.
 //!
-//! Heading: of compass or IMU; else the course over ground of a good fix above
-//! [`COURSE_SPEED_MPS`]; else the last heading, turned on by the turn rate. A heading that was
-//! once known drifts without ever being given up: as soon as the robot drives by it, its
-//! course corrects it.
+//! Heading: from compass or IMU; else the course over ground of a good fix above
+//! [`COURSE_SPEED_MPS`]; else the last heading, carried on by the turn rate. A known heading may
+//! drift but never expires: as soon as the robot drives by it, the course corrects it.
 //!
-//! Where odometry or gyroscope are missing, the robot is taken to do what it was last told.
+//! Without odometry or gyroscope, the last commands stand in for speed or turn rate.
 
 use math::{MapFrame, Vec2, scalar, vector};
 use plan_format::Blob;
@@ -16,49 +15,50 @@ use plan_format::parameters::FixPolicy;
 use robot_io::{Commands, Fix, Percepts, Reason, Receiver};
 use serde::{Deserialize, Serialize};
 
-/// Slower than this, the course over ground says nothing about the heading, m/s.
+/// Below this speed the course over ground does not show the heading, m/s.
 pub const COURSE_SPEED_MPS: f32 = 0.5;
 
-/// The longest time that is reckoned over, microseconds. After a longer pause the robot may
-/// have done anything; the next fix tells.
+/// Longest time of one dead-reckoning step, microseconds. After a longer pause only the next fix
+/// shows where the robot is.
 const LONGEST_STEP_US: u64 = 1_000_000;
 
-/// A fix jumps if it is outside what the speed limit explains by this many times the
-/// accuracies of both fixes, which are given as one standard deviation.
+/// A fix jumps if it is farther away than the speed limit explains, plus this many times the
+/// accuracies of both fixes. An accuracy is one standard deviation.
 const JUMP_DEVIATIONS: f32 = 3.0;
 
-/// Sensors that claim more than this are taken at this, m/s and rad/s.
+/// Bound on sensor readings of speed and turn rate, m/s and rad/s.
 const FASTEST: f32 = 100.0;
 
-/// Position and heading, or why not.
+/// Position and heading, or why the position is unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensed {
-    /// Map metres.
+    /// Position in map metres. The error is why it is unknown.
     pub position: Result<Vec2, Reason>,
-    /// Radians counter-clockwise from the map's x axis.
+    /// Heading in radians counter-clockwise from the map's x axis; `None` while unknown.
     pub heading_rad: Option<f32>,
 }
 
-/// What is kept from tick to tick.
+/// What the estimate keeps from tick to tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Track {
     /// Time of the last tick.
     now_us: u64,
-    /// Time stamp of the last fix that was judged: the same one is not judged twice.
+    /// Time stamp of the last judged fix: no fix is judged twice.
     judged_fix_us: Option<u64>,
-    /// Why the last fix that was judged was refused.
+    /// Why the last judged fix was refused; `None` if it was good.
     refusal: Option<Reason>,
     /// The last good fix.
     anchor: Option<Anchor>,
-    /// The anchor carried on, map metres.
+    /// Position dead-reckoned from the anchor, map metres.
     position_m: [f32; 2],
     heading_rad: Option<f32>,
-    /// Of the last commands.
+    /// Speed of the last commands.
     speed_mps: f32,
+    /// Turn rate of the last commands.
     turn_rate_radps: f32,
 }
 
-/// A good fix.
+/// A good fix, in map metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Anchor {
     time_us: u64,
@@ -73,10 +73,10 @@ impl Track {
         self.turn_rate_radps = commands.turn_rate_radps;
     }
 
-    /// Sets the clock; gives the time since the last tick, seconds.
+    /// Sets the clock. Returns the time since the last tick, seconds.
     fn advance(&mut self, now_us: u64) -> f32 {
         if now_us < self.now_us {
-            // A clock that runs backwards: percepts before and after are not one history.
+            // The clock ran backwards: earlier percepts belong to another history.
             *self = Self { judged_fix_us: self.judged_fix_us, ..Self::default() };
         }
         let step_us = now_us.saturating_sub(self.now_us).min(LONGEST_STEP_US);
@@ -88,7 +88,7 @@ impl Track {
         self.now_us.saturating_sub(time_us) > u64::from(policy.stale_after_us)
     }
 
-    /// Judges a fix; an error says why it cannot be used.
+    /// Judges a fix. The error is the reason for refusing it.
     fn judge(&self, fix: &Fix, frame: &MapFrame, policy: &FixPolicy) -> Result<Anchor, Reason> {
         if !fix.is_valid || fix.accuracy_mm > policy.max_accuracy_mm {
             return Err(Reason::PoorFix);
@@ -112,8 +112,8 @@ impl Track {
 }
 
 impl Anchor {
-    /// Whether this is farther from the last good fix than any motion explains. With time
-    /// more and more can be explained, so a robot whose first fix was wrong recovers.
+    /// Whether this is farther from the last good fix than driving explains. The explained
+    /// distance grows with time, so the robot recovers from a wrong first fix.
     fn jumps(&self, last: &Self, policy: &FixPolicy) -> bool {
         let elapsed_us = self.time_us.saturating_sub(last.time_us).min(u64::from(u32::MAX));
         let elapsed_s = elapsed_us as u32 as f32 * 1e-6;
@@ -123,7 +123,7 @@ impl Anchor {
     }
 }
 
-/// Brings the track up to the percepts' time.
+/// Advances the track to the time of the percepts.
 ///
 /// ```
 /// use controller::sense::{Track, sense};
@@ -179,7 +179,7 @@ fn carry_on(track: &mut Track, percepts: &Percepts, elapsed_s: f32, speed_mps: f
     track.heading_rad = Some(scalar::wrap_angle(heading_rad + turned_rad));
 }
 
-/// The heading that a fix's velocity implies, map axes.
+/// The heading that the velocity of a fix implies, map axes.
 fn course(fix: &Fix, frame: &MapFrame, is_astern: bool) -> Option<f32> {
     let [east, north] = fix.velocity_mmps?.map(|mmps| mmps as f32 * 1e-3);
     let velocity = frame.turned(east, north);
@@ -195,7 +195,7 @@ fn position(track: &Track, policy: &FixPolicy, percepts: &Percepts) -> Result<Ve
     }
 }
 
-/// Why no fix has ever come.
+/// Why no fix has ever arrived.
 fn no_fix(receiver: Receiver) -> Reason {
     match receiver {
         Receiver::Unreadable => Reason::UnreadableReceiver,

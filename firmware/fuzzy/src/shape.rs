@@ -1,12 +1,12 @@
 //! Areas and first moments of cut triangles, in closed form.
 //!
-//! All are worked out in units of the interval between two labels' centres, so that a label's
-//! number is its centre, the universe is 0 ..= 6 and no division is needed before the end.
+//! The unit is the interval between two labels' centres: a label's number is its centre, the
+//! universe is 0 ..= 6, and only the end needs a division.
 
 use core::ops::{Add, Sub};
 use plan_format::mission::Label;
 
-/// What the centre of gravity needs to know of a shape over 0 ..= 1.
+/// What the centre of gravity needs of a shape over 0 ..= 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shape {
     /// Area, in interval widths.
@@ -19,10 +19,10 @@ pub(crate) struct Shape {
 const WIDTH: f32 = 1.0 / 6.0;
 
 impl Shape {
-    /// Nothing.
+    /// The empty shape.
     pub(crate) const EMPTY: Self = Self { area: 0.0, moment: 0.0 };
 
-    /// An area with its centre, the latter in intervals.
+    /// A shape of this area with its centre of gravity at `centre`, in intervals.
     fn about(area: f32, centre: f32) -> Self {
         Self { area, moment: area * centre * WIDTH }
     }
@@ -47,16 +47,16 @@ impl Shape {
         }
     }
 
-    /// Where the clipped triangles of a label and its right neighbour overlap; their degrees add
-    /// up to 1. It is a trapezium with slopes 1 about the middle between the two.
+    /// The overlap of the clipped triangles of a label and its right neighbour; their degrees
+    /// add up to 1. It is a trapezium with slopes 1 about the middle between the two.
     pub(crate) fn clipped_overlap(left: Label, left_degree: f32) -> Self {
         let height = left_degree.min(1.0 - left_degree);
         Self::about(height - height * height, f32::from(left as u8) + 0.5)
     }
 
-    /// Where the scaled triangles of a label and its right neighbour overlap; their degrees add
+    /// The overlap of the scaled triangles of a label and its right neighbour; their degrees add
     /// up to 1. It is a triangle with its base from centre to centre and its tip at
-    /// `left_degree`, of the height of the degrees' product.
+    /// `left_degree`; its height is the product of the degrees.
     pub(crate) fn scaled_overlap(left: Label, left_degree: f32) -> Self {
         let height = left_degree * (1.0 - left_degree);
         Self::about(0.5 * height, f32::from(left as u8) + (1.0 + left_degree) / 3.0)

@@ -19,7 +19,7 @@ fn close(value: f32, expected: f32) {
     assert!((value - expected).abs() < 1e-3, "{value} instead of {expected}");
 }
 
-/// H40: golden values of tables 3, 4 and 5, worked out independently.
+/// H40: golden values of tables 3, 4 and 5, computed independently.
 #[test]
 fn h40_golden_values() {
     for (label, centre) in [(NB, 0.0556), (PS, 0.6667), (PM, 0.8333), (PB, 0.9444)] {
@@ -65,7 +65,7 @@ fn h40_golden_values() {
     }
 }
 
-/// H40: where the ploughing example's behaviours cross (behaviours.md).
+/// H40: the fuel levels at which refuelling overtakes ploughing and becomes unconditional.
 #[test]
 fn h40_crossings_of_the_ploughing_example() {
     let first_at = |inference, holds: &dyn Fn(f32) -> bool| {
@@ -80,7 +80,7 @@ fn h40_crossings_of_the_ploughing_example() {
     }
 }
 
-/// The same by definition: sampled membership, maximum within an input, sum over inputs.
+/// The inference by its definition: sampled membership, maximum within an input, sum over inputs.
 fn sampled(rules: &[([Label; 7], f32)], inference: Inference) -> f64 {
     const SAMPLES: u32 = 6_000;
     let triangle = |label: usize, at: f64| (1.0 - (at * 6.0 - label as f64).abs()).max(0.0);
@@ -123,7 +123,7 @@ proptest! {
         prop_assert!((f64::from(exact) - sampled(&rules, inference)).abs() < 1e-4);
     }
 
-    /// P17: whatever comes in, a number between the ends comes out.
+    /// P17: any input gives a number between the ends.
     #[test]
     fn p17_the_result_is_always_within_one_eighteenth_of_the_ends(
         rules in prop::collection::vec((labels(), any::<f32>()), 1..5),
@@ -133,8 +133,8 @@ proptest! {
         prop_assert!((1.0 / 18.0 - 1e-5..=17.0 / 18.0 + 1e-5).contains(&result), "{}", result);
     }
 
-    /// Under product a monotone table gives a monotone result (min clipping does not: between NB
-    /// and NM it dips, see behaviours.md).
+    /// With product inference a monotone table gives a monotone result. Min clipping does not: it
+    /// dips between NB and NM.
     #[test]
     fn product_is_monotone_where_the_table_is(mut table in labels(), a in 0.0_f32..=1.0, b in 0.0_f32..=1.0) {
         table.sort();

@@ -12,35 +12,35 @@ use crate::operator::OperatorSlot;
 /// Time from tick to tick, microseconds: 20 Hz.
 pub const TICK_PERIOD_US: u64 = 50_000;
 
-/// The hardware, or what stands for it. Its calls come in the order of this list, once a tick.
+/// The hardware, or its replacement. Every tick calls these functions once, in this order.
 #[allow(async_fn_in_trait, reason = "tasks run on one thread and need no Send")]
 pub trait Robot {
-    /// Waits for the next tick and gives its time in microseconds since start, which never
-    /// decreases; `None` ends the control task, which a real robot never does.
+    /// Waits for the next tick. Returns its time in microseconds since start, which never
+    /// decreases. `None` ends the control task; a real robot never returns it.
     async fn wait(&mut self) -> Option<u64>;
 
-    /// Fills in heading, odometry, ranges, inputs and, where the robot has buttons, the
-    /// operator, whom the link outranks as soon as it has spoken once. Time, fix and what is
-    /// known of the receiver are there already.
+    /// Fills in heading, odometry, ranges, inputs and, on a robot with buttons, the operator's
+    /// orders. The link outranks the buttons from its first packet on. Time, fix and state of
+    /// the receiver are already set.
     async fn sense(&mut self, percepts: &mut Percepts);
 
     /// Carries out the commands of one tick. The record around them is the tick's telemetry.
     async fn act(&mut self, record: &CommandRecord);
 
-    /// Called when a tick is complete, and before the first tick only while the blob is checked
-    /// ([`crate::load_paced`]): a watchdog that is fed here bites when any part of either hangs.
-    /// A robot that has no watchdog does nothing here, and says why.
+    /// Feeds the watchdog. Called after each complete tick, and before the first tick while
+    /// [`crate::load_paced`] checks the blob, so the watchdog resets the chip if any part of
+    /// either hangs. A robot without a watchdog does nothing here; its comment gives the reason.
     fn feed_watchdog(&mut self);
 }
 
-/// Watches the ticks from outside: counts their instructions, keeps a trace, lights a lamp. It
-/// cannot change what the robot does. `()` watches nothing.
+/// Watches the ticks from outside: counts instructions, keeps a trace, lights an LED. It cannot
+/// change what the robot does. `()` does nothing.
 pub trait Observer {
-    /// Called right before the tick.
+    /// Called immediately before the tick.
     fn before(&mut self) {}
 
-    /// Called right after the tick, with all that it saw and what it decided. Returns the
-    /// instructions since [`Observer::before`]; 0 where they are not counted.
+    /// Called immediately after the tick, with its arguments and its result. Returns the
+    /// instructions since [`Observer::before`]; 0 if they are not counted.
     fn after(&mut self, _percepts: &Percepts, _commands: &Commands) -> u32 {
         0
     }
@@ -48,13 +48,13 @@ pub trait Observer {
 
 impl Observer for () {}
 
-/// What the tasks of one robot share. In each slot the newest value replaces the one before.
+/// What the tasks of one robot share. In each slot the newest value replaces the last.
 pub struct Slots<M: RawMutex> {
-    /// From the GPS task to the control task.
+    /// Fixes, from the GPS task to the control task.
     pub fixes: FixSlot<M>,
-    /// From the operator task to the control task.
+    /// Orders, from the operator task to the control task.
     pub operator: OperatorSlot<M>,
-    /// From the control task to the telemetry task.
+    /// Records, from the control task to the telemetry task.
     pub telemetry: Telemetry<M>,
 }
 
@@ -71,9 +71,9 @@ impl<M: RawMutex> Slots<M> {
     }
 }
 
-/// Drives `robot` by `blob` until [`Robot::wait`] ends it, and lets `observer` watch each tick.
+/// Drives `robot` by `blob` until [`Robot::wait`] returns `None`; `observer` watches each tick.
 ///
-/// A tick takes the newest fix there is; it never waits for one.
+/// A tick uses the newest fix and never waits for one.
 pub async fn control_task<M: RawMutex>(
     blob: Blob<'_>,
     robot: &mut impl Robot,
@@ -115,18 +115,18 @@ mod tests {
 
     const ARMED: Operator = Operator { is_armed: true, is_emergency_stop: false, manual: None };
 
-    /// A robot without receiver whose button arms it at once.
+    /// A robot without a receiver; its button arms it at once.
     struct Armed<'s> {
         slots: &'s Slots<NoopRawMutex>,
         ticks: u64,
         reasons: [Option<Reason>; 4],
-        meals: usize,
+        feeds: usize,
     }
 
     impl Robot for Armed<'_> {
         async fn wait(&mut self) -> Option<u64> {
             self.ticks += 1;
-            // After the second tick the operator speaks over the link, once, then stays silent.
+            // After the second tick the operator sends one packet over the link, then stays silent.
             if self.ticks == 3 {
                 self.slots.operator.hear(0, Operator::default());
             }
@@ -142,21 +142,21 @@ mod tests {
         }
 
         fn feed_watchdog(&mut self) {
-            self.meals += 1;
+            self.feeds += 1;
         }
     }
 
     #[test]
-    fn the_link_outranks_the_button_from_its_first_word_on() {
+    fn the_link_outranks_the_button_from_its_first_packet_on() {
         let slots = Slots::new();
-        let mut robot = Armed { slots: &slots, ticks: 0, reasons: [None; 4], meals: 0 };
+        let mut robot = Armed { slots: &slots, ticks: 0, reasons: [None; 4], feeds: 0 };
         let blob = Blob::without_map(Parameters::default(), None, None);
         block_on(control_task(blob, &mut robot, &slots, ()));
         let [by_button, again, by_link, silent] = robot.reasons;
         assert_eq!(by_button, again);
         assert_ne!(by_button, Some(Reason::Disarmed));
         assert_eq!([by_link, silent], [Some(Reason::Disarmed); 2]);
-        assert_eq!(robot.meals, 4, "the watchdog is fed once a tick");
+        assert_eq!(robot.feeds, 4, "the watchdog is fed once a tick");
         assert_eq!(slots.telemetry.try_take().map(|record| record.time_us), Some(40_000_000));
     }
 }

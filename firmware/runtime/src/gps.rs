@@ -1,18 +1,18 @@
-//! From a receiver's bytes to a fix: UBX and NMEA, mixed as they come.
+//! Decodes a receiver's bytes into fixes: UBX and NMEA, mixed in any order.
 //!
-//! | read | from | gives |
+//! | message | receivers | content |
 //! |---|---|---|
 //! | UBX NAV-PVT, 92 bytes | u-blox 8, M8, 9, F9, 10 and later | place, accuracy, velocity |
 //! | UBX NAV-PVT, 84 bytes | u-blox 7 | the same |
 //! | NMEA 0183 GGA and RMC, versions 2.1 to 4.11, any talker | any | place, estimated accuracy, velocity |
 //! | GGA alone | any | place, estimated accuracy |
 //!
-//! A message counts only if its checksum is right; a sentence without one is refused. Where
-//! NAV-PVT comes, NMEA is ignored: NAV-PVT says how accurate it is, NMEA does not. It is left
-//! for NMEA when none has come for four seconds, and believed again when two have come within
-//! four seconds, so the two never take turns. In doubt a solution is not valid.
+//! A message counts only if its checksum is right; a sentence without one is refused. While
+//! NAV-PVT arrives, NMEA is ignored, because only NAV-PVT reports its accuracy. The decoder
+//! switches to NMEA after four seconds without NAV-PVT, and back after two NAV-PVT within four
+//! seconds, so the sources do not alternate. In doubt a solution is not valid.
 //!
-//! Everything here is pure but [`gps_task`], which only carries bytes.
+//! Everything here is pure except [`gps_task`], which only carries bytes.
 //!
 //! Deliberately absent: configuration of the receiver, height, date, other sentences (GNS, GLL,
 //! VTG) and messages (SiRF, SBF, RTCM, UBX before NAV-PVT).
@@ -36,7 +36,7 @@ pub use health::{Health, Heard};
 use nmea::Message as Sentence;
 use ubx::Message;
 
-/// What one solution of the receiver says; a [`Fix`] that has not been given a time yet.
+/// One solution of the receiver: a [`Fix`] without its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Solution {
     /// As in [`Fix`].
@@ -57,8 +57,8 @@ impl Solution {
     }
 }
 
-/// Reads a receiver's bytes, one at a time, so that the result cannot depend on how a UART
-/// cuts the stream into pieces. Total: any bytes, any length.
+/// Decodes a receiver's bytes one at a time, so the result does not depend on how a UART splits
+/// the stream. Total: any bytes, any length.
 #[derive(Default)]
 pub struct Decoder {
     ubx: ubx::Decoder,
@@ -67,28 +67,28 @@ pub struct Decoder {
     heard: Heard,
 }
 
-/// Which of the two languages is believed. They differ in accuracy and delay, so a mixture of
-/// both would jump to and fro.
+/// Which of the two protocols counts. They differ in accuracy and delay, so a mixture of both
+/// would jump back and forth.
 #[derive(Clone, Copy, Default)]
 enum Source {
-    /// NMEA, and no NAV-PVT has ever come. The first one will be believed.
+    /// NMEA, and no NAV-PVT has ever arrived. The first one will count.
     #[default]
     Nmea,
-    /// NAV-PVT, the last of which came at this time of the NMEA clock.
+    /// NAV-PVT; the last one arrived at this time of the NMEA clock.
     Ubx { last_ms: Option<u32> },
-    /// NMEA, since NAV-PVT had become too rare. It will be believed again when two come as soon
-    /// after each other as they should.
+    /// NMEA, because NAV-PVT became too rare. NAV-PVT will count again after two of them in
+    /// quick succession.
     NmeaAgain { last_ms: Option<u32> },
 }
 
 impl Decoder {
-    /// NAV-PVT that comes less often than this, by the clock of the NMEA sentences beside it,
-    /// counts as switched off, milliseconds. A robot stops when it has no fix for half as long.
+    /// Longest interval between two NAV-PVT, by the clock of the NMEA sentences, milliseconds.
+    /// After that NAV-PVT counts as switched off. A robot stops after half of it without a fix.
     const UBX_IS_OFF_AFTER_MS: u32 = 4_000;
 
-    /// Takes the next byte; answers with the solution that it completes.
+    /// Takes the next byte. Returns the solution that it completes.
     pub fn push(&mut self, byte: u8) -> Option<Solution> {
-        // Both see every byte: neither can know whether the other is inside a message.
+        // Both decoders get every byte: neither knows whether the other is inside a message.
         let nmea = self.nmea.push(byte);
         let ubx = self.ubx.push(byte);
         self.heard.sound |= ubx.is_some() || nmea.is_some_and(|nmea| nmea != Sentence::Unchecked);
@@ -110,12 +110,12 @@ impl Decoder {
         Some(solution)
     }
 
-    /// What has been heard since this was asked last.
+    /// What was heard since the last call.
     pub fn take_heard(&mut self) -> Heard {
         core::mem::take(&mut self.heard)
     }
 
-    /// Whether a NAV-PVT that has just come counts.
+    /// Whether the NAV-PVT that has just arrived counts.
     fn believes_ubx(&mut self) -> bool {
         let now_ms = self.nmea.time_ms();
         let is_believed = match self.source {
@@ -130,7 +130,7 @@ impl Decoder {
         is_believed
     }
 
-    /// Whether a solution of NMEA that has just come counts.
+    /// Whether the NMEA solution that has just arrived counts.
     fn believes_nmea(&mut self) -> bool {
         let now_ms = self.nmea.time_ms();
         match self.source {
@@ -144,17 +144,17 @@ impl Decoder {
     }
 }
 
-/// Whether NAV-PVT is switched off, by the times of the last one and of now.
+/// Whether the time since the last NAV-PVT means that it is switched off.
 fn is_long_ago(last_ms: Option<u32>, now_ms: Option<u32>) -> bool {
     const DAY_MS: u32 = 86_400_000;
     let (Some(last_ms), Some(now_ms)) = (last_ms, now_ms) else { return false };
-    // At midnight the clock begins anew; a leap second lasts a little beyond the day.
+    // The clock restarts at midnight; a leap second extends a little beyond the day.
     let elapsed_ms = (now_ms % DAY_MS + DAY_MS - last_ms % DAY_MS) % DAY_MS;
-    // More than half a day is a little backwards: a sentence that came late.
+    // More than half a day means a small step back: a late sentence.
     (Decoder::UBX_IS_OFF_AFTER_MS..DAY_MS / 2).contains(&elapsed_ms)
 }
 
-/// The latest fix and how the receiver fares, shared between tasks.
+/// The latest fix and the health of the receiver, shared between tasks.
 pub struct FixSlot<M: RawMutex>(Mutex<M, Cell<(Option<Fix>, Health)>>);
 
 impl<M: RawMutex> Default for FixSlot<M> {
@@ -169,12 +169,12 @@ impl<M: RawMutex> FixSlot<M> {
         Self(Mutex::new(Cell::new((None, Health::NEW))))
     }
 
-    /// The latest fix, whether valid or not; `None` before the first.
+    /// The latest fix, valid or not; `None` before the first.
     pub fn latest(&self) -> Option<Fix> {
         self.0.lock(Cell::get).0
     }
 
-    /// How the receiver fares at `now_us`.
+    /// State of the receiver at `now_us`.
     pub fn receiver(&self, now_us: u64) -> Receiver {
         self.0.lock(Cell::get).1.receiver(now_us)
     }
@@ -184,7 +184,7 @@ impl<M: RawMutex> FixSlot<M> {
         self.0.lock(|cell| cell.set((Some(fix), cell.get().1)));
     }
 
-    /// Notes what the bytes that came by `now_us` held.
+    /// Stores what the bytes up to `now_us` contained.
     pub fn hear(&self, now_us: u64, heard: &Heard) {
         self.0.lock(|cell| {
             let (fix, mut health) = cell.get();
@@ -194,14 +194,13 @@ impl<M: RawMutex> FixSlot<M> {
     }
 }
 
-/// Bytes taken from the reader at once.
+/// Most bytes in one read.
 const CHUNK_BYTES: usize = 64;
 
 /// Carries bytes from `reader` through a [`Decoder`] into `fixes` until the reader ends.
 ///
-/// Between reading bytes and storing what they mean it does not yield, so whoever sees the
-/// reader's buffer empty also sees the fix. A reading error loses bytes, which the checksums
-/// notice, and nothing else.
+/// It does not yield between reading bytes and storing the fix, so the fix is there as soon as
+/// the reader's buffer is empty. A read error only loses bytes, and the checksums detect that.
 pub async fn gps_task<M: RawMutex>(
     mut reader: impl Read,
     fixes: &FixSlot<M>,
@@ -222,7 +221,7 @@ pub async fn gps_task<M: RawMutex>(
             }
             Err(_) => {
                 warn!("GPS: bytes lost");
-                // A reader that fails at once each time must not starve the other tasks.
+                // A reader that always fails at once must not starve the other tasks.
                 yield_now().await;
             }
         }

@@ -1,24 +1,39 @@
 //! The shell: everything between the pure controller and the hardware.
 //!
-//! The controller decides; this crate brings it percepts and carries its commands away. It
-//! holds the tasks that every robot runs, be it a board, the QEMU guest or a test on a host:
+//! The controller decides how to drive. This crate decides which blob to load, which fix, which
+//! operator's orders and which telemetry are the newest, and when to feed the watchdog. Every
+//! robot runs its tasks: a board, the QEMU guest, or a test on a host.
 //!
-//! | task | does |
+//! | task | what it does |
 //! |---|---|
 //! | [`control_task`] | at each tick: wait, sense, decide, act |
-//! | [`gps_task`] | receiver bytes, UBX and NMEA mixed, into the [`FixSlot`] |
-//! | [`operator_task`], [`telemetry_task`] | packets of the radio link |
+//! | [`gps_task`] | decodes the receiver's bytes, UBX and NMEA mixed, into the [`FixSlot`] |
+//! | [`operator_task`], [`telemetry_task`] | receive and send the packets of the link |
 //!
-//! A board implements [`Robot`] and spawns these tasks, which share [`Slots`]. What the operator
-//! asked for ([`operator`]), the protocol that carries it ([`link`]) and what silence means
-//! ([`silence`]) are apart. [`lockstep`] is a robot that lives on records instead of hardware, so
-//! that a simulated world drives exactly this code. An [`Observer`] watches the ticks.
+//! A board implements [`Robot`] and spawns these tasks, which share [`Slots`]. [`link`] has the
+//! protocol of the link, [`operator`] the operator's latest orders, and [`silence`] what link loss
+//! does to them. [`lockstep`] is a robot that runs on records instead of hardware, so a simulation
+//! runs exactly this code. An [`Observer`] watches the ticks.
 //!
-//! Invariants: a tick never waits for a receiver or a radio; the newest value wins
-//! everywhere and nothing queues; bytes from outside never cause a panic; a blob that does
-//! not validate is never driven by. `unsafe` is used once, to read the plan region.
+//! ```
+//! use plan_format::{Blob, Parameters};
+//! use robot_io::{Reason, SensorRecord};
+//! use runtime::lockstep::{Mailbox, run};
+//! // One tick of a robot without a blob and without sensors.
+//! let blob = Blob::without_map(Parameters::default(), None, None);
+//! let mailbox = Mailbox::default();
+//! let mut robot = core::pin::pin!(run(blob, &mailbox, &mailbox));
+//! let answer = mailbox.step(robot.as_mut(), SensorRecord::default()).unwrap();
+//! assert_eq!(answer.commands.reason, Reason::Disarmed);
+//! ```
 //!
-//! Deliberately absent: drivers of any chip (see `boards/`), decisions about motion (see
+//! Invariants: a tick never waits for a receiver or a radio; the newest value replaces older ones
+//! and nothing queues; bytes from outside never cause a panic; the robot never drives by a blob
+//! that does not validate. `unsafe` occurs once, to read the plan region.
+//!
+//! Source: the u-blox protocol specification for UBX; NMEA 0183, versions 2.1 to 4.11.
+//!
+//! Deliberately absent: drivers of chips (see `boards/`), decisions about driving (see
 //! `controller`), allocation.
 #![no_std]
 

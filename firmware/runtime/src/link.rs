@@ -1,9 +1,8 @@
-//! The radio link's protocol: telemetry down, the operator up, a packet each.
+//! The link's protocol: telemetry down, the operator's orders up, one packet each.
 //!
-//! What the operator asked for is kept in [`crate::operator`], and what silence means is
-//! decided in [`crate::silence`]. The operator's packets are to be repeated at least four times
-//! within the timeout. Telemetry never holds up a tick: the newest record replaces one that was
-//! not sent.
+//! [`crate::operator`] keeps the orders, [`crate::silence`] decides what link loss does. The
+//! operator must repeat the packets at least four times within the timeout. Telemetry never
+//! delays a tick: the newest record replaces an unsent one.
 
 use embassy_futures::yield_now;
 use embassy_sync::blocking_mutex::raw::RawMutex;
@@ -14,7 +13,7 @@ use robot_io::packet::{self, Decoder, Downlink, Uplink};
 
 use crate::operator::OperatorSlot;
 
-/// The newest record that is still to be sent.
+/// The newest unsent record.
 pub type Telemetry<M> = Signal<M, CommandRecord>;
 
 /// Reads packets from `reader` into `operator` until the reader ends.
@@ -37,20 +36,20 @@ pub async fn operator_task<M: RawMutex>(
             }
             Err(_) => {
                 warn!("link: bytes lost");
-                // A reader that fails at once each time must not starve the other tasks.
+                // A reader that always fails at once must not starve the other tasks.
                 yield_now().await;
             }
         }
     }
 }
 
-/// Sends the newest record each time that there is one, until the program ends.
+/// Sends the newest record whenever there is one. Never returns.
 pub async fn telemetry_task<M: RawMutex>(mut writer: impl Write, telemetry: &Telemetry<M>) {
     loop {
         let record = telemetry.wait().await;
         let Some(bytes) = packet::encode(&Downlink::Telemetry(record)) else { continue };
         if writer.write_all(&bytes).await.is_err() || writer.flush().await.is_err() {
-            warn!("link: a record was not sent");
+            warn!("link: record not sent");
         }
     }
 }

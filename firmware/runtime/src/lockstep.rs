@@ -1,15 +1,16 @@
-//! A robot that lives on records: at each tick the world sends what it senses and the robot
-//! answers with its commands. It runs the same [`gps_task`] and [`control_task`] as a board.
+//! A robot in lockstep with its world: at each tick the world sends a sensor record and the
+//! robot answers with a command record. It runs the same [`gps_task`] and [`control_task`] as a
+//! board.
 //!
 //! Three ways to use it, from simple to flexible:
 //! - [`run_blocking`] returns when the [`Transport`] ends: for a world in the same thread.
 //! - [`run`] is the same as a future, for an executor; the QEMU guest runs it over two pipes.
-//! - a [`Mailbox`] is a transport that is fed from outside, one [`Mailbox::step`] a tick, for a
-//!   simulator that wants to ask and be answered.
+//! - A [`Mailbox`] is a transport that its caller feeds, one [`Mailbox::step`] per tick: for a
+//!   simulator that calls the robot.
 //!
 //! Invariants: the clock is the tick number times the period; all GPS bytes of a record are
-//! decoded before its tick, so the result does not depend on the order in which an executor
-//! polls; the same records give the same answers.
+//! decoded before its tick, so the result does not depend on the executor's polling order; equal
+//! records give equal answers.
 
 use core::cell::Cell;
 use core::pin::Pin;
@@ -26,17 +27,17 @@ use robot_io::{CommandRecord, Commands, Percepts, SensorRecord};
 use crate::control::{Observer, Robot, Slots, TICK_PERIOD_US, control_task};
 use crate::gps::gps_task;
 
-/// Carries records to and from a world: simulated, recorded or at the end of a pipe.
+/// Carries records to and from a world: simulated, recorded or behind a pipe.
 pub trait Transport {
-    /// Whether [`Transport::receive`] can answer at once. While it cannot, other tasks run.
+    /// Whether [`Transport::receive`] can return at once. Other tasks run while it cannot.
     fn is_ready(&self) -> bool {
         true
     }
 
-    /// What the robot senses at the next tick; `None` ends the run.
+    /// The sensor record of the next tick; `None` ends the run.
     fn receive(&mut self) -> Option<SensorRecord>;
 
-    /// What the robot answers.
+    /// Sends the robot's answer.
     fn send(&mut self, record: &CommandRecord);
 }
 
@@ -74,10 +75,9 @@ impl<T: Transport> Robot for LockstepRobot<'_, T> {
         self.record = self.transport.receive()?;
         let now_us = self.now_us.get().saturating_add(TICK_PERIOD_US);
         self.now_us.set(now_us);
-        // The pipe holds a whole record and is empty here, so this never waits.
+        // The pipe has room for a whole record and is empty here, so this never waits.
         self.gps.write_all(&self.record.gps).await;
-        // Once the pipe is empty its reader has stored what the bytes meant: it does not
-        // yield in between.
+        // Once the pipe is empty its reader has stored the fix: it does not yield in between.
         while !self.gps.is_empty() {
             yield_now().await;
         }
@@ -97,11 +97,11 @@ impl<T: Transport> Robot for LockstepRobot<'_, T> {
         self.transport.send(record);
     }
 
-    /// Whoever runs the world sees that a robot hangs, so there is no watchdog.
+    /// The world notices that a robot hangs, so there is no watchdog.
     fn feed_watchdog(&mut self) {}
 }
 
-/// A transport that is fed by hand, and an observer that keeps the last tick's percepts. The
+/// A transport that its caller feeds, and an observer that keeps the last tick's percepts. The
 /// robot's future waits in [`Transport::is_ready`] between steps.
 ///
 /// ```
@@ -120,20 +120,20 @@ impl<T: Transport> Robot for LockstepRobot<'_, T> {
 pub struct Mailbox {
     record: Cell<Option<SensorRecord>>,
     answer: Cell<Option<CommandRecord>>,
-    seen: Cell<Option<Percepts>>,
+    percepts: Cell<Option<Percepts>>,
     is_full: Cell<bool>,
 }
 
 impl Mailbox {
-    /// Hands `record` to `robot`, a [`run`] over this mailbox, and polls it until it has
-    /// answered. `None` if the future is not over this mailbox.
+    /// Passes `record` to `robot`, a [`run`] over this mailbox, and polls it until it answers.
+    /// `None` if `robot` does not run over this mailbox.
     pub fn step<F: Future<Output = ()> + ?Sized>(
         &self,
         mut robot: Pin<&mut F>,
         record: SensorRecord,
     ) -> Option<CommandRecord> {
-        // The first poll takes the record, the second decodes its GPS bytes and ticks; the
-        // rest is slack.
+        // The first poll takes the record, the second decodes its GPS bytes and ticks; the others
+        // are reserve.
         const MAX_POLLS: usize = 8;
         self.answer.set(None);
         self.record.set(Some(record));
@@ -149,15 +149,15 @@ impl Mailbox {
         None
     }
 
-    /// What the last step's tick saw, once: the percepts of a trace.
+    /// Takes the percepts of the last step's tick, for a trace; `None` if they are taken already.
     pub fn take_percepts(&self) -> Option<Percepts> {
-        self.seen.take()
+        self.percepts.take()
     }
 }
 
 impl Observer for &Mailbox {
     fn after(&mut self, percepts: &Percepts, _commands: &Commands) -> u32 {
-        self.seen.set(Some(percepts.clone()));
+        self.percepts.set(Some(percepts.clone()));
         0
     }
 }

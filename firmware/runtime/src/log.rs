@@ -1,5 +1,5 @@
-//! One logging macro a level: defmt on a robot that wants it, nothing elsewhere. defmt does
-//! not link on a host.
+//! One logging macro per level: defmt on robots that enable it, nothing elsewhere. defmt does not
+//! link on a host.
 
 #[cfg(all(feature = "defmt", target_os = "none"))]
 macro_rules! warn {

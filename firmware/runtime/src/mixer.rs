@@ -1,11 +1,11 @@
-//! From speed and turn rate to what two motors do. Pure; boards share it.
+//! Turns speed and turn rate into the outputs of two motors. Pure; boards share it.
 
 use robot_io::Commands;
 
 /// Mixes speed and turn rate for a body on two driven wheels or tracks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mixer {
-    /// From wheel to wheel, metres.
+    /// Distance between the wheels, metres.
     pub track_m: f32,
     /// Speed of a wheel at full output, m/s.
     pub full_speed_mps: f32,
@@ -14,14 +14,14 @@ pub struct Mixer {
 impl Mixer {
     /// Output for the left and the right wheel, -1 ..= 1.
     ///
-    /// Where a wheel would have to turn faster than it can, both are slowed by the same
-    /// factor: the robot then keeps the circle that was commanded, more slowly.
+    /// If one wheel would exceed its full speed, both slow down by the same factor: the robot
+    /// follows the commanded circle more slowly.
     pub fn mix(&self, commands: &Commands) -> [f32; 2] {
         let half_difference = commands.turn_rate_radps * self.track_m / 2.0;
         let left = commands.speed_mps - half_difference;
         let right = commands.speed_mps + half_difference;
         let fastest = left.abs().max(right.abs()).max(self.full_speed_mps);
-        // Where the settings or the command are nonsense: stand still.
+        // Invalid settings or commands: stand still.
         if left.is_finite() && right.is_finite() && fastest > 0.0 {
             [left / fastest, right / fastest]
         } else {
@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_stands_still() {
+    fn invalid_settings_and_commands_stand_still() {
         assert_eq!(mix(f32::NAN, f32::NAN), [0.0, 0.0]);
         assert_eq!(mix(f32::INFINITY, 0.0), [0.0, 0.0]);
         let broken = Mixer { track_m: 0.5, full_speed_mps: 0.0 };

@@ -1,4 +1,4 @@
-//! What the operator last asked for, and when that was heard.
+//! The operator's latest orders, and when they arrived.
 
 use core::cell::Cell;
 
@@ -9,7 +9,7 @@ use robot_io::Operator;
 
 use crate::silence;
 
-/// The operator as last heard over the link, shared between tasks.
+/// The operator's latest orders over the link, shared between tasks.
 pub struct OperatorSlot<M: RawMutex> {
     heard: Mutex<M, Cell<Option<(u64, Operator)>>>,
 }
@@ -21,18 +21,18 @@ impl<M: RawMutex> Default for OperatorSlot<M> {
 }
 
 impl<M: RawMutex> OperatorSlot<M> {
-    /// Nothing heard yet.
+    /// An empty slot.
     pub const fn new() -> Self {
         Self { heard: Mutex::new(Cell::new(None)) }
     }
 
-    /// Notes what was heard at `time_us`.
+    /// Stores the orders that arrived at `time_us`.
     pub fn hear(&self, time_us: u64, operator: Operator) {
         self.heard.lock(|cell| cell.set(Some((time_us, operator))));
     }
 
-    /// What counts as the operator's wish at `now_us`, silence taken into account; `None` if
-    /// the link never spoke, so that a robot without a radio obeys its own buttons.
+    /// The orders that count at `now_us`, after [`silence`]; `None` before the first packet, so
+    /// that a robot without a radio obeys its own buttons.
     pub fn at(&self, now_us: u64, policy: &LinkPolicy) -> Option<Operator> {
         let (time_us, heard) = self.heard.lock(Cell::get)?;
         Some(silence::after(heard, now_us.saturating_sub(time_us), policy))
@@ -46,7 +46,7 @@ mod tests {
     use plan_format::Parameters;
 
     #[test]
-    fn the_newest_word_counts_and_ages_from_when_it_was_heard() {
+    fn the_newest_orders_count_and_age_from_their_arrival() {
         let policy = Parameters::default().link;
         let slot = OperatorSlot::<NoopRawMutex>::new();
         assert_eq!(slot.at(0, &policy), None);
@@ -55,6 +55,6 @@ mod tests {
         slot.hear(5, stop);
         slot.hear(6, armed);
         assert_eq!(slot.at(7, &policy), Some(armed));
-        assert_eq!(slot.at(5, &policy), Some(armed), "a clock that lags is not an old word");
+        assert_eq!(slot.at(5, &policy), Some(armed), "a lagging clock does not age the orders");
     }
 }

@@ -1,25 +1,25 @@
-//! What the robot does when the operator falls silent.
+//! What link loss does to the operator's orders.
 //!
-//! | last heard | after [`LinkPolicy::timeout_us`] |
+//! | last orders | after [`LinkPolicy::timeout_us`] |
 //! |---|---|
-//! | nothing yet | not armed, unless by the robot's own button |
+//! | none yet | disarmed, unless the robot's own button arms it |
 //! | emergency stop | stays pressed until the operator releases it |
-//! | driven by hand | stands still, not armed: autonomy must not surprise anybody |
-//! | armed | by [`LinkPolicy::on_loss`]: not armed, or the mission goes on |
+//! | manual driving | stands still, disarmed: it must not change to autonomous driving by itself |
+//! | armed | by [`LinkPolicy::on_loss`]: disarmed, or the mission continues |
 //!
-//! The mission file sets both, and the blob carries them.
+//! The mission file sets both values, and the blob carries them.
 
 use plan_format::parameters::{LinkPolicy, OnLinkLoss};
 use robot_io::Operator;
 
-/// What counts of `heard`, which the operator sent `age_us` microseconds ago.
+/// What remains of the orders `heard`, `age_us` microseconds after they arrived.
 pub fn after(heard: Operator, age_us: u64, policy: &LinkPolicy) -> Operator {
     if age_us <= u64::from(policy.timeout_us) {
         return heard;
     }
-    let goes_on = policy.on_loss == OnLinkLoss::Continue && heard.manual.is_none();
+    let continues = policy.on_loss == OnLinkLoss::Continue && heard.manual.is_none();
     Operator {
-        is_armed: heard.is_armed && goes_on,
+        is_armed: heard.is_armed && continues,
         is_emergency_stop: heard.is_emergency_stop,
         manual: None,
     }
@@ -36,7 +36,7 @@ mod tests {
     const NOT_ARMED: Operator =
         Operator { is_armed: false, is_emergency_stop: false, manual: None };
 
-    /// At the timeout `heard` still counts as it is; just after it, `later` does.
+    /// `heard` counts up to the timeout, `later` just after it.
     fn check(on_loss: OnLinkLoss, heard: Operator, later: Operator) {
         for timeout_us in [100_000, 1_000_000, u32::MAX] {
             let policy = LinkPolicy { timeout_us, on_loss };

@@ -9,7 +9,7 @@ pub fn now_us() -> u64 {
     Instant::now().as_micros()
 }
 
-/// The beat of the control task, for [`crate::Robot::wait`].
+/// Paces the control task, for [`crate::Robot::wait`].
 pub struct Pace {
     ticker: Ticker,
     last: Instant,
@@ -24,10 +24,10 @@ impl Default for Pace {
 impl Pace {
     const PERIOD: Duration = Duration::from_micros(TICK_PERIOD_US);
 
-    /// Waits for the next tick and gives its time, microseconds since start.
+    /// Waits for the next tick. Returns its time, microseconds since start.
     pub async fn next(&mut self) -> u64 {
-        // A ticker makes up for what it missed; a robot that was held up must not act on
-        // several old beats in a row.
+        // A ticker makes up for missed ticks; a delayed robot must not run several old ticks in a
+        // row.
         if self.last.elapsed() > Self::PERIOD {
             warn!("tick overrun");
             self.ticker.reset();

@@ -1,7 +1,7 @@
-//! Logs of real receivers, good and damaged, against what independent decoders read in them.
+//! Logs of real receivers, good and damaged, compared with the results of independent decoders.
 //!
-//! The files are made by others and lie beside the project, not in it: without them these
-//! tests say so and return. `gps_streams.rs` has streams of our own making.
+//! The files come from third parties and are not part of the project: without them these tests
+//! print a note and return. `gps_streams.rs` has generated streams.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ fn nmea_is_read_as_pynmea2_reads_it() {
     for (file, valid_count) in [
         ("nmea_with_sat_info.log", 36),
         ("mt3339.log", 30),
-        // One epoch has both sentences; before it, RMC of its epoch is missing.
+        // One epoch has both sentences; the epochs before it lack RMC.
         ("gp-320fw-2019-04-07-coldboot.log", 1),
     ] {
         let rows: Vec<&Row> = rows.iter().filter(|row| row["file"] == file).collect();
@@ -57,24 +57,24 @@ fn nmea_is_read_as_pynmea2_reads_it() {
 #[test]
 fn logs_without_a_fix_give_none() {
     let Some(folder) = logs() else { return };
-    // Cut sentences and such without a position; SiRF binary; a u-blox too old for NAV-PVT.
+    // Cut sentences and sentences without a position; SiRF binary; a u-blox too old for NAV-PVT.
     for file in ["NMEABADEND.log", "bu303-nofix.log", "ublox-aek-4t.log"] {
         assert_eq!(decode(&folder.join(file)), [], "{file}");
     }
 }
 
-/// What real receivers send, damaged further, never becomes a place that they did not send.
+/// Damaged logs of real receivers never give a place that the receivers did not send.
 #[test]
 fn flipped_bytes_give_no_wrong_fix() {
     let Some(folder) = logs() else { return };
     for file in ["ublox-neo-m8n.log", "mt3339.log", "MIXED3.log"] {
         let bytes = std::fs::read(folder.join(file)).expect("a log is readable");
-        let sound = decode_bytes(&bytes);
-        assert!(!sound.is_empty());
+        let undamaged = decode_bytes(&bytes);
+        assert!(!undamaged.is_empty());
         for (stride, mask) in [(97, 0x01), (61, 0x80), (41, 0xff), (13, 0x10)] {
             let mut damaged = bytes.clone();
             damaged.iter_mut().step_by(stride).for_each(|byte| *byte ^= mask);
-            let places: Vec<_> = sound.iter().map(|solution| solution.place).collect();
+            let places: Vec<_> = undamaged.iter().map(|solution| solution.place).collect();
             for solution in decode_bytes(&damaged) {
                 assert!(places.contains(&solution.place), "{file} {stride} {solution:?}");
             }
@@ -82,7 +82,7 @@ fn flipped_bytes_give_no_wrong_fix() {
     }
 }
 
-/// An epoch of which RMC and GGA agree that it has a fix.
+/// An epoch with a fix according to both RMC and GGA.
 struct Epoch {
     lat_deg: f64,
     lon_deg: f64,
@@ -95,17 +95,17 @@ struct Epoch {
 impl Epoch {
     fn check(&self, solution: &Solution, file: &str) {
         let Solution { place, accuracy_mm, velocity_mmps, .. } = *solution;
-        // The table is printed to 1e-8 degrees, so the last digit may round either way.
-        let off = |e7: i32, degrees: f64| (f64::from(e7) - degrees * 1e7).abs();
-        assert!(off(place.lat_e7, self.lat_deg) <= 1.0, "{file} {place:?} {}", self.lat_deg);
-        assert!(off(place.lon_e7, self.lon_deg) <= 1.0, "{file} {place:?} {}", self.lon_deg);
+        // The table has 1e-8 degrees, so the last digit may round either way.
+        let error = |e7: i32, degrees: f64| (f64::from(e7) - degrees * 1e7).abs();
+        assert!(error(place.lat_e7, self.lat_deg) <= 1.0, "{file} {place:?} {}", self.lat_deg);
+        assert!(error(place.lon_e7, self.lon_deg) <= 1.0, "{file} {place:?} {}", self.lon_deg);
         let metres_per_hdop = if self.quality == 2 { 2.0 } else { 4.0 };
         let accuracy = self.hdop * metres_per_hdop * 1e3;
         assert!((f64::from(accuracy_mm) - accuracy).abs() <= 1.0, "{file} {accuracy_mm}");
         let speed = self.speed_kn * 1852.0 / 3.6;
         match (velocity_mmps, self.course_deg) {
             (Some([east, north]), Some(course)) => {
-                // Sine and cosine are good to about a thousandth.
+                // Sine and cosine are accurate to about 1e-3.
                 let course = course.to_radians();
                 let bound = 2.0 + speed * 3e-3;
                 let wide_sin = math::scalar::wide::sin(course);
@@ -119,7 +119,7 @@ impl Epoch {
     }
 }
 
-/// Epochs of a log with both sentences, neither of which says that it has no fix.
+/// Epochs of a log in which both sentences have a fix.
 fn merged(rows: &[&Row]) -> Vec<Epoch> {
     let of = |row: &Row, kind: &str| row["type"] == kind;
     let mut epochs = Vec::new();
@@ -157,7 +157,7 @@ fn decode_bytes(bytes: &[u8]) -> Vec<Solution> {
 
 type Row = BTreeMap<String, String>;
 
-/// A table without quotes, each row by the names of its columns.
+/// The rows of a table without quotes, by column name.
 fn rows(path: &Path) -> Vec<Row> {
     let text = std::fs::read_to_string(path).expect("a table is readable");
     let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
@@ -170,6 +170,9 @@ fn logs() -> Option<PathBuf> {
     if path.is_dir() {
         return Some(path);
     }
-    eprintln!("skipped: no {} beside the project (real files made by others)", path.display());
+    eprintln!(
+        "skipped: {} is missing (logs from third parties, not part of the project)",
+        path.display()
+    );
     None
 }

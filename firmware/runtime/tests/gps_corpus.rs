@@ -1,18 +1,18 @@
-//! What receivers send, kind by kind: sentences in, solutions out.
+//! Sentences in, solutions out: a case for each kind of receiver output.
 //!
-//! Each case is drawn after a receiver or a report of one. `gnss_logs.rs` has files made by
-//! others, `gps_streams.rs` what no cut and no garbage changes.
+//! Each case follows a receiver or a report of one. `gnss_logs.rs` has files from third parties,
+//! `gps_streams.rs` tests cuts and garbage.
 
 use math::GeoPoint;
 use proptest::prelude::*;
 use runtime::gps::{Decoder, Solution};
 use sim::receiver::{sentence, ubx};
 
-/// A place in both spellings.
+/// One place, as NMEA and as 1e-7 degrees.
 const PLACE: &str = "3346.53708,N,08423.77980,W";
 const AT: GeoPoint = GeoPoint { lat_e7: 337_756_180, lon_e7: -843_963_300 };
 
-/// Sentences of one epoch, the bodies apart by blanks; `@` stands for the time, `#` for the
+/// Sentences of one epoch, their bodies separated by spaces; `@` stands for the time, `#` for the
 /// place.
 const GOOD_RMC: &str = "GNRMC,@,A,#,1.944,90.0,010125,,,A";
 const GOOD_GGA: &str = "GNGGA,@,#,1,12,0.9,45.0,M,46.9,M,,";
@@ -20,7 +20,7 @@ const VOID_RMC: &str = "GNRMC,@,V,#,1.944,90.0,010125,,,A";
 const GOOD: &str = "GNRMC,@,A,#,1.944,90.0,010125,,,A GNGGA,@,#,1,12,0.9,45.0,M,46.9,M,,";
 const GOOD_GGA_FIRST: &str = "GNGGA,@,#,1,12,0.9,45.0,M,46.9,M,, GNRMC,@,A,#,1.944,90.0,010125,,,A";
 
-/// The epochs one after the other, `step_ms` apart, from ten past ten in the morning.
+/// The bytes of the epochs, `step_ms` apart, from 10:10:00.
 fn stream<'a>(epochs: impl IntoIterator<Item = &'a str>, step_ms: u32) -> String {
     let mut text = String::new();
     for (index, epoch) in (0..).zip(epochs) {
@@ -37,7 +37,7 @@ fn decode(bytes: impl AsRef<[u8]>) -> Vec<Solution> {
     bytes.as_ref().iter().filter_map(|&byte| decoder.push(byte)).collect()
 }
 
-/// Numbers of valid solutions, and of those with velocity. A valid solution is always here.
+/// Number of valid solutions, and of those with velocity. Every valid solution must be at `AT`.
 fn count(bytes: impl AsRef<[u8]>) -> (usize, usize) {
     let mut solutions = decode(bytes);
     solutions.retain(|solution| solution.is_valid);
@@ -46,19 +46,19 @@ fn count(bytes: impl AsRef<[u8]>) -> (usize, usize) {
     (solutions.len(), moving.count())
 }
 
-/// Ten epochs of the same kind, a second apart, behind noise and without.
+/// Checks ten epochs of one kind, a second apart, without and after noise.
 fn check(name: &str, epoch: &str, expected: (usize, usize)) {
     let text = stream([epoch; 10], 1_000);
     assert_eq!(count(&text), expected, "{name}\n{text}");
     let noise = b"\xb5\x62\x01\x07\x5c\0\xff$GNRMC,1010$PUBX\r\n*00,V,";
-    assert_eq!(count([noise, text.as_bytes()].concat()), expected, "{name}, behind noise");
+    assert_eq!(count([noise, text.as_bytes()].concat()), expected, "{name}, after noise");
 }
 
 #[test]
-fn what_is_said_of_no_concern_to_the_robot_is_not_looked_at() {
+fn fields_that_the_robot_does_not_use_are_skipped() {
     let rmc = |tail: &str| format!("GNRMC,@,A,#,1.944,90.0,{tail} {GOOD_GGA}");
     for tail in [
-        // Without mode, with an empty one, and with those of better and better corrections.
+        // Without a mode, with an empty one, and with those of ever better corrections.
         "010125,,",
         "010125,,,",
         "010125,,,A",
@@ -66,11 +66,11 @@ fn what_is_said_of_no_concern_to_the_robot_is_not_looked_at() {
         "010125,,,P",
         "010125,,,R",
         "010125,,,F",
-        // With the nav status of version 4.1, which says V if the receiver is not for ships.
+        // With the nav status of version 4.1: V if the receiver is not for ships.
         "010125,,,A,V",
         "010125,,,R,S",
         "010125,,,D,C",
-        // Without a date, with one that cannot be, with a month of no year.
+        // Without a date, with an impossible one, with a month but no year.
         ",,,A",
         "000000,,,A",
         "999999,,,A",
@@ -80,7 +80,7 @@ fn what_is_said_of_no_concern_to_the_robot_is_not_looked_at() {
         "010125,,E,A",
         "010125,3.1,W,A",
         "010125,x,y,A",
-        // More fields than there are.
+        // Surplus fields.
         "010125,,,A,V,,,,,,,,,,",
     ] {
         check(tail, &rmc(tail), (10, 10));
@@ -96,7 +96,7 @@ fn what_is_said_of_no_concern_to_the_robot_is_not_looked_at() {
         "1,12,0.9,-999999.9,M,x,,,",
         "1,12,0.9",
         "1,12,0.9,45.0,M,46.9,M,,,,,,,,",
-        // A reference station that is a number, a name, and a long one.
+        // A reference station with a number, a name, and a long name.
         "2,12,0.9,45.0,M,46.9,M,1.0,0123",
         "2,12,0.9,45.0,M,46.9,M,1.0,RTCM",
         "2,12,0.9,45.0,M,46.9,M,1.0,A-STATION-WITH-A-VERY-LONG-NAME-INDEED-OF-SOME-NETWORK",
@@ -111,22 +111,22 @@ fn any_talker_is_heard() {
         check(talker, &GOOD.replace("GN", talker), (10, 10));
         check(talker, &GOOD_GGA_FIRST.replace("GN", talker), (10, 10));
     }
-    // Of two talkers, as those have it that keep their constellations apart.
+    // Two talkers: some receivers keep their constellations apart.
     check("two", &GOOD.replace("GNGGA", "GPGGA"), (10, 10));
 }
 
 #[test]
-fn a_second_talker_without_a_fix_takes_nothing_away() {
+fn a_second_talker_without_a_fix_removes_nothing() {
     let without = "GLGGA,@,#,0,00,99.99,,M,,M,,";
     let nowhere = "GLGGA,@,,,,,0,00,,,M,,M,,";
     for second in [without, nowhere, "GLGGA,@,#,6,12,0.9,45.0,M,46.9,M,,"] {
-        check("behind", &format!("{GOOD} {second}"), (10, 10));
+        check("after", &format!("{GOOD} {second}"), (10, 10));
         check("between", &format!("{GOOD_RMC} {second} {GOOD_GGA}"), (10, 10));
         check("before", &format!("{second} {GOOD}"), (10, 10));
         check("GGA first", &format!("{second} {GOOD_GGA_FIRST}"), (10, 10));
         check("GGA first", &format!("{GOOD_GGA} {second} {GOOD_RMC}"), (10, 10));
     }
-    // What the robot sees is the latest solution, so none of the second may come behind.
+    // The latest solution counts, so the second talker must give none after it.
     for second in [without, nowhere, "GLGGA,,,,,,0,00,99.99,,,,,,"] {
         let solutions = decode(stream([format!("{GOOD} {second}").as_str(); 10], 1_000));
         assert!(solutions.iter().all(|solution| solution.is_valid), "{second}: {solutions:?}");
@@ -135,18 +135,18 @@ fn a_second_talker_without_a_fix_takes_nothing_away() {
     // The first talker itself may lose its fix.
     let lost = decode(stream([GOOD, "GNGGA,,,,,,0,00,99.99,,,,,,"], 1_000));
     assert_eq!(lost.iter().map(|solution| solution.is_valid).collect::<Vec<_>>(), [true, false]);
-    // A second one with a fix is not a second solution.
+    // A second talker with a fix does not give a second solution.
     let elsewhere = GOOD_GGA.replace("GN", "GL").replace('#', "3346.54000,N,08423.77980,W");
     check("a second fix", &format!("{GOOD} {elsewhere}"), (10, 10));
     check("a second RMC", &format!("{GOOD} {}", GOOD_RMC.replace("GN", "GL")), (10, 10));
 }
 
 #[test]
-fn sentences_of_makers_are_passed_over() {
+fn proprietary_sentences_are_skipped() {
     for own in [
         "PUBX,00,101010.00,3346.53708,N,08423.77980,W,45.0,G3,2.0,3.0,0.0,0.0,0.0,,0.9,1.2,1.0,12,0,0",
         "PMTK001,314,3",
-        // Garmin's set-up of its sensors, whose first fields would make a void RMC.
+        // Garmin's set-up of its sensors: as an RMC, its first fields would be void.
         "PGRMC,A,218.8,100,6378137.000,298.257223563,0.0,0.0,0.0,A,3,1,1,4,30",
     ] {
         let own = own.replace(' ', "");
@@ -155,7 +155,7 @@ fn sentences_of_makers_are_passed_over() {
 }
 
 #[test]
-fn a_void_rmc_is_believed_whatever_else_is_said() {
+fn a_void_rmc_outranks_all_other_fields() {
     for status in ["V", "", "N", "a", "X"] {
         for place in ["#", ",,,"] {
             for mode in ["", ",", ",A", ",N", ",D", ",R", ",A,V"] {
@@ -167,7 +167,7 @@ fn a_void_rmc_is_believed_whatever_else_is_said() {
             }
         }
     }
-    // Valid by its status and not by its mode: no fix, estimated, by hand, simulated, unknown.
+    // Valid by status but not by mode: no fix, estimated, by hand, simulated, unknown.
     for mode in ["N", "E", "M", "S", "X"] {
         let rmc = format!("GNRMC,@,A,#,1.944,90.0,010125,,,{mode}");
         check(mode, &format!("{rmc} {GOOD_GGA}"), (0, 0));
@@ -176,13 +176,13 @@ fn a_void_rmc_is_believed_whatever_else_is_said() {
     // Two talkers that disagree within an epoch.
     let valid = GOOD_RMC.replace("GN", "GP");
     check("void first", &format!("{VOID_RMC} {valid} {GOOD_GGA}"), (0, 0));
-    check("void behind", &format!("{valid} {VOID_RMC} {GOOD_GGA}"), (0, 0));
+    check("void after", &format!("{valid} {VOID_RMC} {GOOD_GGA}"), (0, 0));
     check("cut off", &format!("GNRMC,@,V {GOOD_GGA}"), (0, 0));
     check("not clear", &format!("GPRMC,@,A,3346.53K,D {GOOD_GGA}"), (0, 0));
 }
 
 /// Epochs as letters: `g` valid, `v` void with RMC first, `w` void with GGA first, `a` GGA
-/// alone, `n` void without a time and behind its GGA.
+/// alone, `n` void after its GGA and without a time.
 fn epochs(letters: &str) -> Vec<String> {
     let epoch = |letter| match letter {
         'g' => GOOD.to_owned(),
@@ -203,12 +203,12 @@ fn void_lasts_until_an_rmc_is_valid_again() {
         ("gvgvgv", (3, 3)),
         ("gwgwgw", (3, 3)),
         ("gnng", (2, 2)),
-        // After a void RMC no GGA is served alone, however long none comes.
+        // After a void RMC no GGA alone counts, however long RMC is missing.
         ("gggvaaaaaaaaaa", (3, 3)),
         ("vaaaaaaaaaaaaaaaa", (0, 0)),
         ("naaaaaaaaaaaaaaaa", (0, 0)),
         ("waaaaaaaaaaaaaaag", (1, 1)),
-        // GGA alone is served until an RMC says that it is void.
+        // GGA alone counts until an RMC is void.
         ("aaaaavaaaaaa", (3, 0)),
         ("aaaaavaaaaaag", (4, 1)),
     ] {
@@ -219,8 +219,8 @@ fn void_lasts_until_an_rmc_is_valid_again() {
 }
 
 #[test]
-fn gga_that_is_faster_than_rmc_goes_on_and_has_velocity_where_it_is_fresh() {
-    // Ten, five and two GGA for one RMC, either first; ten seconds.
+fn gga_faster_than_rmc_counts_and_has_velocity_where_rmc_is_fresh() {
+    // Ten, five and two GGA per RMC, either first; ten seconds.
     for every in [10, 5, 2] {
         for both in [GOOD, GOOD_GGA_FIRST] {
             let epochs = (0..10 * every).map(|i| if i % every == 0 { both } else { GOOD_GGA });
@@ -229,7 +229,7 @@ fn gga_that_is_faster_than_rmc_goes_on_and_has_velocity_where_it_is_fresh() {
             assert!(valid + 3 >= sent && valid <= sent + 10, "{valid} of {sent}");
             assert_eq!(moving, 10, "{every}");
         }
-        // Void at the slow rate: nothing counts from there on.
+        // Void at the slow rate: nothing counts after that.
         let epochs = (0..10 * every).map(|i| match i % every {
             0 if i >= 5 * every => "GNRMC,@,V,#,1.944,90.0,010125,,,N GNGGA,@,#,1,12,0.9",
             0 => GOOD,
@@ -252,7 +252,7 @@ fn rmc_that_is_faster_than_gga_is_as_good() {
     });
     let text = stream(epochs, 100);
     assert_eq!(count(&text), (10, 10));
-    assert_eq!(count(text + &stream([GOOD_GGA], 1_000)), (10, 10), "it was void last");
+    assert_eq!(count(text + &stream([GOOD_GGA], 1_000)), (10, 10), "the last RMC was void");
 }
 
 #[test]
@@ -264,7 +264,7 @@ fn whole_seconds_at_five_a_second_are_five_epochs() {
 }
 
 #[test]
-fn coordinates_are_read_right_or_not_at_all() {
+fn coordinates_are_read_correctly_or_not_at_all() {
     for place in [
         "3346.53708,N,8423.77980,W",
         "346.53708,N,08423.77980,W",
@@ -305,7 +305,7 @@ fn a_leap_second_and_midnight_are_times_like_any_other() {
 }
 
 #[test]
-fn checksums_are_of_either_case_and_lines_end_as_they_like() {
+fn checksums_have_either_case_and_lines_any_end() {
     let text = stream([GOOD; 10], 1_000);
     let lower: String = text
         .lines()
@@ -323,7 +323,7 @@ fn checksums_are_of_either_case_and_lines_end_as_they_like() {
 }
 
 #[test]
-fn a_sentence_without_a_right_checksum_is_none() {
+fn a_sentence_without_a_right_checksum_is_refused() {
     let text = stream([GOOD; 10], 1_000);
     let bare: String =
         text.lines().map(|line| format!("{}\r\n", &line[..line.len() - 3])).collect();
@@ -337,7 +337,7 @@ fn a_sentence_without_a_right_checksum_is_none() {
     }
 }
 
-/// NAV-PVT here and now, good or without a fix.
+/// NAV-PVT at `AT`, with or without a fix.
 fn nav_pvt(is_ok: bool) -> Vec<u8> {
     let mut payload = [0; 92];
     payload[20..22].copy_from_slice(&[3, u8::from(is_ok)]);
@@ -347,11 +347,11 @@ fn nav_pvt(is_ok: bool) -> Vec<u8> {
     ubx(1, 7, &payload)
 }
 
-/// A minute of NMEA at ten a second, and a NAV-PVT behind every so many epochs. Which of the
-/// two each valid solution came from, runs of the same written as one.
+/// The sources of the valid solutions, with the length of each uninterrupted series: a minute of
+/// NMEA at 10 Hz, with a NAV-PVT every `pvt_every` epochs up to `pvt_until`.
 fn sources(pvt_every: usize, pvt_until: usize) -> Vec<(&'static str, usize)> {
     let mut decoder = Decoder::default();
-    let mut runs: Vec<(&'static str, usize)> = Vec::new();
+    let mut series: Vec<(&'static str, usize)> = Vec::new();
     let text = stream([GOOD; 600], 100);
     let lines: Vec<&str> = text.split_inclusive('\n').collect();
     for (index, epoch) in lines.chunks(2).enumerate() {
@@ -361,27 +361,31 @@ fn sources(pvt_every: usize, pvt_until: usize) -> Vec<(&'static str, usize)> {
             let Some(solution) = decoder.push(byte) else { continue };
             assert!(solution.is_valid);
             let source = if solution.accuracy_mm == 1_000 { "ubx" } else { "nmea" };
-            match runs.last_mut() {
+            match series.last_mut() {
                 Some((last, count)) if *last == source => *count += 1,
-                _ => runs.push((source, 1)),
+                _ => series.push((source, 1)),
             }
         }
     }
-    runs
+    series
 }
 
 #[test]
-fn nav_pvt_that_is_rarer_than_nmea_does_not_take_turns_with_it() {
+fn nav_pvt_that_is_rarer_than_nmea_does_not_alternate_with_it() {
     assert_eq!(sources(10, 600), [("nmea", 6), ("ubx", 60)], "once a second");
     assert_eq!(sources(5, 600), [("nmea", 3), ("ubx", 120)], "twice a second");
     assert_eq!(sources(1, 600), [("nmea", 1), ("ubx", 600)], "as often");
-    // Once in ten seconds is too rare to drive by: NMEA has the robot, but for the first try.
+    // Once in ten seconds is too rare: NMEA counts, except for the first NAV-PVT.
     let rare = sources(100, 600);
     assert_eq!(rare.len(), 3, "{rare:?}");
     assert_eq!((rare[1], rare[2].0), (("ubx", 1), "nmea"), "{rare:?}");
     // Switched off after half a minute.
     let off = sources(10, 300);
-    assert_eq!(off.iter().map(|run| run.0).collect::<Vec<_>>(), ["nmea", "ubx", "nmea"], "{off:?}");
+    assert_eq!(
+        off.iter().map(|part| part.0).collect::<Vec<_>>(),
+        ["nmea", "ubx", "nmea"],
+        "{off:?}"
+    );
     assert!(off[2].1 > 250, "{off:?}");
 }
 
@@ -396,7 +400,7 @@ fn nav_pvt_without_a_fix_is_not_overruled_by_nmea() {
     assert_eq!(count(bytes), (1, 1));
 }
 
-/// One of the epochs of the tables above, or something between them.
+/// An epoch from the tables above, or garbage.
 fn piece() -> impl Strategy<Value = Vec<u8>> {
     let text = |epoch: &str| stream([epoch], 1_000).into_bytes();
     prop_oneof![
@@ -414,9 +418,9 @@ fn piece() -> impl Strategy<Value = Vec<u8>> {
 }
 
 proptest! {
-    /// Whatever came before, a good epoch of a later time is read.
+    /// A good epoch of a later time is read after any bytes.
     #[test]
-    fn a_good_epoch_is_read_behind_anything(pieces in prop::collection::vec(piece(), 0..20)) {
+    fn a_good_epoch_is_read_after_any_bytes(pieces in prop::collection::vec(piece(), 0..20)) {
         let before = pieces.concat();
         let mut decoder = Decoder::default();
         let _ = before.iter().filter_map(|&byte| decoder.push(byte)).count();
@@ -428,7 +432,7 @@ proptest! {
         prop_assert!(solutions[0].velocity_mmps.is_some());
     }
 
-    /// Fields of any content make no panic, and a place only where one is written.
+    /// Fields of any content never panic, and give no place but the sent one.
     #[test]
     fn fields_of_any_content_are_survived(
         fields in prop::collection::vec("[ -)+-~]{0,12}", 0..20),

@@ -1,7 +1,7 @@
-//! Files that failed once, against the table of what is right for each.
+//! Files that once failed, compared with a table of the right results.
 //!
-//! They are made by others and lie beside the project, not in it: without them this test says
-//! so and returns. `gps_corpus.rs` has the same kinds, drawn anew.
+//! The files come from third parties and are not part of the project: without them this test
+//! prints a note and returns. `gps_corpus.rs` has generated cases of the same kinds.
 
 use std::path::Path;
 
@@ -11,7 +11,10 @@ use runtime::gps::Decoder;
 fn files_from_the_field_give_the_solutions_of_their_table() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/field/gnss");
     let Ok(table) = std::fs::read_to_string(folder.join("expected.tsv")) else {
-        eprintln!("skipped: no {} beside the project (files made by others)", folder.display());
+        eprintln!(
+            "skipped: {} is missing (files from third parties, not part of the project)",
+            folder.display()
+        );
         return;
     };
     let rows: Vec<Vec<&str>> = table
@@ -26,11 +29,11 @@ fn files_from_the_field_give_the_solutions_of_their_table() {
         assert_eq!(was_valid.to_string(), valid, "{file}");
         assert!(moving == "-" || was_moving.to_string() == moving, "{file}: {was_moving}");
     }
-    // Stands in no table: GGA of a second talker, without a fix, in each of six epochs.
+    // Not in the table: GGA of a second talker, without a fix, in each of six epochs.
     assert_eq!(counts(&folder.join("nmea_second_gga_without_fix.nmea")), (6, 6));
 }
 
-/// Valid solutions of a file, and those of them with velocity.
+/// Number of valid solutions of a file, and of those with velocity.
 fn counts(path: &Path) -> (usize, usize) {
     let bytes = std::fs::read(path).expect("a listed file is readable");
     let mut decoder = Decoder::default();

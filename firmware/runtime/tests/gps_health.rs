@@ -1,5 +1,5 @@
-//! A receiver that never gives a solution says why: from its bytes to what telemetry and the
-//! robot's reason say, through the tasks that a board runs and a packet of the link.
+//! Why a receiver gives no solution: from its bytes to telemetry and the robot's reason, through
+//! the tasks that a board runs and a packet of the link.
 
 use std::cell::RefCell;
 
@@ -21,14 +21,13 @@ fn eastward() -> Blob<'static> {
     Blob::without_map(parameters, Some(origin), Some(Vec2::new(100.0, 0.0)))
 }
 
-/// A link on whose one end bytes come from a receiver, and on whose other packets of telemetry
-/// are read.
+/// Feeds a receiver's bytes into the robot and reads its packets of telemetry.
 struct Wire<'a> {
-    /// What comes in each second.
+    /// The receiver's bytes, by second.
     seconds: std::vec::IntoIter<Vec<u8>>,
-    /// What is left of this second, in pieces of a tick each.
+    /// The rest of this second's bytes, by tick.
     pieces: std::vec::IntoIter<Vec<u8>>,
-    said: &'a RefCell<Vec<(Receiver, Reason)>>,
+    heard: &'a RefCell<Vec<(Receiver, Reason)>>,
 }
 
 impl Transport for Wire<'_> {
@@ -52,28 +51,27 @@ impl Transport for Wire<'_> {
         let bytes =
             packet::encode(&Downlink::Telemetry(*record)).expect("a record is not too long");
         let mut decoder = packet::Decoder::default();
-        let said = bytes.iter().find_map(|&byte| decoder.push(byte));
-        let Some(Downlink::Telemetry(record)) = said else { panic!("a packet of telemetry") };
-        self.said.borrow_mut().push((record.receiver, record.commands.reason));
+        let read = bytes.iter().find_map(|&byte| decoder.push(byte));
+        let Some(Downlink::Telemetry(record)) = read else { panic!("a packet of telemetry") };
+        self.heard.borrow_mut().push((record.receiver, record.commands.reason));
     }
 }
 
-/// What telemetry says at the end of each second.
+/// The telemetry at the end of each second.
 fn listen(seconds: Vec<Vec<u8>>) -> Vec<(Receiver, Reason)> {
-    let said = RefCell::new(Vec::new());
+    let heard = RefCell::new(Vec::new());
     let pieces = Vec::new().into_iter();
-    run_blocking(eastward(), Wire { seconds: seconds.into_iter(), pieces, said: &said }, ());
-    said.into_inner().into_iter().skip(TICKS_A_SECOND - 1).step_by(TICKS_A_SECOND).collect()
+    run_blocking(eastward(), Wire { seconds: seconds.into_iter(), pieces, heard: &heard }, ());
+    heard.into_inner().into_iter().skip(TICKS_A_SECOND - 1).step_by(TICKS_A_SECOND).collect()
 }
 
-/// Ten seconds of the same; `second` makes the bytes of one.
+/// Checks ten seconds of one kind; `second` makes the bytes of one second.
 fn check(name: &str, second: impl Fn(usize) -> Vec<u8>, receiver: Receiver, reason: Reason) {
-    let said = listen((0..10).map(second).collect());
-    assert_eq!(said.last(), Some(&(receiver, reason)), "{name}: {said:?}");
-    // Whatever it says at last it says all the time, but for the first seconds, in which it
-    // must not say anything that is worse.
-    let changes = said.windows(2).filter(|pair| pair[0] != pair[1]).count();
-    assert!(changes <= 1, "{name}: {said:?}");
+    let heard = listen((0..10).map(second).collect());
+    assert_eq!(heard.last(), Some(&(receiver, reason)), "{name}: {heard:?}");
+    // The state may change once, after the first seconds.
+    let changes = heard.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    assert!(changes <= 1, "{name}: {heard:?}");
 }
 
 /// A sentence with its `$`, checksum and line end; `@` stands for the time.
@@ -81,7 +79,7 @@ fn sentence(body: &str, second: usize) -> String {
     receiver::sentence(&body.replace('@', &format!("1010{second:02}.00")))
 }
 
-/// Makes the bytes of a second.
+/// Makes the bytes of one second.
 type Second<'a> = dyn Fn(usize) -> Vec<u8> + 'a;
 
 /// Sentences once a second.
@@ -90,7 +88,7 @@ fn nmea<'a>(bodies: &'a [&'a str]) -> impl Fn(usize) -> Vec<u8> + Copy + 'a {
 }
 
 const RMC: &str = "GNRMC,@,A,3346.53708,N,08423.77980,W,0.000,,010125,,,A";
-/// Standing still, nearly.
+/// Nearly standing still.
 const SLOW_RMC: &str = "GNRMC,@,A,3346.53708,N,08423.77980,W,0.057,,010125,,,A,V";
 const VOID_RMC: &str = "GNRMC,@,V,,,,,,,010125,,,N";
 const GGA: &str = "GNGGA,@,3346.53708,N,08423.77980,W,1,12,0.9,45.0,M,46.9,M,,";
@@ -103,10 +101,10 @@ fn a_silent_receiver_is_silent() {
 }
 
 #[test]
-fn bytes_that_are_no_message_are_unreadable() {
+fn bytes_that_form_no_message_are_unreadable() {
     use Reason::UnreadableReceiver;
     let sentences = nmea(&[RMC, GGA, GSV]);
-    // At another baud rate each byte is another one, and most have their highest bit set.
+    // A wrong baud rate changes every byte, and most then have their highest bit set.
     let garbled =
         |second| sentences(second).iter().map(|byte| byte.rotate_left(3) | 0x80).collect();
     check("baud rate", garbled, Receiver::Unreadable, UnreadableReceiver);
@@ -135,7 +133,7 @@ fn sentences_without_a_right_checksum_are_unchecked() {
 }
 
 #[test]
-fn messages_without_a_position_are_told_apart_from_noise() {
+fn messages_without_a_position_are_not_noise() {
     use Reason::NoPositionMessage;
     let unpadded = GGA.replace("08423", "8423");
     for (name, bodies) in [
@@ -167,7 +165,7 @@ fn solutions_none_of_which_is_valid_are_no_fix() {
 }
 
 #[test]
-fn gga_without_rmc_is_served_and_said_to_have_no_velocity() {
+fn gga_without_rmc_counts_and_has_no_velocity() {
     check("GGA alone", nmea(&[GGA]), Receiver::NoVelocity, Reason::NoHeading);
     check("with others", nmea(&[GGA, GSV]), Receiver::NoVelocity, Reason::NoHeading);
 }
@@ -184,7 +182,7 @@ fn a_sound_receiver_is_sound() {
 }
 
 #[test]
-fn the_verdict_follows_what_the_receiver_does() {
+fn the_state_follows_the_receiver() {
     let good = nmea(&[RMC, GGA]);
     let (void, alone, foreign) = (nmea(&[VOID_RMC, GGA]), nmea(&[GGA]), nmea(&[GSV]));
     let noise = |_| vec![0x80; 200];
@@ -201,10 +199,10 @@ fn the_verdict_follows_what_the_receiver_does() {
     let seconds = (0..)
         .zip(phases)
         .flat_map(|(phase, (second, _))| (0..8).map(move |index| second(phase * 8 + index)));
-    let said = listen(seconds.collect());
-    for ((_, expected), said) in phases.iter().zip(said.chunks(8)) {
-        assert_eq!(said.last().map(|said| said.0), Some(*expected), "{said:?}");
+    let heard = listen(seconds.collect());
+    for ((_, expected), heard) in phases.iter().zip(heard.chunks(8)) {
+        assert_eq!(heard.last().map(|last| last.0), Some(*expected), "{heard:?}");
     }
-    // A receiver that once served has grown silent: the last fix is stale, and nothing else.
-    assert_eq!(said[47], (Receiver::Silent, Reason::StaleFix));
+    // A receiver that once had fixes has fallen silent: its last fix is stale.
+    assert_eq!(heard[47], (Receiver::Silent, Reason::StaleFix));
 }

@@ -1,4 +1,4 @@
-//! Streams of our own making: what counts as a fix, and that no cut and no garbage changes it.
+//! Generated streams: what counts as a fix, and that cuts and garbage do not change it.
 
 use std::cell::RefCell;
 
@@ -10,7 +10,7 @@ use robot_io::Fix;
 use runtime::gps::{Decoder, FixSlot, Solution, gps_task};
 use sim::receiver::{sentence, ubx};
 
-/// A NAV-PVT message, built from the protocol's description.
+/// A NAV-PVT message, built after the protocol specification.
 #[derive(Clone, Copy)]
 struct NavPvt {
     fix_type: u8,
@@ -48,8 +48,8 @@ impl NavPvt {
         ubx(1, 7, &payload)
     }
 
-    /// The same as u-blox 7 sends it: without the last eight bytes, among them the third flags,
-    /// whose place holds nothing that means anything.
+    /// The message as u-blox 7 sends it: without the last eight bytes. The byte of the third flags
+    /// has no meaning there.
     fn bytes_of_u_blox_7(&self) -> Vec<u8> {
         let long = Self { flags3: 0xff, ..*self }.bytes();
         ubx(1, 7, &long[6..6 + 84])
@@ -86,14 +86,14 @@ fn both_lengths(pvt: &NavPvt) -> impl Iterator<Item = Vec<u8>> + use<> {
 }
 
 #[test]
-fn nav_pvt_is_taken_as_it_is() {
+fn nav_pvt_becomes_a_solution_unchanged() {
     for bytes in both_lengths(&GOOD) {
         assert_eq!(decode(&bytes), [GOOD.solution(true)], "{} bytes", bytes.len());
     }
 }
 
 #[test]
-fn nav_pvt_counts_only_where_the_receiver_vouches_for_it() {
+fn nav_pvt_counts_only_where_its_flags_say_measured() {
     for fix_type in 0..=255 {
         let pvt = NavPvt { fix_type, ..GOOD };
         for bytes in both_lengths(&pvt) {
@@ -112,7 +112,7 @@ fn nav_pvt_counts_only_where_the_receiver_vouches_for_it() {
 }
 
 #[test]
-fn other_messages_and_lengths_are_passed_over() {
+fn other_messages_and_lengths_are_skipped() {
     let mut stream = ubx(5, 1, &[6, 1]);
     for length in (0..200).filter(|length| ![84, 92].contains(length)) {
         stream.extend(ubx(1, 7, &vec![0; length]));
@@ -154,7 +154,7 @@ fn rmc_and_gga_of_one_epoch_make_one_fix_in_either_order() {
 }
 
 #[test]
-fn nmea_counts_only_where_both_sentences_vouch_for_it() {
+fn nmea_counts_only_where_both_sentences_are_valid() {
     let is_valid = |quality, hdop, mode| {
         let text = gga("101010.00", quality, hdop) + &rmc("101010.00", mode);
         let [solution] = decode(&text)[..] else { panic!("one fix from {text}") };
@@ -175,7 +175,7 @@ fn nmea_counts_only_where_both_sentences_vouch_for_it() {
 }
 
 #[test]
-fn a_receiver_that_sends_gga_alone_is_served_without_velocity() {
+fn gga_alone_counts_without_velocity() {
     let text: String = (10..20).map(|second| gga(&format!("1010{second}.00"), 1, "1.0")).collect();
     let solutions = decode(text);
     assert_eq!(solutions.len(), 8, "after two epochs");
@@ -193,7 +193,7 @@ fn a_receiver_that_sends_gga_alone_is_served_without_velocity() {
 }
 
 #[test]
-fn numbers_that_are_no_angle_are_no_place() {
+fn invalid_angles_give_no_place() {
     for (lat, lon) in [
         ("9060.00000", "08423.77980"),
         ("3361.00000", "08423.77980"),
@@ -221,21 +221,21 @@ fn a_cut_sentence_does_not_swallow_the_next() {
 }
 
 #[test]
-fn nmea_is_ignored_while_ubx_speaks() {
+fn nmea_is_ignored_while_ubx_arrives() {
     let nmea = |second| {
         let time = format!("1010{second}.00");
         (gga(&time, 1, "0.9") + &rmc(&time, 'A')).into_bytes()
     };
     let both: Vec<u8> = (10..20).flat_map(|second| [GOOD.bytes(), nmea(second)].concat()).collect();
     assert_eq!(decode(both), vec![GOOD.solution(true); 10]);
-    // Switched off, UBX gives way after a few epochs.
+    // A few epochs after UBX is switched off, NMEA counts.
     let mut stream = GOOD.bytes();
     stream.extend((10..20).flat_map(nmea));
     let solutions = decode(stream);
     assert_eq!(solutions.len(), 1 + 6);
 }
 
-/// Hands out a stream in pieces of given sizes, over and over.
+/// Reads a stream in pieces, cycling through the given sizes.
 struct Pieces<'a> {
     rest: &'a [u8],
     sizes: std::iter::Cycle<std::slice::Iter<'a, usize>>,
@@ -259,8 +259,8 @@ impl embedded_io_async::Read for Pieces<'_> {
     }
 }
 
-/// What the task has stored after each piece, as often as that changes, without the time; looked
-/// at by way of its clock, which it reads once a piece.
+/// The different fixes that the task stores, without their times. The task reads its clock once
+/// per piece, and the clock looks at the slot.
 fn run_task(stream: &[u8], sizes: &[usize]) -> Vec<Option<Fix>> {
     let slot = FixSlot::<NoopRawMutex>::new();
     let seen = RefCell::new(Vec::new());
@@ -288,8 +288,8 @@ fn stream() -> Vec<u8> {
 proptest! {
     #[test]
     fn any_cut_of_the_stream_gives_the_same_fixes(
-        // A size of 0 stands for a reading error; a stream of errors alone would never end.
-        // A piece ends no two messages, so that each fix is seen.
+        // A size of 0 stands for a read error; a stream of errors only would never end.
+        // No piece ends two messages, so every fix is seen.
         sizes in prop::collection::vec(0_usize..60, 1..20)
             .prop_filter("some progress", |sizes| sizes.iter().any(|&size| size > 0)),
     ) {
@@ -315,7 +315,7 @@ proptest! {
             nmea.extend(gga(&time, 1, "0.9").into_bytes());
             nmea.extend(rmc(&time, 'A').into_bytes());
         }
-        // A false start in the garbage delays a message until the length it claims is there.
+        // A false start in the garbage delays a message until its claimed length has arrived.
         ubx.extend([0; 200]);
         prop_assert_eq!(decode(&ubx), vec![GOOD.solution(true); 4]);
         let solutions = decode(&nmea);

@@ -45,7 +45,7 @@ fn record(gps: &[u8]) -> SensorRecord {
     }
 }
 
-/// A world that plays back records and writes down the answers.
+/// A world that plays back records and stores the answers.
 struct Tape<'a> {
     records: std::slice::Iter<'a, SensorRecord>,
     answers: &'a RefCell<Vec<CommandRecord>>,
@@ -61,7 +61,7 @@ impl Transport for Tape<'_> {
     }
 }
 
-/// Counts 77 instructions a tick, and holds that each tick is seen once before and once after.
+/// Reports 77 instructions per tick, and checks one call before and one after each tick.
 #[derive(Default)]
 struct Count {
     is_ticking: bool,
@@ -87,7 +87,7 @@ fn play(blob: Blob<'_>, records: &[SensorRecord]) -> Vec<CommandRecord> {
     answers.into_inner()
 }
 
-/// Fixes once a second, cut in two; an obstacle and a careless operator on the way.
+/// Fixes once a second, each cut in two; an obstacle and an emergency stop on the way.
 fn mission() -> Vec<SensorRecord> {
     let fix = nav_pvt();
     let (head, tail) = fix.split_at(31);
@@ -156,16 +156,16 @@ fn the_trace_hash_notices_any_change() {
         play(eastward(), records).last().expect("there are answers").trace_hash
     };
     let records = mission();
-    let sound = hash(&records);
+    let unchanged = hash(&records);
     for tick in [0, 1, 60, 105, 199] {
         let mut changed = records.clone();
         changed[tick].heading_rad = Some(1e-6);
-        assert_ne!(hash(&changed), sound, "tick {tick}");
+        assert_ne!(hash(&changed), unchanged, "tick {tick}");
     }
 }
 
 #[test]
-fn what_is_not_a_number_is_no_percept() {
+fn nan_and_infinity_are_not_percepts() {
     let mut noisy = mission();
     for record in &mut noisy {
         record.turn_rate_radps = Some(f32::NAN);
@@ -185,7 +185,7 @@ fn the_operator_outranks_the_plan() {
 }
 
 #[test]
-fn a_refused_blob_stands_still_or_drives_reactively_as_the_build_says() {
+fn a_refused_blob_stands_still_or_drives_reactively_as_the_build_chooses() {
     for region in [&[][..], &[0; 192], &[0xff; 4096], b"not a blob at all, however long it is"] {
         let stop = load(region, &Fallback::default());
         assert!(stop.refusal.is_some());
@@ -201,7 +201,7 @@ fn a_refused_blob_stands_still_or_drives_reactively_as_the_build_says() {
 }
 
 #[test]
-fn a_mailbox_that_nobody_reads_says_so() {
+fn a_mailbox_without_a_robot_gives_no_answer() {
     let mailbox = Mailbox::default();
     let elsewhere = Mailbox::default();
     let mut robot = pin!(run(eastward(), &elsewhere, ()));

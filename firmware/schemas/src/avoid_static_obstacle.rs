@@ -3,19 +3,19 @@
 use math::{Vec2, scalar, vector};
 use robot_io::RangeReading;
 
-/// Strength of an obstacle within the margin. The source says "infinite"; this is bounded, so
-/// that sums stay finite, and still beats every other vector at any sensible gain: those of
-/// the presets sum up to at most 1.11.
+/// Strength of an obstacle within the margin. The source has "infinite"; this value keeps sums
+/// finite and still beats every other vector at any sensible gain: those of the presets sum to
+/// at most 1.11.
 pub const SATURATED: f32 = 1_000.0;
 
-/// A reading repels only if none within this angle to either side is nearer, radians (50
-/// degrees). Two neighbours of a ring of eight, 45 degrees apart, still count as one surface.
+/// A reading repels only if no reading within this angle to either side is nearer, radians (50
+/// degrees). Two neighbours in a ring of eight, 45 degrees apart, still count as one surface.
 pub const SURFACE_ANGLE_RAD: f32 = 0.872_664_6;
 
-/// What the obstacles around the robot add up to.
+/// Sum of the repulsions of all obstacles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Repulsion {
-    /// Sum of the repulsions, in the axes of the bearings: x straight ahead, y to the left.
+    /// The sum, in the axes of the bearings: x straight ahead, y to the left.
     pub vector: Vec2,
     /// Whether any obstacle is within the margin.
     pub is_saturated: bool,
@@ -23,18 +23,18 @@ pub struct Repulsion {
 
 /// Repulsion from the range readings around a body of `radius_m`.
 ///
-/// With `gap = distance - radius`, a reading repels with [`SATURATED`] up to `margin_m`, with
-/// `(sphere - (gap - margin)) / sphere` up to `margin_m + sphere_m`, and not at all beyond,
-/// each straight away from it. Its bearing gives that direction even at distance 0.
+/// With `gap = distance - radius`, the strength is [`SATURATED`] up to `margin_m`,
+/// `(sphere - (gap - margin)) / sphere` up to `margin_m + sphere_m`, and 0 beyond. The direction
+/// is opposite to the reading's bearing, so it is defined even at distance 0.
 ///
-/// Only the nearest reading of each surface repels. The source sums over obstacles, and a
-/// range finder does not report obstacles: the rays that hit one wall would repel several
-/// times as hard as the one wall, and hold the robot back from every gap. So a reading counts
-/// only if it is the nearest within [`SURFACE_ANGLE_RAD`] to either side. Along one straight
-/// wall distances grow to both sides of its nearest point, so exactly one reading is left;
-/// the two walls of a street leave two. Of equally near readings the earlier one counts.
+/// Only the nearest reading of each surface repels. The source sums over obstacles, but a range
+/// finder does not report obstacles: all the rays on one wall together would repel several times
+/// as hard as the wall and keep the robot out of every gap. So a reading counts only if it is the
+/// nearest within [`SURFACE_ANGLE_RAD`] to either side. Along a straight wall the distances grow
+/// to both sides of the nearest point, so exactly one reading remains; the two walls of a street
+/// leave two. Of equally near readings the earlier one counts.
 ///
-/// Source: Arkin 1989, avoid-static-obstacle. The rule for surfaces is ours.
+/// Source: Arkin 1989, avoid-static-obstacle. The rule for surfaces is an addition.
 pub fn avoid_static_obstacle(
     readings: &[RangeReading],
     radius_m: f32,
@@ -162,9 +162,8 @@ mod tests {
         math::scalar::wide::cos(f64::from(degrees).to_radians()) as f32
     }
 
-    /// However many readings a wall gets and however they are turned, it repels like one
-    /// obstacle at the reading nearest to its nearest point. Summed, sixteen readings
-    /// would repel about three times as hard.
+    /// A wall repels like one obstacle at its nearest reading, for any number and rotation of
+    /// readings. A sum over sixteen readings would repel about three times as hard.
     #[test]
     fn one_wall_repels_once() {
         for count in 8..=16 {
@@ -179,9 +178,9 @@ mod tests {
         }
     }
 
-    /// The dead end of an alley: three walls, three repulsions, of which two cancel.
+    /// The dead end of an alley: three walls repel, and two of them cancel.
     #[test]
-    fn the_walls_of_an_alley_are_told_apart() {
+    fn the_walls_of_an_alley_are_three_surfaces() {
         let alley: Vec<_> = (0..16)
             .map(|i| 22.5 * i as f32 - 90.0)
             .filter(|bearing| bearing.abs() <= 90.0)

@@ -3,22 +3,22 @@
 use math::Vec2;
 use plan_format::parameters::{Gains, SchemaParameters};
 
-/// What the schemas say in one tick, in the map's axes, without units.
+/// The vectors of the schemas in one tick, in the map's axes, without units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vectors {
-    /// Of move-to-goal.
+    /// Vector of move-to-goal.
     pub goal: Vec2,
-    /// Of avoid-static-obstacle.
+    /// Vector of avoid-static-obstacle.
     pub avoid: Vec2,
-    /// Of follow-plan.
+    /// Vector of follow-plan.
     pub advice: Vec2,
-    /// Of noise.
+    /// Vector of noise.
     pub noise: Vec2,
 }
 
 /// `r (goal gain x goal + avoid gain x avoid) + p advice + n noise`.
 ///
-/// A weight of 0 silences its schemas to the bit. Source: W, section 4, where r and p are
+/// With a gain of 0 a schema has no effect, to the bit. Source: W, section 4, where r and p are
 /// 1:0, 0.66:0.34, 0.34:0.66 and 0:1 and n is 0.11.
 pub fn blend(gains: &Gains, schemas: &SchemaParameters, vectors: &Vectors) -> Vec2 {
     let reactive = vectors.goal * schemas.goal_gain + vectors.avoid * schemas.avoid_gain;
@@ -59,7 +59,7 @@ mod tests {
     }
 
     /// W15: an obstacle within the margin outweighs advice, goal and noise together, in every
-    /// mix that has a reactive part and at gains as low as those in use (0.01).
+    /// mix with a reactive part and at the lowest gains in use (0.01).
     #[test]
     fn w15_repulsion_within_the_margin_beats_the_advice() {
         for gains in [Gains::REACTIVE_ONLY, Gains::MOSTLY_REACTIVE, Gains::MOSTLY_PLAN] {

@@ -1,10 +1,10 @@
-//! The plan's advice as a vector like any other.
+//! The plan's advice as a vector.
 
 use math::Vec2;
 use plan_format::Direction;
 
-/// The unit vector of the advised step; zero where there is none: at the goal, without a
-/// route, off the map.
+/// The unit vector of the advised step; zero without advice: at the goal, without a route, off
+/// the map.
 ///
 /// Source: W, section 2.2, "a movement vector towards the minimal adjacent grid cell".
 ///

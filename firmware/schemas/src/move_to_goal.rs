@@ -4,7 +4,7 @@ use math::{Vec2, vector};
 
 /// The unit vector from `position` to `goal`; zero within `tolerance_m` of it.
 ///
-/// Positions in metres of the map; the result has no unit. Source: Arkin 1989, move-to-goal.
+/// Positions are in map metres; the result has no unit. Source: Arkin 1989, move-to-goal.
 ///
 /// ```
 /// # use math::Vec2;
@@ -13,10 +13,10 @@ use math::{Vec2, vector};
 /// assert_eq!(schemas::move_to_goal(here, Vec2::new(1.0, 1.9), 1.0), Vec2::zeros());
 /// ```
 pub fn move_to_goal(position: Vec2, goal: Vec2, tolerance_m: f32) -> Vec2 {
-    let way = goal - position;
-    let distance_m = vector::length(way);
-    // Both comparisons are needed: a tolerance of 0 must not divide by 0.
-    if distance_m > tolerance_m && distance_m > 0.0 { way / distance_m } else { Vec2::zeros() }
+    let offset_m = goal - position;
+    let distance_m = vector::length(offset_m);
+    // The second comparison prevents a division by 0 if the tolerance is 0.
+    if distance_m > tolerance_m && distance_m > 0.0 { offset_m / distance_m } else { Vec2::zeros() }
 }
 
 #[cfg(test)]

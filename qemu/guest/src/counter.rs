@@ -1,10 +1,10 @@
-//! Counts instructions, exactly, where QEMU makes time a function of them.
+//! Counts instructions exactly, because QEMU derives time from them.
 
 use robot_io::{Commands, Percepts};
 use runtime::Observer;
 
-/// Reads the counter. The harness runs the machine with `-icount shift=7`: an instruction
-/// takes 128 ns, so that CMSDK TIMER0 at 25 MHz gives 3.2 counts for each.
+/// The instruction counter. The harness runs the machine with `-icount shift=7`: an instruction
+/// takes 128 ns, so CMSDK TIMER0 at 25 MHz counts 3.2 per instruction.
 #[derive(Clone, Copy)]
 pub struct Counter(());
 
@@ -17,9 +17,9 @@ mod timer0 {
 
 #[cfg(machine = "mps2-an386")]
 impl Counter {
-    /// Starts the timer. It runs through all 32 bits: 171 s of machine time.
+    /// Starts the timer. It wraps after 32 bits: 171 s of machine time.
     pub fn start() -> Self {
-        // SAFETY: the registers of TIMER0 on this machine; nothing else in a mission uses it.
+        // SAFETY: these are registers of TIMER0 on this machine; nothing else in the image uses it.
         unsafe {
             timer0::RELOAD.write_volatile(u32::MAX);
             timer0::VALUE.write_volatile(u32::MAX);
@@ -29,14 +29,14 @@ impl Counter {
     }
 
     fn down_counts(self) -> u32 {
-        // SAFETY: as in `start`; reading has no effect.
+        // SAFETY: as in `start`; reading has no side effect.
         unsafe { timer0::VALUE.read_volatile() }
     }
 }
 
 #[cfg(not(machine = "mps2-an386"))]
 impl Counter {
-    /// This machine has no such timer: everything counts 0.
+    /// Does nothing: this machine has no such timer, and every count is 0.
     pub fn start() -> Self {
         Self(())
     }
@@ -47,7 +47,7 @@ impl Counter {
 }
 
 impl Counter {
-    /// A point in the count, for [`Counter::since`].
+    /// A mark for [`Counter::since`].
     pub fn mark(self) -> u32 {
         self.down_counts()
     }
@@ -55,7 +55,7 @@ impl Counter {
     /// Instructions since the mark.
     pub fn since(self, mark: u32) -> u32 {
         let counts = u64::from(mark.wrapping_sub(self.down_counts()));
-        // 3.2 counts an instruction, rounded to the nearest; 32 bits hold the result.
+        // 3.2 counts per instruction, rounded to nearest; the result fits 32 bits.
         ((counts * 10 + 16) / 32) as u32
     }
 }

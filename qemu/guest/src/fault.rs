@@ -1,12 +1,12 @@
-//! The end of the road: a panic or a fault is told to the harness once, then the machine stops.
+//! Panics and faults: reports the first one to the harness and stops the machine.
 
 use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicBool, Ordering};
 
-/// Exit status of an image that panicked or faulted, as Rust programs have it.
+/// Exit status of an image that panicked or faulted, as in Rust programs.
 const FAILED: i32 = 101;
 
-/// Set by the first panic, so that one inside the message's own formatting cannot recurse.
+/// Set by the first panic, so that a panic while formatting its message cannot recurse.
 static IS_PANICKING: AtomicBool = AtomicBool::new(false);
 
 #[panic_handler]

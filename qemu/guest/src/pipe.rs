@@ -1,7 +1,7 @@
-//! Two pipes to the harness, through semihosting: one record in and one out for each tick.
+//! The transport to the harness: two semihosting pipes, one record in and one out per tick.
 //!
-//! Far faster than an emulated UART (tens of thousands of ticks a second), and as exact: the
-//! machine stands still while it waits for bytes.
+//! Pipes are far faster than an emulated UART (tens of thousands of ticks a second) and just as
+//! exact, because the machine stops while it waits for bytes.
 
 use core::ffi::CStr;
 use robot_io::limits::SENSOR_RECORD_BYTES;
@@ -11,15 +11,15 @@ use semihosting::fs::File;
 use semihosting::io::{Read, Write};
 use static_cell::StaticCell;
 
-/// QEMU's own standard input and output, which the harness holds the other ends of.
+/// QEMU's standard input and output, connected to the harness.
 const INPUT: &CStr = c"/dev/fd/0";
 const OUTPUT: &CStr = c"/dev/fd/1";
 
-/// The robot's end of the pipes. A mission ends when the harness closes its own.
+/// The robot's end of the pipes. The run ends when the harness closes the other end.
 pub struct Pipe {
     input: File,
     output: File,
-    /// The record that is arriving; in static memory, to keep the stack small.
+    /// The arriving record; in static memory to keep the stack small.
     arriving: &'static mut [u8; SENSOR_RECORD_BYTES],
 }
 
@@ -27,7 +27,7 @@ impl Pipe {
     /// Opens both ends, once.
     ///
     /// # Panics
-    /// Where QEMU was started without such pipes: there is nothing to drive then.
+    /// If QEMU was started without these pipes: the image cannot run then.
     pub fn open() -> Self {
         static ARRIVING: StaticCell<[u8; SENSOR_RECORD_BYTES]> = StaticCell::new();
         let arriving = ARRIVING.init_with(|| [0; SENSOR_RECORD_BYTES]);
@@ -46,7 +46,7 @@ impl Transport for Pipe {
 
     #[inline(never)]
     fn send(&mut self, record: &CommandRecord) {
-        // A harness that has gone closes the input too, and that ends the mission.
+        // A harness that has ended closes the input too, and that ends the run.
         if let Some(bytes) = record.to_bytes() {
             let _ = self.output.write_all(&bytes);
         }

@@ -1,4 +1,4 @@
-//! UART0 and the two timers of the MPS2 board: real peripherals, real interrupts.
+//! UART0 and the two timers of the MPS2 board, with their interrupts.
 //!
 //! Registers from Arm's CMSDK (DDI 0479), sections 4.2 and 4.3.
 
@@ -11,10 +11,10 @@ use embassy_sync::pipe::Pipe;
 use embassy_time_driver::Driver;
 use embassy_time_queue_utils::Queue;
 
-/// Bytes from the line that no task has read yet: at 115,200 baud, what comes in 90 ms.
+/// Capacity for unread bytes from the line: 90 ms at 115,200 baud.
 const RECEIVED_BYTES: usize = 1024;
 
-/// Bytes received, for a task to read.
+/// The received bytes, for a task to read.
 pub(crate) type Received = Pipe<CriticalSectionRawMutex, RECEIVED_BYTES>;
 
 static RECEIVED: Received = Pipe::new();
@@ -29,13 +29,13 @@ struct Register(usize);
 
 impl Register {
     fn read(self) -> u32 {
-        // SAFETY: only the constants below are registers, each of a peripheral of this
-        // machine; a read has no effect but to take a byte from the UART, which is meant.
+        // SAFETY: only the constants below are registers, each of a peripheral of this machine. The
+        // only side effect of a read is to take a byte from the UART, as intended.
         unsafe { (self.0 as *const u32).read_volatile() }
     }
 
     fn write(self, value: u32) {
-        // SAFETY: as above; this module alone writes them.
+        // SAFETY: as above; only this module writes them.
         unsafe { (self.0 as *mut u32).write_volatile(value) }
     }
 }
@@ -49,7 +49,7 @@ mod uart0 {
     pub(super) const DIVIDER: Register = Register(0x4000_4010);
     pub(super) const SENDER_IS_FULL: u32 = 1;
     pub(super) const RECEIVER_IS_FULL: u32 = 2;
-    /// Sender and receiver on, and an interrupt for each byte received.
+    /// Switches on sender, receiver and an interrupt for each received byte.
     pub(super) const ON: u32 = 0b1011;
     pub(super) const RECEIVED: u32 = 2;
 }
@@ -72,9 +72,9 @@ impl Timer {
     }
 }
 
-/// Counts down for ever; tells the time.
+/// Counts down without end; the clock.
 const CLOCK: Timer = Timer::at(0x4000_0000);
-/// Counts down once; wakes for the next deadline.
+/// Counts down once; wakes the executor at the next deadline.
 const ALARM: Timer = Timer::at(0x4000_1000);
 const TIMER_ON: u32 = 0b1001;
 /// Both timers run at 25 MHz, embassy's clock at 1 MHz.
@@ -113,20 +113,20 @@ impl TimerDriver {
         let mut counts = counted(CLOCK.value);
         let mut wraps = self.wraps.borrow(cs).get();
         if CLOCK.interrupt.read() != 0 {
-            // It has wrapped and the interrupt waits: count that here, and look again.
+            // The clock has wrapped and its interrupt is pending: count the wrap here, read again.
             wraps = wraps.wrapping_add(1);
             counts = counted(CLOCK.value);
         }
         ((u64::from(wraps) << 32) + counts) / COUNTS_PER_TICK
     }
 
-    /// Wakes what is due and sets the alarm for the next deadline.
+    /// Wakes the tasks that are due and sets the alarm for the next deadline.
     fn arm(&self, cs: CriticalSection<'_>) {
         let now = self.now_at(cs);
         let next = self.queue.borrow_ref_mut(cs).next_expiration(now);
         ALARM.control.write(0);
         if next != u64::MAX {
-            // What is farther away than the timer counts is looked at again when it is over.
+            // For a deadline beyond the timer's range, the alarm calls this function again.
             let counts = next.saturating_sub(now).saturating_mul(COUNTS_PER_TICK);
             ALARM.value.write(counts.clamp(1, u64::from(u32::MAX)) as u32);
             ALARM.control.write(TIMER_ON);
@@ -134,14 +134,14 @@ impl TimerDriver {
     }
 }
 
-// SAFETY: the handler shares nothing with the tasks but through critical sections.
+// SAFETY: the handler shares data with the tasks only in critical sections.
 #[cortex_m_rt::exception]
 unsafe fn DefaultHandler(interrupt: i16) {
     critical_section::with(|cs| match u16::try_from(interrupt) {
         Ok(UART0_RECEIVE) => {
             uart0::INTERRUPT.write(uart0::RECEIVED);
             while uart0::STATE.read() & uart0::RECEIVER_IS_FULL != 0 {
-                // A byte that finds no room is lost, as on any UART; checksums notice.
+                // A byte without room is lost, as on any UART; checksums detect that.
                 let _ = RECEIVED.try_write(&[uart0::DATA.read() as u8]);
             }
         }
@@ -163,7 +163,7 @@ unsafe fn DefaultHandler(interrupt: i16) {
 #[derive(Clone, Copy)]
 struct Line(u16);
 
-// SAFETY: the numbers are those of the machine and never change.
+// SAFETY: these are the machine's interrupt numbers, and they never change.
 unsafe impl cortex_m::interrupt::InterruptNumber for Line {
     fn number(self) -> u16 {
         self.0
@@ -174,24 +174,24 @@ unsafe impl cortex_m::interrupt::InterruptNumber for Line {
 pub(crate) struct Uart(());
 
 impl Uart {
-    /// Starts UART0, the clock and their interrupts. Once, before any task runs.
+    /// Starts UART0, the clock and their interrupts. Call it once, before any task runs.
     pub(crate) fn start() -> Self {
         CLOCK.reload.write(u32::MAX);
         CLOCK.value.write(u32::MAX);
         CLOCK.control.write(TIMER_ON);
-        // A single shot: what it reloads after the alarm is far away.
+        // The alarm fires once: the reloaded value is far away.
         ALARM.reload.write(u32::MAX);
         // 25 MHz / 217 = 115,207 baud.
         uart0::DIVIDER.write(217);
         uart0::CONTROL.write(uart0::ON);
         for line in [UART0_RECEIVE, TIMER0, TIMER1].map(Line) {
-            // SAFETY: no critical section depends on these interrupts being masked yet.
+            // SAFETY: no critical section relies yet on these interrupts being masked.
             unsafe { cortex_m::peripheral::NVIC::unmask(line) };
         }
         Self(())
     }
 
-    /// What arrives.
+    /// The received bytes.
     pub(crate) fn reader(&self) -> &'static Received {
         &RECEIVED
     }
@@ -202,7 +202,7 @@ impl embedded_io_async::ErrorType for Uart {
 }
 
 impl embedded_io_async::Write for Uart {
-    /// Waits in place while the line is busy: 87 us a byte, and a packet has about 40.
+    /// Blocks while the line is busy: 87 us per byte, about 40 bytes per packet.
     async fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
         for &byte in bytes {
             while uart0::STATE.read() & uart0::SENDER_IS_FULL != 0 {}

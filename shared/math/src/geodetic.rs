@@ -1,11 +1,12 @@
-//! From a GPS fix to the map's metres, and back.
+//! Converts latitude and longitude to map metres and back.
 //!
-//! The frame is the local tangent plane at the map's reference: WGS-84 radii of
-//! curvature there, x east, y north, turned by the map's heading. Differences of
-//! latitude and longitude are taken in integers (1e-7 degrees, as receivers send
-//! them) before any float, so no precision is lost far from Greenwich. The plane
-//! is flat: at distance d from the reference the error is about d^2 tan(latitude) / R
-//! across (0.8 m at 3 km and 30 degrees); [`MapFrame::RANGE_M`] bounds it.
+//! The map frame is the tangent plane at the map's reference: WGS-84 radii of curvature there,
+//! x east, y north, turned by the map's heading. Differences of latitude and longitude are
+//! computed in integers (1e-7 degrees, as receivers send them) before any float, so precision
+//! is the same everywhere on the globe. The plane is flat: at distance d from the reference the
+//! error is about d^2 tan(latitude) / R across (0.8 m at 3 km and 30 degrees);
+//! [`MapFrame::RANGE_M`] bounds it.
+//!
 //! Deliberately absent: UTM zones, height.
 
 use crate::scalar::wide;
@@ -29,7 +30,7 @@ pub struct GeoPoint {
 }
 
 impl GeoPoint {
-    /// From degrees, rounded to 1e-7; `None` outside +-90 and +-180 degrees.
+    /// The place of these degrees, rounded to 1e-7; `None` outside +-90 and +-180 degrees.
     pub fn from_degrees(lat: f64, lon: f64) -> Option<Self> {
         if !((-90.0..=90.0).contains(&lat) && (-180.0..=180.0).contains(&lon)) {
             return None;
@@ -47,13 +48,13 @@ impl GeoPoint {
         f64::from(self.lon_e7) / 1e7
     }
 
-    /// Whether both angles are on the globe.
+    /// Whether both angles are in range.
     pub fn is_valid(self) -> bool {
         self.lat_e7.unsigned_abs() <= 900_000_000 && self.lon_e7.unsigned_abs() <= 1_800_000_000
     }
 }
 
-/// The local tangent plane of one map.
+/// The tangent plane of one map.
 ///
 /// ```
 /// use math::{MapFrame, GeoPoint};
@@ -68,7 +69,7 @@ impl GeoPoint {
 /// assert!((turned.x + 1_852.0).abs() < 1.0 && turned.y.abs() < 0.1);
 /// ```
 ///
-/// Built once, when a plan is loaded; [`MapFrame::to_local`] then costs a few
+/// Built once, when a blob is loaded. After that [`MapFrame::to_local`] costs a few
 /// single-precision multiplications.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapFrame {
@@ -82,11 +83,11 @@ pub struct MapFrame {
 }
 
 impl MapFrame {
-    /// Fixes farther than this from the reference are refused, metres along either axis.
+    /// Largest distance of a fix from the reference, metres along either axis.
     pub const RANGE_M: f32 = 20_000.0;
 
-    /// The plane whose point `offset_m` (map metres) lies at `reference`, and whose
-    /// y axis points `heading_rad` clockwise of true north.
+    /// The map frame with the point `offset_m` (map metres) at `reference` and its y axis
+    /// `heading_rad` clockwise of true north.
     pub fn new(reference: GeoPoint, offset_m: [f64; 2], heading_rad: f64) -> Self {
         let (per_lat, per_lon) = metres_per_degree(reference.lat_deg());
         Self {
@@ -99,12 +100,12 @@ impl MapFrame {
         }
     }
 
-    /// Where the reference is on the globe.
+    /// Place of the reference.
     pub fn reference(&self) -> GeoPoint {
         self.reference
     }
 
-    /// Map metres of a place; `None` where it is not on the globe or farther than
+    /// Position of a place, map metres; `None` if it is not on the globe or farther than
     /// [`MapFrame::RANGE_M`] from the reference.
     pub fn to_local(&self, place: GeoPoint) -> Option<Vec2> {
         if !place.is_valid() {
@@ -120,7 +121,7 @@ impl MapFrame {
         Some(self.offset + self.turned(east, north))
     }
 
-    /// A displacement or velocity east and north, in the map's axes.
+    /// Turns a displacement or velocity (east, north) into the map's axes.
     pub fn turned(&self, east: f32, north: f32) -> Vec2 {
         Vec2::new(
             self.cos_heading * east - self.sin_heading * north,
@@ -128,7 +129,7 @@ impl MapFrame {
         )
     }
 
-    /// The place of a point of the map, to 1e-7 degrees.
+    /// Place of a position on the map, to 1e-7 degrees.
     pub fn to_geodetic(&self, local: Vec2) -> GeoPoint {
         let d = local - self.offset;
         let east = self.cos_heading * d.x + self.sin_heading * d.y;
@@ -147,19 +148,19 @@ pub fn metres_per_degree(lat_deg: f64) -> (f64, f64) {
     let w2 = 1.0 - ECCENTRICITY_SQUARED * wide::sin(phi) * wide::sin(phi);
     let w = wide::sqrt(w2);
     let meridian = SEMI_MAJOR_M * (1.0 - ECCENTRICITY_SQUARED) / (w2 * w);
-    // At a pole a degree of longitude has no length; a hundredth of a millimetre
-    // keeps the inverse finite.
+    // At a pole a degree of longitude has length 0; a hundredth of a millimetre keeps the
+    // inverse finite.
     let parallel = (SEMI_MAJOR_M / w * wide::cos(phi)).max(1e-5);
     (meridian.to_radians(), parallel.to_radians())
 }
 
-/// Metres east and north from one place to another, both `[latitude, longitude]` in
-/// degrees, in the plane of the first: [`MapFrame`]'s arithmetic in double precision, for
-/// maps that give more digits than a receiver does.
+/// Metres east and north from one place to another, both `[latitude, longitude]` in degrees, in
+/// the tangent plane of the first. [`MapFrame`]'s arithmetic in double precision, for maps with
+/// more digits than a receiver has.
 pub fn offset_m(from_deg: [f64; 2], to_deg: [f64; 2]) -> [f64; 2] {
     let (per_lat, per_lon) = metres_per_degree(from_deg[0]);
     let dlon = to_deg[1] - from_deg[1];
-    // The short way round, as `wrap_e7`; the difference itself is left exact where it can be.
+    // The short way round, as in `wrap_e7`. Short differences stay exact.
     let dlon = if dlon > 180.0 {
         dlon - 360.0
     } else if dlon < -180.0 {
@@ -218,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn the_date_line_is_no_border() {
+    fn places_on_both_sides_of_the_date_line_are_near() {
         let frame = MapFrame::new(place(10.0, 179.9999), [0.0, 0.0], 0.0);
         let p = frame.to_local(place(10.0, -179.9999)).unwrap();
         assert!((p.x - 21.9).abs() < 0.1, "{p:?}");

@@ -1,26 +1,26 @@
-//! Cells, the grid they form, the eight directions, and integer costs.
+//! The cell grid: cells, the eight directions, and integer costs.
 
 use crate::Vec2;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-/// Cost of a step east, north, west or south. With [`DIAGONAL_STEP`] it is a Pell
-/// convergent of the square root of two (relative error 1.5e-8), so costs are
-/// integers, ties are exact and every order of relaxation gives the same field.
+/// Cost of a step east, north, west or south. [`DIAGONAL_STEP`] divided by it is a Pell
+/// convergent of the square root of two (relative error 1.5e-8). So costs are integers, ties
+/// are exact and every order of relaxation gives the same field.
 pub const STRAIGHT_STEP: u32 = 5741;
 /// Cost of a diagonal step.
 pub const DIAGONAL_STEP: u32 = 8119;
 
-/// Cells along one side of the largest grid.
+/// Cells along one side of the largest cell grid.
 pub const MAX_SIDE_CELLS: u32 = 16_384;
 /// Smallest and largest side of a cell, metres.
 pub const RESOLUTION_RANGE_M: (f64, f64) = (0.001, 1_000.0);
-/// Farthest coordinate of a grid from the map's origin, metres. Single-precision positions keep a
-/// step of 8 mm there.
+/// Largest coordinate of a cell grid, metres from the map's origin. Single-precision positions
+/// have a step of 8 mm there.
 pub const MAX_COORDINATE_M: f64 = 100_000.0;
 
-/// A cost-to-goal in metres: `resolution x (a + b sqrt 2)` for a cost of
-/// `a` straight and `b` diagonal steps.
+/// A cost to the goal in metres: `resolution x (a + b sqrt 2)` for a cost of `a` straight and
+/// `b` diagonal steps.
 ///
 /// ```
 /// use math::grid::{DIAGONAL_STEP, STRAIGHT_STEP, cost_metres};
@@ -38,7 +38,7 @@ pub const fn octile(dx: u32, dy: u32) -> u32 {
     short * (DIAGONAL_STEP - STRAIGHT_STEP) + long * STRAIGHT_STEP
 }
 
-/// One of the eight directions a layer can advise, in the order of the public codes.
+/// One of the eight directions that a layer can advise, in the order of their codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Direction {
@@ -61,7 +61,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// All eight, in the order of their codes.
+    /// All directions, in the order of their codes.
     pub const ALL: [Self; 8] =
         [Self::E, Self::NE, Self::N, Self::NW, Self::W, Self::SW, Self::S, Self::SE];
 
@@ -70,7 +70,7 @@ impl Direction {
         Self::ALL[(code & 7) as usize]
     }
 
-    /// 0 to 7.
+    /// Code of the direction, 0 to 7.
     pub const fn code(self) -> u8 {
         self as u8
     }
@@ -89,11 +89,11 @@ impl Direction {
         }
     }
 
-    /// The direction whose step has these signs; `None` for no step at all.
+    /// The direction of a step with these signs; `None` if both are 0.
     #[inline]
     pub const fn from_signs(dx: i32, dy: i32) -> Option<Self> {
-        // A table instead of a tree of branches, indexed by both signs modulo 4: this is asked
-        // every tick.
+        // A table, indexed by both signs modulo 4, is faster than branches: every tick calls
+        // this.
         const BY_SIGNS: [Option<Direction>; 16] = {
             let mut table = [None; 16];
             let mut code = 0;
@@ -142,7 +142,7 @@ impl Direction {
         }
     }
 
-    /// `E`, `NE`, ...
+    /// The direction's name: `E`, `NE` and so on.
     pub const fn name(self) -> &'static str {
         match self {
             Self::E => "E",
@@ -160,31 +160,31 @@ impl Direction {
 /// A cell by column (from the west) and row (from the south), each from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Cell {
-    /// From the west.
+    /// Column, from the west.
     pub column: u32,
-    /// From the south.
+    /// Row, from the south.
     pub row: u32,
 }
 
 impl Cell {
-    /// A cell by column and row.
+    /// The cell in a column and row.
     pub const fn new(column: u32, row: u32) -> Self {
         Self { column, row }
     }
 
-    /// Column and row in the low and the high half of a word, as the blob has a root's cell.
+    /// Column in the low and row in the high half of a word, as the blob stores a root's cell.
     #[inline(always)]
     pub const fn to_word(self) -> u32 {
         self.column | self.row << 16
     }
 
-    /// The cell of such a word.
+    /// The cell of a word from [`Cell::to_word`].
     #[inline(always)]
     pub const fn of_word(word: u32) -> Self {
         Self::new(word & 0xffff, word >> 16)
     }
 
-    /// The neighbour in a direction; `None` off a grid of this size.
+    /// The neighbour in a direction; `None` off a cell grid of this size.
     pub const fn neighbour(self, direction: Direction, columns: u32, rows: u32) -> Option<Self> {
         let (dx, dy) = direction.step();
         let column = self.column.wrapping_add_signed(dx);
@@ -193,7 +193,7 @@ impl Cell {
     }
 }
 
-/// Where the cells lie: `cell = floor((position - corner) / resolution)`.
+/// A cell grid: `cell = floor((position - corner) / resolution)`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Grid {
     /// Cells from west to east, 1 ..= [`MAX_SIDE_CELLS`].
@@ -202,7 +202,7 @@ pub struct Grid {
     pub rows: u32,
     /// Side of a cell, metres.
     pub resolution_m: f64,
-    /// South-west corner of the grid in the map's frame, metres; may be negative.
+    /// South-west corner, map metres; may be negative.
     pub corner_m: [f64; 2],
 }
 
@@ -225,13 +225,13 @@ impl Grid {
         self.columns as usize * self.rows as usize
     }
 
-    /// Position in a row-major array, row 0 in the south.
+    /// Index in a row-major array, row 0 in the south.
     pub fn index(&self, cell: Cell) -> usize {
         cell.row as usize * self.columns as usize + cell.column as usize
     }
 
-    /// The cell that holds a point of the map (metres); `None` off the map. Host precision;
-    /// a robot asks its loaded plan, which works in single precision.
+    /// The cell at a position (map metres); `None` off the map. Double precision, for the host;
+    /// the robot's blob does the same in single precision.
     pub fn cell_at(&self, x: f64, y: f64) -> Option<Cell> {
         let column = crate::scalar::wide::floor((x - self.corner_m[0]) / self.resolution_m);
         let row = crate::scalar::wide::floor((y - self.corner_m[1]) / self.resolution_m);
@@ -240,7 +240,7 @@ impl Grid {
         inside.then(|| Cell::new(column as u32, row as u32))
     }
 
-    /// The centre of a cell in the map's frame, metres.
+    /// The centre of a cell, map metres.
     pub fn centre(&self, cell: Cell) -> [f64; 2] {
         [
             self.corner_m[0] + (f64::from(cell.column) + 0.5) * self.resolution_m,

@@ -17,18 +17,18 @@ pub fn cos(radians: f32) -> f32 {
     F32(radians).cos().0
 }
 
-/// Angle of the vector `(x, y)`, radians in [-pi, pi], to about 2e-3; 0 for the zero
-/// vector and for what is not finite.
+/// Angle of the vector `(x, y)`, radians in [-pi, pi], to about 2e-3; 0 for the zero vector and
+/// for arguments that are not finite.
 pub fn atan2(y: f32, x: f32) -> f32 {
     let larger = if x.abs() > y.abs() { x.abs() } else { y.abs() };
     if !(x.is_finite() && y.is_finite() && larger > 0.0) {
         return 0.0;
     }
-    // micromath multiplies its arguments, which overflows or vanishes unless they are near 1.
+    // micromath multiplies its arguments; far from 1 the product overflows or underflows.
     F32(y / larger).atan2(F32(x / larger)).0
 }
 
-/// Square root; 0 for what is negative or not a number, so that no NaN is born here.
+/// Square root; 0 for negative numbers and NaN, so the result is never NaN.
 pub fn sqrt(x: f32) -> f32 {
     if x > 0.0 { libm::sqrtf(x) } else { 0.0 }
 }
@@ -38,7 +38,7 @@ pub fn floor(x: f32) -> f32 {
     libm::floorf(x)
 }
 
-/// `x` within `[low, high]`; `low` where `x` is not a number.
+/// `x` clamped to `[low, high]`; `low` if `x` is NaN.
 pub fn clamp(x: f32, low: f32, high: f32) -> f32 {
     if x >= high {
         high
@@ -49,8 +49,8 @@ pub fn clamp(x: f32, low: f32, high: f32) -> f32 {
     }
 }
 
-/// The same angle in [-pi, pi). Exact for angles that are in range already;
-/// 0 for what is not finite.
+/// The same angle in [-pi, pi). Exact for angles in that range; 0 for angles that are not
+/// finite.
 pub fn wrap_angle(radians: f32) -> f32 {
     if (-PI..PI).contains(&radians) {
         return radians;
@@ -59,7 +59,7 @@ pub fn wrap_angle(radians: f32) -> f32 {
         return 0.0;
     }
     let wrapped = radians - TAU * floor((radians + PI) / TAU);
-    // Rounding can land on either end; both mean half a turn.
+    // Rounding can reach either end; both are half a turn.
     if (-PI..PI).contains(&wrapped) { wrapped } else { -PI }
 }
 

@@ -2,15 +2,15 @@
 
 use crate::scalar;
 
-/// A vector in the map's plane.
+/// A vector in the map's axes.
 pub type Vec2 = nalgebra::Vector2<f32>;
 
-/// Position and heading in the map's frame.
+/// Position and heading on the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Metres, x east, y north.
+    /// Position in metres, x east, y north.
     pub position: Vec2,
-    /// Radians counter-clockwise from east, in [-pi, pi).
+    /// Heading in radians counter-clockwise from east, in [-pi, pi).
     pub heading_rad: f32,
 }
 

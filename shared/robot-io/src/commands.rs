@@ -1,4 +1,4 @@
-//! What the robot is told to do in one tick, and why.
+//! What the robot is to do in one tick, and why.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,70 +9,69 @@ pub struct Commands {
     pub speed_mps: f32,
     /// Turn rate, rad/s counter-clockwise.
     pub turn_rate_radps: f32,
-    /// Digital outputs, bit by bit.
+    /// Digital outputs, one bit each.
     pub outputs: u16,
-    /// A code for whoever listens, from a mission's `signal` action; 0 for none.
+    /// Code of a mission's `signal` action, for telemetry; 0 for none.
     pub signal: u16,
-    /// Why.
+    /// Why the robot does this.
     pub reason: Reason,
 }
 
 impl Commands {
-    /// Stand still, and say why.
+    /// Commands that stand still, for this reason.
     pub const fn stop(reason: Reason) -> Self {
         Self { speed_mps: 0.0, turn_rate_radps: 0.0, outputs: 0, signal: 0, reason }
     }
 }
 
-/// Why the robot does what it does. The codes are part of the wire format: new ones are
-/// added at the end.
+/// Why the robot does what it does. The codes are part of the wire format: append new ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Reason {
-    /// Driving by plan and schemas.
+    /// It drives by plan and schemas.
     Driving,
-    /// The goal is reached.
+    /// It has reached the goal.
     AtGoal,
-    /// In a blocked cell, following the escape out of it.
+    /// It is in a blocked cell and follows the escape out of it.
     Escaping,
-    /// There is no map: driving by reactive schemas alone, or standing still where no goal is
-    /// known either.
+    /// There is no map: it drives by reactive schemas only, or stands still if it has no goal
+    /// either.
     NoPlan,
     /// No layer has a route from here.
     NoRoute,
     /// The position is outside the map.
     OffMap,
-    /// No fix has arrived yet, and as far as can be told none was sent.
+    /// No fix has arrived yet, and no sign that the receiver sent one.
     NoFix,
     /// The last usable fix is too old.
     StaleFix,
-    /// The receiver does not vouch for its fix, or it is not accurate enough.
+    /// The receiver reports its fix as not valid, or the fix is not accurate enough.
     PoorFix,
-    /// A fix implies an impossible jump.
+    /// The fix implies an impossible jump.
     JumpedFix,
-    /// A fix is too far from the map's reference.
+    /// The fix is too far from the map's reference.
     DistantFix,
-    /// The heading is not known yet: creeping ahead or waiting.
+    /// The heading is not known yet: the robot creeps ahead or waits.
     NoHeading,
-    /// Something is inside the stop distance in the direction of motion.
+    /// An obstacle is inside the stop distance, in the direction of travel.
     ObstacleStop,
-    /// Not armed.
+    /// The operator has not armed the robot.
     Disarmed,
     /// The emergency stop is pressed.
     EmergencyStop,
-    /// Driven by hand.
+    /// The operator drives by hand.
     Manual,
-    /// The plan does not say where on the globe its map lies, so no fix can be used.
+    /// The blob does not place its map on the globe, so the robot cannot use fixes.
     NoOrigin,
-    /// The mission's behaviours hold the robot still.
+    /// The mission's running action is `hold`.
     Holding,
     /// No behaviour of the mission is critical.
     Idle,
-    /// No fix has arrived yet: what the receiver sends is no message. The baud rate is wrong or
+    /// No fix has arrived yet: the receiver's bytes form no message. The baud rate is wrong or
     /// the protocol unknown.
     UnreadableReceiver,
-    /// No fix has arrived yet: the receiver's sentences have no checksum or a wrong one.
+    /// No fix has arrived yet: the receiver's sentences have a missing or wrong checksum.
     UncheckedReceiver,
-    /// No fix has arrived yet: the receiver sends messages, but none with a position.
+    /// No fix has arrived yet: the receiver sends messages without a position.
     NoPositionMessage,
 }

@@ -1,8 +1,24 @@
-//! What crosses the robot's skin: percepts in, commands out, and their bytes on a wire.
+//! The robot's interface: percepts in, commands out, and their bytes on a wire.
 //!
-//! Every value here is plain data that can be recorded, hashed and replayed. No NaN or
-//! infinity is ever part of a percept or a command: [`Percepts::sanitised`] drops what is
-//! not finite before a tick sees it.
+//! Decides what a tick may use ([`Percepts`]), what it returns ([`Commands`]), how both cross the
+//! link ([`packet`]) and lockstep's transport ([`record`]), and how to compare two runs
+//! ([`TraceHash`]).
+//!
+//! ```
+//! use robot_io::packet::{Decoder, Uplink, encode};
+//! use robot_io::Operator;
+//! let arm = Uplink::Operator(Operator { is_armed: true, ..Operator::default() });
+//! let packet = encode(&arm).unwrap();
+//! let mut decoder = Decoder::default();
+//! let received: Option<Uplink> = packet.iter().find_map(|&byte| decoder.push(byte));
+//! assert_eq!(received, Some(arm));
+//! ```
+//!
+//! Invariants: every value is plain data to record, hash and replay. The tick never sees NaN or
+//! infinity: [`Percepts::sanitised`] removes both. Codes in the wire format never change; new
+//! ones are appended.
+//!
+//! Source: the packets' stuffing is COBS (Cheshire and Baker 1999), the hash FNV-1a.
 //!
 //! Deliberately absent: clocks, drivers, allocation.
 #![no_std]

@@ -1,12 +1,13 @@
-//! Packets: how a value crosses a serial line that loses, flips and invents bytes.
+//! Packets: how a value crosses a serial line that loses, flips and inserts bytes.
 //!
-//! A packet is the value's postcard bytes, their CRC-16 (CCITT-FALSE, little-endian), both
-//! stuffed by COBS so that no byte is 0, and a 0 at the end. Whatever happens on the line,
-//! the decoder is in step again after the next 0.
+//! A packet is the value's postcard bytes and their CRC-16 (CCITT-FALSE, little-endian), both
+//! stuffed by COBS so that no byte is 0, and a closing 0. After any error on the line, the
+//! decoder resynchronises at the next 0.
 //!
-//! Invariants: [`Decoder::push`] is total and keeps at most [`MAX_STUFFED_BYTES`]; a packet
-//! with one flipped bit is never accepted. Deliberately absent: addresses, sequence numbers,
-//! acknowledgements. Each packet says a whole state, so the next one mends a lost one.
+//! Invariants: [`Decoder::push`] is total and keeps at most [`MAX_STUFFED_BYTES`]; the decoder
+//! never accepts a packet with one flipped bit. Deliberately absent: addresses, sequence
+//! numbers, acknowledgements. Each packet carries a whole state, so the next one makes up for a
+//! lost one.
 
 use heapless::Vec;
 use serde::de::DeserializeOwned;
@@ -23,21 +24,21 @@ pub const MAX_STUFFED_BYTES: usize = MAX_PLAIN_BYTES + MAX_PLAIN_BYTES / 254 + 1
 /// Bytes of the longest packet on the wire.
 pub const MAX_PACKET_BYTES: usize = MAX_STUFFED_BYTES + 1;
 
-/// What a robot sends. New kinds are added at the end.
+/// What a robot sends. Append new kinds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Downlink {
-    /// What it did in a tick.
+    /// What the robot did in a tick.
     Telemetry(CommandRecord),
 }
 
-/// What a robot receives. New kinds are added at the end.
+/// What a robot receives. Append new kinds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Uplink {
-    /// What the human in charge wants; repeated, since silence means something too.
+    /// The operator's orders; repeated, because silence counts as link loss.
     Operator(Operator),
 }
 
-/// A packet that says `value`, with the closing 0; `None` if it is too long.
+/// The packet of `value`, with the closing 0; `None` if it is too long.
 pub fn encode<T: Serialize>(value: &T) -> Option<Vec<u8, MAX_PACKET_BYTES>> {
     let mut plain = [0; MAX_PLAIN_BYTES];
     let length = postcard::to_slice(value, &mut plain).ok()?.len();
@@ -46,7 +47,7 @@ pub fn encode<T: Serialize>(value: &T) -> Option<Vec<u8, MAX_PACKET_BYTES>> {
     stuff(plain.get(..length + CRC_BYTES)?)
 }
 
-/// The value that a payload says; `None` if it is not exactly one of this kind.
+/// The value in a payload; `None` unless the payload is exactly one value of this type.
 fn value<T: DeserializeOwned>(payload: &[u8]) -> Option<T> {
     let (value, rest) = postcard::take_from_bytes(payload).ok()?;
     rest.is_empty().then_some(value)
@@ -55,26 +56,26 @@ fn value<T: DeserializeOwned>(payload: &[u8]) -> Option<T> {
 /// Finds packets in a stream of bytes.
 #[derive(Clone, Debug, Default)]
 pub struct Decoder {
-    /// Unstuffed bytes of the packet that is arriving.
+    /// Unstuffed bytes of the arriving packet.
     plain: Vec<u8, MAX_STUFFED_BYTES>,
     /// Bytes to copy before the next code byte.
     left: u8,
-    /// Whether a 0 stands where the current block ends.
+    /// Whether a 0 follows the current block.
     owes_zero: bool,
-    /// Whether the packet is broken already, up to the next 0.
+    /// Whether the packet is broken; the decoder skips bytes up to the next 0.
     is_broken: bool,
 }
 
 impl Decoder {
-    /// Takes the next byte. When it closes a sound packet, answers with what the packet says.
+    /// Takes the next byte. Returns the value if the byte closes a valid packet.
     pub fn push<T: DeserializeOwned>(&mut self, byte: u8) -> Option<T> {
         if byte != 0 {
             self.unstuff(byte);
             return None;
         }
-        let said = self.payload().and_then(value);
+        let value = self.payload().and_then(value);
         *self = Self::default();
-        said
+        value
     }
 
     fn unstuff(&mut self, byte: u8) {
@@ -94,7 +95,7 @@ impl Decoder {
         self.is_broken |= self.plain.push(byte).is_err();
     }
 
-    /// The payload, if the packet is whole and its checksum right.
+    /// The payload; `None` if the packet is incomplete or its checksum is wrong.
     fn payload(&self) -> Option<&[u8]> {
         if self.is_broken || self.left > 0 {
             return None;
@@ -122,8 +123,8 @@ fn stuff(plain: &[u8]) -> Option<Vec<u8, MAX_PACKET_BYTES>> {
     Some(packet)
 }
 
-/// CRC-16/CCITT-FALSE: polynomial 0x1021, start 0xffff. Bit by bit: packets are short and
-/// rare, and a table would cost 512 bytes of flash.
+/// CRC-16/CCITT-FALSE: polynomial 0x1021, start 0xffff. Computed bit by bit: packets are short
+/// and rare, and a table would cost 512 bytes of flash.
 fn crc16(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xffff, |crc, &byte| {
         (0..8).fold(crc ^ (u16::from(byte) << 8), |crc, _| {
@@ -137,7 +138,7 @@ mod tests {
     use super::*;
     use crate::{Commands, Manual, Reason, Receiver};
 
-    /// What a stream of bytes says, one entry a sound packet.
+    /// The values of all valid packets in a stream.
     fn read_all(bytes: &[u8]) -> Vec<Uplink, 8> {
         let mut decoder = Decoder::default();
         bytes.iter().filter_map(|&byte| decoder.push(byte)).collect()
@@ -154,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bytes_of_a_frame() {
+    fn the_bytes_of_a_packet() {
         // Operator, not armed, stopped, no manual command; then the checksum of 00 00 01 00.
         let stop = Operator { is_emergency_stop: true, ..Operator::default() };
         let [low, high] = crc16(&[0, 0, 1, 0]).to_le_bytes();
@@ -203,20 +204,20 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_with_one_flipped_bit_is_refused_and_the_next_is_read() {
+    fn a_packet_with_one_flipped_bit_is_refused_and_the_next_is_read() {
         for speed_mps in [0.0, 1.0, -0.7, 1e-3, 253.9] {
-            let (said, next) = (uplink(speed_mps), uplink(0.25));
-            let packet = encode(&said).unwrap();
+            let (sent, next) = (uplink(speed_mps), uplink(0.25));
+            let packet = encode(&sent).unwrap();
             for bit in 0..packet.len() * 8 {
                 let mut bytes = packet.clone();
                 bytes[bit / 8] ^= 1 << (bit % 8);
-                // A lost end makes one packet of two: the one after them must be read.
+                // A lost closing 0 joins two packets: the decoder must read the one after them.
                 let mut stream: Vec<u8, 512> = Vec::new();
                 for part in [&bytes, &encode(&uplink(9.0)).unwrap(), &encode(&next).unwrap()] {
                     stream.extend_from_slice(part).unwrap();
                 }
                 let read = read_all(&stream);
-                assert!(!read.contains(&said), "speed {speed_mps} bit {bit}");
+                assert!(!read.contains(&sent), "speed {speed_mps} bit {bit}");
                 assert!(read.iter().all(|uplink| [self::uplink(9.0), next].contains(uplink)));
                 assert_eq!(read.last(), Some(&next), "speed {speed_mps} bit {bit}");
             }
@@ -224,25 +225,25 @@ mod tests {
     }
 
     #[test]
-    fn the_decoder_is_in_step_after_any_garbage() {
+    fn the_decoder_resynchronises_after_any_garbage() {
         let packet = encode(&uplink(0.5)).unwrap();
-        // A small generator of bytes, so that the crate needs none.
+        // A small generator of random bytes saves a dependency.
         let mut state = 1_u32;
         for length in (0..600).chain([5_000]) {
             let mut decoder = Decoder::default();
             for _ in 0..length {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                let said: Option<Uplink> = decoder.push((state >> 24) as u8);
-                assert_eq!(said, None);
+                let read: Option<Uplink> = decoder.push((state >> 24) as u8);
+                assert_eq!(read, None);
             }
             let _: Option<Uplink> = decoder.push(0);
-            let said = packet.iter().find_map(|&byte| decoder.push(byte));
-            assert_eq!(said, Some(uplink(0.5)), "after {length} bytes");
+            let read = packet.iter().find_map(|&byte| decoder.push(byte));
+            assert_eq!(read, Some(uplink(0.5)), "after {length} bytes");
         }
     }
 
     #[test]
-    fn bytes_after_the_value_are_no_part_of_it() {
+    fn bytes_after_the_value_refuse_the_packet() {
         assert_eq!(
             value::<Uplink>(&[0, 1, 0, 0]),
             Some(Uplink::Operator(Operator { is_armed: true, ..Operator::default() }))

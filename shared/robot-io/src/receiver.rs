@@ -1,32 +1,32 @@
-//! How the GPS receiver fares: why there is a fix, or why there is none.
+//! State of the GPS receiver: why there is a fix, or why not.
 
 use serde::{Deserialize, Serialize};
 
-/// What the bytes of the GPS receiver add up to. The codes are part of the wire format: new
-/// ones are added at the end.
+/// State of the GPS receiver, judged from its bytes. The codes are part of the wire format:
+/// append new ones.
 ///
-/// [`Silent`](Self::Silent) to [`NoPosition`](Self::NoPosition) say why a receiver that is
-/// connected never gives a solution; each has another cause and another remedy.
+/// [`Silent`](Self::Silent) to [`NoPosition`](Self::NoPosition) are reasons why a connected
+/// receiver gives no solution; each has its own cause and remedy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Receiver {
-    /// Nothing has come for a while, or ever: no power, or a loose wire.
+    /// No bytes recently, or ever: no power, or a loose wire.
     #[default]
     Silent,
-    /// Something comes, too little yet to tell what.
+    /// Bytes arrive, too few yet to judge.
     Heard,
-    /// Bytes come that are no message: the baud rate is wrong or the protocol unknown.
+    /// Bytes arrive but form no message: the baud rate is wrong or the protocol unknown.
     Unreadable,
-    /// Sentences come without a checksum or with a wrong one: checksums are switched off, or
-    /// the line is bad.
+    /// Sentences arrive with a missing or wrong checksum: checksums are switched off, or the
+    /// line is bad.
     Unchecked,
-    /// Sound messages come, but no GGA and no NAV-PVT that can be read: switch one of them on.
+    /// Valid messages arrive, but no readable GGA or NAV-PVT: switch one of them on.
     NoPosition,
-    /// Solutions come, and the receiver vouches for none: it does not see enough satellites.
+    /// Solutions arrive, none of them valid: the receiver does not see enough satellites.
     NoFix,
-    /// Valid solutions come by GGA without RMC: no velocity, so no course; switch RMC on.
+    /// Valid solutions arrive by GGA without RMC: no velocity, so no course; switch RMC on.
     NoVelocity,
-    /// Valid solutions come, with velocity; many receivers leave the course out while they stand
+    /// Valid solutions arrive, with velocity. Many receivers omit the course while they stand
     /// still.
     Sound,
 }

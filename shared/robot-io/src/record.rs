@@ -1,8 +1,8 @@
-//! Records: what a simulated or recorded world exchanges with a robot in lockstep, one
-//! pair a tick. GPS arrives as the receiver's own bytes, so the drivers are part of the test.
+//! Records: what a simulated or recorded world exchanges with a robot in lockstep, one pair
+//! per tick. GPS arrives as the receiver's own bytes, so a simulation tests the drivers too.
 //!
-//! On a pipe a record is its postcard bytes, filled up with zeros to a fixed size: one read
-//! and one write a tick, and no state that could get out of step.
+//! On a pipe a record is its postcard bytes, padded with zeros to a fixed size: one read and one
+//! write per tick, and no state that could lose synchronisation.
 
 use crate::limits::{
     COMMAND_RECORD_BYTES, MAX_CHANNELS, MAX_GPS_BYTES, MAX_RANGES, SENSOR_RECORD_BYTES,
@@ -11,10 +11,10 @@ use crate::{Commands, Operator, RangeReading, Receiver};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// What the world tells the robot before a tick.
+/// What the world sends to the robot before a tick.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SensorRecord {
-    /// Bytes that arrived from the GPS receiver since the last tick, UBX or NMEA.
+    /// Bytes from the GPS receiver since the last tick, UBX or NMEA.
     pub gps: Vec<u8, MAX_GPS_BYTES>,
     /// As in [`crate::Percepts`].
     pub heading_rad: Option<f32>,
@@ -30,7 +30,7 @@ pub struct SensorRecord {
     pub operator: Operator,
 }
 
-/// What the robot answers after a tick.
+/// What the robot sends to the world after a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CommandRecord {
     /// The robot's clock at the tick, microseconds.
@@ -39,37 +39,37 @@ pub struct CommandRecord {
     pub commands: Commands,
     /// The trace hash after this tick.
     pub trace_hash: u64,
-    /// Instructions that the tick took, where that can be counted; else 0.
+    /// Instructions of the tick; 0 if they are not counted.
     pub instructions: u32,
-    /// How the GPS receiver fares.
+    /// State of the GPS receiver.
     pub receiver: Receiver,
 }
 
 impl SensorRecord {
-    /// Its bytes on a pipe; `None` is impossible for a record within its limits.
+    /// The record's bytes on a pipe; never `None` for a record within its limits.
     pub fn to_bytes(&self) -> Option<[u8; SENSOR_RECORD_BYTES]> {
-        filled_up(self)
+        padded(self)
     }
 
-    /// The record that bytes on a pipe say; `None` if they say none.
+    /// The record from its bytes on a pipe; `None` if they are invalid.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         postcard::from_bytes(bytes).ok()
     }
 }
 
 impl CommandRecord {
-    /// Its bytes on a pipe; `None` is impossible for a record within its limits.
+    /// The record's bytes on a pipe; never `None` for a record within its limits.
     pub fn to_bytes(&self) -> Option<[u8; COMMAND_RECORD_BYTES]> {
-        filled_up(self)
+        padded(self)
     }
 
-    /// The record that bytes on a pipe say; `None` if they say none.
+    /// The record from its bytes on a pipe; `None` if they are invalid.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         postcard::from_bytes(bytes).ok()
     }
 }
 
-fn filled_up<T: Serialize, const N: usize>(value: &T) -> Option<[u8; N]> {
+fn padded<T: Serialize, const N: usize>(value: &T) -> Option<[u8; N]> {
     let mut bytes = [0; N];
     postcard::to_slice(value, &mut bytes).ok()?;
     Some(bytes)

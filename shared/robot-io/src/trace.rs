@@ -1,10 +1,10 @@
-//! The trace hash: one number that two runs share only if every tick was the same.
+//! The trace hash: one number that is equal for two runs only if all their ticks are equal.
 
 use crate::limits::MAX_WIRE_BYTES;
 use crate::{Commands, Percepts};
 use serde::Serialize;
 
-/// FNV-1a, 64 bits, over the wire bytes of every percept and command.
+/// FNV-1a, 64 bits, over the wire bytes of all percepts and commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TraceHash(u64);
 
@@ -15,13 +15,13 @@ impl Default for TraceHash {
 }
 
 impl TraceHash {
-    /// Takes in one tick.
+    /// Adds one tick.
     pub fn record(&mut self, percepts: &Percepts, commands: &Commands) {
         self.value(percepts);
         self.value(commands);
     }
 
-    /// Takes in bytes.
+    /// Adds bytes.
     pub fn bytes(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
@@ -35,7 +35,7 @@ impl TraceHash {
 
     fn value<T: Serialize>(&mut self, value: &T) {
         let mut buffer = [0; MAX_WIRE_BYTES];
-        // The largest percept fits; the test below holds that.
+        // The largest percepts fit; the test below proves it.
         if let Ok(bytes) = postcard::to_slice(value, &mut buffer) {
             self.bytes(bytes);
         }
@@ -49,7 +49,7 @@ mod tests {
     use math::GeoPoint;
 
     #[test]
-    fn the_largest_percept_fits_the_wire_buffer() {
+    fn the_largest_percepts_fit_the_wire_buffer() {
         let reading = RangeReading { bearing_rad: -3.0, distance_m: 1e9 };
         let percepts = Percepts {
             time_us: u64::MAX,

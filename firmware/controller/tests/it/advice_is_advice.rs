@@ -1,5 +1,5 @@
-//! W15: the plan is advice only. It never supplants reactive control, and without it the
-//! robot is the same robot.
+//! W15: the plan is advice only. It never replaces reactive control, and reactive control
+//! does not depend on it.
 
 use crate::bench::{ORIGIN, Robot, blob, open_field};
 use math::{scalar, vector};
@@ -53,7 +53,7 @@ fn w15_a_planning_gain_of_zero_is_pure_reactive_control_bit_for_bit() {
     assert!(with_map.iter().any(|bits| *bits != with_map[0]), "something happened");
 }
 
-/// Also where the mission's own mix would leave the reactive schemas weaker, or silent.
+/// Even if the mission's own mix weakens or silences the reactive schemas.
 #[test]
 fn w15_without_a_map_every_mix_is_pure_reactive_control() {
     let plan_for = |gains| {
@@ -73,7 +73,7 @@ fn w15_the_advice_has_an_effect_where_it_has_a_gain() {
     assert_ne!(bits(&mixed), bits(&reactive));
 }
 
-/// Something stands within the margin on the advised way: the robot turns away from it,
+/// An obstacle stands within the margin on the advised route: the robot turns away from it,
 /// whatever the mix.
 #[test]
 fn w15_repulsion_within_the_margin_beats_the_advice() {
@@ -84,11 +84,11 @@ fn w15_repulsion_within_the_margin_beats_the_advice() {
         let commands =
             robot.tick_with(|percepts| percepts.ranges = [slightly_left].into_iter().collect());
         assert!(commands.turn_rate_radps < -0.9, "{gains:?}: {commands:?}");
-        assert_eq!(commands.speed_mps, 0.0, "{gains:?}: nothing goes on towards it");
+        assert_eq!(commands.speed_mps, 0.0, "{gains:?}: it must not drive on");
     }
 }
 
-/// W28: the gains are looked at every tick.
+/// W28: every tick reads the gains.
 #[test]
 fn w28_a_change_of_gains_takes_effect_at_the_next_tick() {
     let map = open_field(40, 40, (39, 10));
@@ -99,11 +99,11 @@ fn w28_a_change_of_gains_takes_effect_at_the_next_tick() {
     let before = robot.tick_with(|_| {});
     robot.blob = plan_only;
     let after = robot.tick_with(|_| {});
-    // Straight to the goal is 13 degrees; the plan says north-east first.
+    // The goal is at 13 degrees; the plan advises north-east first.
     assert!(after.turn_rate_radps > before.turn_rate_radps + 0.3, "{before:?} {after:?}");
 }
 
-/// W25 through the whole tick: the robot is carried over the border of the second layer.
+/// W25 through the whole tick: the robot crosses the border of the second layer.
 #[test]
 fn w25_dynamic_selection_acts_at_the_tick_of_the_crossing() {
     let free = "........\n........\n.......G";
@@ -114,12 +114,12 @@ fn w25_dynamic_selection_acts_at_the_tick_of_the_crossing() {
     for (x, expected) in [(1.5, Reason::Driving), (0.5, Reason::Driving), (1.5, Reason::Driving)] {
         robot.carry_to(x);
         assert_eq!(robot.tick_with(|_| {}).reason, expected);
-        assert_eq!(robot.state.progress.choice.layer(), None, "nothing is settled");
+        assert_eq!(robot.state.progress.choice.layer(), None, "the choice stays open");
     }
 }
 
-/// W17: on a course of 22.5 degrees the plan alone staggers between east and north-east; the
-/// mixes smooth that out.
+/// W17: on a course of 22.5 degrees the plan alone alternates between east and north-east; the
+/// mixes smooth that.
 #[test]
 fn w17_blending_smooths_the_bias_of_eight_directions() {
     let map = open_field(110, 50, (105, 43));
@@ -140,12 +140,14 @@ fn w17_blending_smooths_the_bias_of_eight_directions() {
     let plan_only = turning(Gains::PLAN_ONLY);
     for mix in [Gains::MOSTLY_REACTIVE, Gains::MOSTLY_PLAN] {
         let mixed = turning(mix);
-        assert!(mixed < 0.9 * plan_only, "{mix:?} turned {mixed} rad, the plan alone {plan_only}");
+        assert!(
+            mixed < 0.9 * plan_only,
+            "{mix:?} turned {mixed} rad, the plan alone {plan_only} rad"
+        );
     }
 }
 
-/// The mixes with a majority of plan, and the plan alone, lead around a trap that holds a
-/// reactive robot.
+/// A mix with mostly plan, and the plan alone, lead out of a trap that keeps a reactive robot.
 #[test]
 fn a_plan_leads_out_of_a_pocket_that_holds_a_reactive_robot() {
     let map = "

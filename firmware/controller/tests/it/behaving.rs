@@ -7,15 +7,15 @@ use crate::bench::{Robot, behaving_blob, open_field};
 
 fn ticks(actions: &str, count: usize) -> Vec<Commands> {
     let blob = behaving_blob(&open_field(30, 30, (25, 15)), "PS", actions);
-    let mut robot = Robot::new(Blob::parse(&blob).expect("the blob is sound"), 5.5, 15.5);
+    let mut robot = Robot::new(Blob::parse(&blob).expect("the blob is valid"), 5.5, 15.5);
     (0..count).map(|_| robot.tick_with(|_| {})).collect()
 }
 
-/// H15: the inherited maximum speed of the frame and the action, 0.5 m/s, holds on the way.
+/// H15: the robot keeps to the maximum speed inherited from plan frame and action, 0.5 m/s.
 #[test]
 fn follow_and_go_to_drive_within_the_inherited_speed() {
-    for way in ["follow", "goto 25.5 15.5"] {
-        let commands = ticks(way, 1)[0];
+    for action in ["follow", "goto 25.5 15.5"] {
+        let commands = ticks(action, 1)[0];
         assert_eq!(commands.reason, Reason::Driving);
         assert!((0.4..=0.5).contains(&commands.speed_mps), "{commands:?}");
     }
@@ -29,7 +29,7 @@ fn wander_moves_and_hold_does_not() {
     assert_eq!((holding.reason, holding.speed_mps), (Reason::Holding, 0.0));
 }
 
-/// An output stays as it was set; a signal is reported for one tick.
+/// An output keeps its value until the next change; a signal lasts one tick.
 #[test]
 fn outputs_and_signals_reach_the_commands() {
     let all = ticks("set 3 on, hold 100, signal 7, set 3 off, hold 100", 5);
@@ -39,7 +39,7 @@ fn outputs_and_signals_reach_the_commands() {
     assert_eq!(signals, [0, 0, 7, 0, 0]);
 }
 
-/// A behaviour that has finished and is still critical begins again.
+/// A finished behaviour that is still critical starts again.
 #[test]
 fn a_finished_behaviour_begins_again_while_it_is_critical() {
     let all = ticks("signal 9", 6);

@@ -1,4 +1,4 @@
-//! A bench: maps drawn as text, and a robot that perceives them without errors.
+//! A test bench: maps drawn as text, and a robot with error-free sensors.
 
 use controller::{State, tick};
 use maps::Bitmap;
@@ -27,8 +27,8 @@ pub(crate) fn ahead(distance_m: f32) -> RangeReading {
     RangeReading { bearing_rad: 0.0, distance_m }
 }
 
-/// The blob of one parallel plan whose layers are drawn: the northern row first, `#` is
-/// blocked, `G` the goal's cell. Cells of 1 m, the south-west corner at (0, 0).
+/// The blob of one parallel plan with drawn layers: the northern row first, `#` a blocked cell,
+/// `G` the goal's cell. Cells of 1 m, the south-west corner at (0, 0).
 pub(crate) fn blob(layers: &[&str], parameters: Parameters) -> Vec<u8> {
     blob_at(layers, parameters, Some(ORIGIN))
 }
@@ -37,8 +37,8 @@ pub(crate) fn blob_at(layers: &[&str], parameters: Parameters, origin: Option<Or
     blob_with(layers, parameters, origin, MissionDraft::default())
 }
 
-/// The same with a mission of one behaviour, of constant criticality (a label), whose actions follow
-/// one another: `set 3 on, hold 100` in the notation of `fixtures`.
+/// As [`blob`], with a mission of one behaviour of constant criticality (a label). Its actions
+/// follow one another, in the notation of `fixtures`: `set 3 on, hold 100`.
 pub(crate) fn behaving_blob(map: &str, criticality: &str, actions: &str) -> Vec<u8> {
     let mut mission = String::from("input time; of time\n");
     let mut stages = String::new();
@@ -87,10 +87,10 @@ fn blob_with(
         layers: drawings.iter().enumerate().map(layer).collect(),
     };
     let draft = Draft { grid, origin, parameters, plans: vec![plan], mission };
-    write(&draft).expect("the draft is sound")
+    write(&draft).expect("the draft is valid")
 }
 
-/// An open field of `columns` by `rows` with the goal in one cell.
+/// A drawing of an open field of `columns` by `rows` with the goal in one cell.
 pub(crate) fn open_field(columns: usize, rows: usize, goal: (usize, usize)) -> String {
     let row = |row: usize| -> String {
         (0..columns).map(|column| if (column, row) == goal { 'G' } else { '.' }).collect()
@@ -114,7 +114,7 @@ impl<'a> Robot<'a> {
         Self { blob, state, time_us: 1_000_000, position: Vec2::new(x, y), heading_rad: 0.0 }
     }
 
-    /// What a robot without sensor errors perceives in this pose, armed and with nothing around.
+    /// Error-free percepts in this pose: armed, without obstacles.
     pub(crate) fn percepts(&self) -> Percepts {
         let fix = self.blob.map_frame().map(|frame| Fix {
             time_us: self.time_us,
@@ -134,7 +134,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// One tick with percepts that `change` may spoil.
+    /// One tick with percepts that `change` may alter.
     pub(crate) fn tick_with(&mut self, change: impl FnOnce(&mut Percepts)) -> Commands {
         let mut percepts = self.percepts();
         change(&mut percepts);
@@ -143,13 +143,13 @@ impl<'a> Robot<'a> {
         commands
     }
 
-    /// Puts the robot elsewhere along x, slowly enough for the fixes to be believed.
+    /// Moves the robot to another x, slowly enough for its fixes to count.
     pub(crate) fn carry_to(&mut self, x: f32) {
         self.position.x = x;
         self.time_us += 1_000_000;
     }
 
-    /// One tick, and the motion of its commands until the next.
+    /// One tick, and the body's movement by its commands until the next.
     pub(crate) fn drive_with(&mut self, change: impl FnOnce(&mut Percepts)) -> Commands {
         let commands = self.tick_with(change);
         let seconds = TICK_US as f32 * 1e-6;

@@ -1,4 +1,4 @@
-//! Trouble is data: every reason is reached, and each has a defined behaviour.
+//! Trouble is data: the tests reach every reason and check what the robot then does.
 
 use crate::bench::{ORIGIN, Robot, ahead, armed, behaving_blob, blob, blob_at, open_field};
 use math::{GeoPoint, Vec2};
@@ -6,7 +6,7 @@ use plan_format::parameters::{Gains, OnTrouble};
 use plan_format::{Blob, Parameters};
 use robot_io::{Manual, Operator, Percepts, Reason, Receiver};
 
-/// Goal in the east; a walled-in pocket in the west; an obstacle in the middle.
+/// The goal in the east, a walled-in pocket in the west, an obstacle in the middle.
 const MAP: &str = "
     .#..........
     .#...##....G
@@ -17,7 +17,7 @@ const OBSTACLE: (f32, f32) = (5.5, 1.5);
 const OUTSIDE: (f32, f32) = (3.5, -4.0);
 const GOAL: (f32, f32) = (11.5, 1.5);
 
-/// What the robot does at last when all ticks perceive what `change` makes of good percepts.
+/// What the robot does in its last tick.
 #[derive(Debug, PartialEq)]
 enum Does {
     Drives,
@@ -25,6 +25,7 @@ enum Does {
 }
 use Does::{Drives, Stops};
 
+/// Reason and reaction after `ticks` with good percepts that `change` alters.
 fn after(
     ticks: usize,
     blob: Blob<'_>,
@@ -41,8 +42,8 @@ fn after(
     (commands.reason, if moves { Drives } else { Stops })
 }
 
-/// Every reason there is: a new one does not compile until it is listed, and then fails below
-/// until it is reached.
+/// Index among all reasons. A new reason does not compile until it is listed here, and then
+/// the test below fails until a case reaches it.
 fn index_of(reason: Reason) -> usize {
     use Reason::*;
     let all = [
@@ -77,7 +78,7 @@ fn index_of(reason: Reason) -> usize {
     }
 }
 
-/// Never a fix, and what the receiver's bytes add up to.
+/// Percepts without any fix, and with this state of the receiver.
 fn heard(receiver: Receiver) -> impl Fn(usize, &mut Percepts) {
     move |_, percepts| (percepts.fix, percepts.receiver) = (None, receiver)
 }
@@ -144,23 +145,15 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         ("at the goal", &stops, GOAL, 1, &nothing, Reason::AtGoal, Stops),
         ("in an obstacle", &stops, OBSTACLE, 1, &nothing, Reason::Escaping, Drives),
         ("in the pocket", &stops, POCKET, 1, &nothing, Reason::NoRoute, Stops),
-        ("in the pocket, undaunted", &goes_on, POCKET, 1, &nothing, Reason::NoRoute, Drives),
+        ("in the pocket, reactive", &goes_on, POCKET, 1, &nothing, Reason::NoRoute, Drives),
         ("off the map", &stops, OUTSIDE, 1, &nothing, Reason::OffMap, Stops),
-        ("off the map, undaunted", &goes_on, OUTSIDE, 1, &nothing, Reason::OffMap, Drives),
+        ("off the map, reactive", &goes_on, OUTSIDE, 1, &nothing, Reason::OffMap, Drives),
         ("never a fix", &stops, START, 9, &no_fix, Reason::NoFix, Stops),
-        (
-            "a receiver that is not understood",
-            &stops,
-            START,
-            9,
-            &unreadable,
-            UnreadableReceiver,
-            Stops,
-        ),
+        ("an unreadable receiver", &stops, START, 9, &unreadable, UnreadableReceiver, Stops),
         ("sentences without checksums", &stops, START, 9, &unchecked, UncheckedReceiver, Stops),
         ("messages without a position", &stops, START, 9, &no_position, NoPositionMessage, Stops),
         ("a receiver without a fix", &stops, START, 9, &no_solution, Reason::PoorFix, Stops),
-        ("a receiver that is silent", &stops, START, 9, &silent, Reason::NoFix, Stops),
+        ("a silent receiver", &stops, START, 9, &silent, Reason::NoFix, Stops),
         ("the fix is frozen, 2 s", &stops, START, 41, &first_fix_only, Reason::Driving, Drives),
         ("the fix is frozen", &stops, START, 42, &first_fix_only, Reason::StaleFix, Stops),
         ("the fix is not valid", &stops, START, 1, &poor, Reason::PoorFix, Stops),
@@ -169,19 +162,19 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         ("the fix jumped", &stops, START, 42, &jumped, Reason::JumpedFix, Stops),
         ("the fix is far away", &stops, START, 1, &distant, Reason::DistantFix, Stops),
         ("no heading at all", &stops, START, 9, &no_compass, Reason::NoHeading, Stops),
-        ("a course to be found", &stops, START, 9, &still, Reason::NoHeading, Drives),
+        ("a course to find", &stops, START, 9, &still, Reason::NoHeading, Drives),
         ("it must not creep", &waits, START, 9, &still, Reason::NoHeading, Stops),
         ("something ahead", &plan_only, START, 1, &blocked, Reason::ObstacleStop, Drives),
         ("disarmed", &stops, START, 1, &disarmed, Reason::Disarmed, Stops),
         ("emergency stop", &stops, START, 1, &emergency, Reason::EmergencyStop, Stops),
         ("by hand", &stops, START, 1, &by_hand, Reason::Manual, Drives),
-        ("held still", &holding, START, 1, &nothing, Reason::Holding, Stops),
+        ("holding", &holding, START, 1, &nothing, Reason::Holding, Stops),
         ("nothing to do", &idle, START, 1, &nothing, Reason::Idle, Stops),
         ("no origin", &unknown_place, START, 1, &nothing, Reason::NoOrigin, Stops),
     ];
     let mut reached = vec![false; 22];
     for (name, blob, at, ticks, change, reason, does) in table {
-        let blob = Blob::parse(blob).expect("the blob is sound");
+        let blob = Blob::parse(blob).expect("the blob is valid");
         let (result, did) = after(*ticks, blob, *at, *change);
         assert_eq!((&result, &did), (reason, does), "{name}");
         reached[index_of(result)] = true;
@@ -225,7 +218,7 @@ fn emergency_stop_disarm_and_manual_outrank_everything_in_this_order() {
     }
 }
 
-/// A goal is reached once: the position may waver by up to two tolerances after that.
+/// The robot stays at its goal while the position wavers by up to two tolerances.
 #[test]
 fn an_arrival_lasts_until_the_robot_is_moved_away_or_disarmed() {
     let map = open_field(30, 30, (15, 15));
@@ -267,7 +260,7 @@ fn near_the_goal_behind_a_wall_is_not_at_the_goal() {
     }
 }
 
-/// W29: the choice is made where the robot is armed, not where it was switched on.
+/// W29: the choice counts from where the robot is armed, not from where it was switched on.
 #[test]
 fn w29_a_static_choice_is_made_at_the_start() {
     let free = "......\n.....G";

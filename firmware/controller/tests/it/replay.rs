@@ -1,4 +1,4 @@
-//! Whatever is perceived: no panic, bounded commands, and the same again from the same state.
+//! For all percepts: no panic, bounded commands, and a replay from a state repeats them.
 
 use crate::bench::{ORIGIN, blob, open_field};
 use controller::{State, tick};
@@ -8,7 +8,7 @@ use plan_format::{Blob, Parameters};
 use proptest::prelude::*;
 use robot_io::{Commands, Fix, Manual, Operator, Percepts, RangeReading, Receiver, TraceHash};
 
-/// Any number there is, the wrong ones too.
+/// Any number, invalid ones included.
 fn number() -> impl Strategy<Value = f32> {
     let wrong = [
         f32::NAN,
@@ -57,8 +57,8 @@ prop_compose! {
     }
 }
 
-/// A tick's percepts, and by how much the clock goes on before it: usually a tick, sometimes
-/// not at all, by a lot, or backwards.
+/// A tick's percepts, and the clock's step before it: usually one tick, sometimes none, a large
+/// one, or one backwards.
 fn step() -> impl Strategy<Value = (i64, Percepts)> {
     let elapsed_us =
         prop_oneof![4 => Just(50_000_i64), 1 => Just(0), 1 => 0..5_000_000_i64, 1 => any::<i64>()];
@@ -81,7 +81,7 @@ fn step() -> impl Strategy<Value = (i64, Percepts)> {
             ranges,
             operator,
         )| {
-            // The age is kept in the time stamp until the clock is known.
+            // The time stamp carries the age until the clock is known.
             let fix = fix.map(|(age_us, fix)| Fix { time_us: age_us as u64, ..fix });
             let percepts = Percepts {
                 time_us: 0,
@@ -139,7 +139,7 @@ prop_compose! {
     }
 }
 
-/// Whether a body of these parameters can obey.
+/// Whether a vehicle with these parameters can carry out the commands.
 fn is_bounded(commands: &Commands, parameters: &Parameters) -> bool {
     let vehicle = &parameters.vehicle;
     let turns_on_circles = vehicle.steering == Steering::Ackermann;
@@ -161,23 +161,23 @@ proptest! {
         let walled = free.replacen("....", ".##.", 40);
         let blob = blob(&[&free, &walled], parameters);
         let blob = if has_map {
-            Blob::parse(&blob).expect("the blob is sound")
+            Blob::parse(&blob).expect("the blob is valid")
         } else {
             Blob::without_map(parameters, Some(ORIGIN), Some(Vec2::new(25.0, 25.0)))
         };
         let mut state = State::new(&blob);
         for percepts in &history {
             let commands = tick(&blob, &mut state, percepts);
-            // False for what is not a number.
+            // False for NaN.
             prop_assert!(is_bounded(&commands, &parameters), "{:?}", commands);
         }
     }
 
-    /// A state that is kept goes on as the one that it was taken from.
+    /// A stored state continues like the original.
     #[test]
     fn a_frozen_state_replays_the_same_ticks(history in history(), parameters in parameters()) {
         let blob = blob(&[&open_field(30, 30, (25, 25))], parameters);
-        let blob = Blob::parse(&blob).expect("the blob is sound");
+        let blob = Blob::parse(&blob).expect("the blob is valid");
         let (before, after) = history.split_at(history.len() / 2);
         let mut state = State::new(&blob);
         run(&blob, &mut state, before);

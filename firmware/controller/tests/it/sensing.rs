@@ -1,4 +1,4 @@
-//! Position and heading from what the sensors say, and for how long that is believed.
+//! Position and heading from the sensors, and how long they count.
 
 use crate::bench::{ORIGIN, TICK_US, blob_at, open_field};
 use controller::sense::{Sensed, Track, sense};
@@ -8,7 +8,7 @@ use robot_io::{Commands, Fix, Percepts, Reason};
 
 const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
 
-/// A track, and a clock that goes on by a tick at each look.
+/// A track, and a clock that advances by a tick at each look.
 struct Watch<'a> {
     blob: Blob<'a>,
     track: Track,
@@ -71,18 +71,18 @@ fn a_turn_is_carried_on_along_its_arc() {
 }
 
 #[test]
-fn without_odometry_the_robot_is_taken_to_do_what_it_was_told() {
+fn without_odometry_the_last_commands_stand_in() {
     let mut watch = Watch::new(ORIGIN);
     let fix = Some(watch.fix(5.0, 5.0));
     watch.look(Percepts { fix, heading_rad: Some(QUARTER), ..Percepts::default() });
-    let told = Commands { speed_mps: 1.0, ..Commands::stop(Reason::Driving) };
-    watch.track.commanded(&told);
+    let commands = Commands { speed_mps: 1.0, ..Commands::stop(Reason::Driving) };
+    watch.track.commanded(&commands);
     let sensed = watch.look(Percepts { fix, ..Percepts::default() });
     assert!(near(sensed.position, 5.0, 5.05), "{sensed:?}");
 }
 
-/// Heading sources in their order: what the compass says, what the fix's velocity (mm/s east,
-/// north) says, what was known before; the map is turned by a quarter.
+/// Heading sources in order of rank: the compass, the velocity of the fix (mm/s east, north),
+/// the heading known before. The map is turned by a quarter.
 #[test]
 fn headings_come_from_compass_then_course_then_turn_rate() {
     let turned = Origin { heading_rad: f64::from(QUARTER), ..ORIGIN };
@@ -156,7 +156,7 @@ fn a_refused_fix_does_not_renew_the_last_good_one() {
     assert_eq!(sensed.position, Err(Reason::PoorFix));
 }
 
-/// A frozen receiver or a wrong time stamp must not look like news.
+/// A frozen receiver or a wrong time stamp must not look like a new fix.
 #[test]
 fn fixes_age_whatever_their_time_stamps_say() {
     for stamp_us in [0, 9_000_000, 10_000_000, 11_000_000, u64::MAX] {

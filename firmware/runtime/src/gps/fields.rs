@@ -1,12 +1,11 @@
-//! What GGA and RMC say, field by field, in integers.
+//! Parses GGA and RMC, field by field, in integers.
 //!
-//! Who sends a sentence is of no account: any two letters are a talker. What the robot does not
-//! use is not looked at, so nothing that stands there can spoil the rest: date, magnetic
-//! variation, number of satellites, heights, reference station, nav status (which receivers
-//! that are not made for ships set to V for ever).
+//! Any two letters are a talker. The parser skips the fields that the robot does not use, so
+//! their content cannot spoil the rest: date, magnetic variation, number of satellites, heights,
+//! reference station, nav status (always V on receivers that are not made for ships).
 //!
-//! In doubt a sentence says less: a coordinate whose digits do not stand where they must is no
-//! coordinate, and an RMC that does not say clearly that it is valid is void.
+//! In doubt a field does not count: a coordinate with digits in the wrong positions is invalid,
+//! and an RMC that is not clearly valid is void.
 
 use math::{GeoPoint, scalar};
 
@@ -17,46 +16,46 @@ pub(super) enum Sentence {
     Rmc(Rmc),
 }
 
-/// The two letters that say who sends a sentence.
+/// The two letters that name the sender of a sentence.
 pub(super) type Talker = [u8; 2];
 
-/// Where, and how good.
+/// Place and accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Gga {
     pub(super) talker: Talker,
     /// Milliseconds of the day.
     pub(super) time_ms: Option<u32>,
-    /// Whether it is a measurement of a known accuracy.
+    /// Whether the place is measured and its accuracy known.
     pub(super) has_fix: bool,
     pub(super) place: GeoPoint,
     pub(super) accuracy_mm: u32,
 }
 
-/// Whether to believe it, and how fast.
+/// Validity and velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Rmc {
     pub(super) talker: Talker,
     /// Milliseconds of the day.
     pub(super) time_ms: Option<u32>,
-    /// Whether it says that position and velocity are measured and valid.
+    /// Whether the sentence reports place and velocity as measured and valid.
     pub(super) is_valid: bool,
     pub(super) velocity_mmps: Option<[i32; 2]>,
 }
 
-/// Fields of a sentence that are looked at: up to the mode of RMC.
+/// Number of fields that are read: up to the mode of RMC.
 const FIELDS: usize = 12;
 
-/// Where there is no place.
+/// Stands for a missing place.
 const NOWHERE: GeoPoint = GeoPoint { lat_e7: 0, lon_e7: 0 };
 
-/// A unit of angle, 1e-7 degrees.
+/// Units of 1e-7 in one degree or minute.
 const E7: u32 = 10_000_000;
 
-/// No robot of ours is faster, in thousandths of a knot: such a speed is nonsense.
+/// Highest plausible speed, thousandths of a knot.
 const MAX_SPEED_MILLIKNOTS: u32 = 1_900_000;
 
-/// What a sentence says, from its body; `None` for other sentences and for a GGA that claims a
-/// fix without a time or a place that can be read.
+/// The sentence in a body; `None` for other sentences and for a GGA that claims a fix without a
+/// readable time or place.
 pub(super) fn parse(body: &[u8]) -> Option<Sentence> {
     let (&[a, b, ref kind @ ..], rest) = body.split_first_chunk::<5>()?;
     let talker = [a, b];
@@ -65,7 +64,7 @@ pub(super) fn parse(body: &[u8]) -> Option<Sentence> {
     for (slot, field) in fields.iter_mut().zip(rest.split(|&byte| byte == b',')) {
         *slot = field.trim_ascii();
     }
-    // Garmin's own PGRMC sets up its sensors.
+    // Garmin's PGRMC is a set-up command for its sensors.
     let is_talker = talker.iter().all(u8::is_ascii_uppercase) && talker != *b"PG";
     match kind {
         b"GGA" if is_talker => gga(talker, &fields).map(Sentence::Gga),
@@ -81,22 +80,21 @@ fn gga(talker: Talker, fields: &[&[u8]; FIELDS]) -> Option<Gga> {
         let place = place.unwrap_or(NOWHERE);
         return Some(Gga { talker, time_ms, has_fix: false, place, accuracy_mm: u32::MAX });
     };
-    // A DOP is positive; 0 and 99.99 are what receivers print when they have none.
+    // A DOP is positive; receivers without one print 0 or 99.99.
     let hdop = thousandths(hdop).filter(|hdop| (1..99_000).contains(hdop));
     let accuracy_mm = hdop.map_or(u32::MAX, |hdop| hdop * mm_per_hdop / 1_000);
     let has_fix = hdop.is_some();
     Some(Gga { talker, time_ms: Some(time_ms?), has_fix, place: place?, accuracy_mm })
 }
 
-/// Error of one satellite's range that becomes, times HDOP, the horizontal error (one sigma),
-/// millimetres; `None` for qualities that are no measurement: no fix, estimated, set by hand,
-/// simulated, or unknown.
+/// User range error, one sigma, millimetres: times HDOP it is the horizontal error. `None` for
+/// qualities that are not measured: no fix, estimated, entered by hand, simulated, unknown.
 ///
 /// The GPS standard positioning service promises 7.8 m in 95 % of cases (its performance
-/// standard of 2008, user range error), a sigma of 4 m. Corrections by satellite or radio
-/// halve that; the two kinds of carrier phase solution are good to decimetres and
-/// centimetres, of which the values here are cautious sizes. 9 is in no standard; makers that
-/// use it mean corrections by satellite, but as nobody promises it, it counts as plain GPS.
+/// standard of 2008, user range error), a sigma of 4 m. Corrections by satellite or radio halve
+/// that. The two kinds of carrier phase solution are good to decimetres and centimetres; the
+/// values here are cautious. Quality 9 is in no standard: some makers use it for corrections by
+/// satellite. Without a promised accuracy it counts as plain GPS.
 fn mm_per_hdop(quality: &[u8]) -> Option<u32> {
     match quality {
         b"1" | b"3" | b"9" => Some(4_000),
@@ -109,21 +107,21 @@ fn mm_per_hdop(quality: &[u8]) -> Option<u32> {
 
 fn rmc(talker: Talker, fields: &[&[u8]; FIELDS]) -> Rmc {
     let &[time, status, lat, north, lon, east, speed, course, _, _, _, mode] = fields;
-    // D is how some makers mark a valid fix with corrections.
+    // Some makers mark a valid fix with corrections by D.
     let is_valid = matches!(status, b"A" | b"D")
-        // Autonomous, differential, precise, fixed and float; none before NMEA 2.3. Others are
-        // not valid, estimated, set by hand, simulated, or what is not known.
+        // Autonomous, differential, precise, fixed and float; empty before NMEA 2.3. The others
+        // are not valid, estimated, entered by hand, simulated, or unknown.
         && matches!(mode, b"" | b"A" | b"D" | b"P" | b"R" | b"F")
         && place(lat, north, lon, east).is_some();
     let velocity_mmps = if is_valid { velocity_mmps(speed, course) } else { None };
     Rmc { talker, time_ms: milliseconds(time), is_valid, velocity_mmps }
 }
 
-/// East and north, from knots and degrees clockwise from north.
+/// Velocity east and north, from knots and degrees clockwise from north.
 fn velocity_mmps(speed: &[u8], course: &[u8]) -> Option<[i32; 2]> {
     let speed = thousandths(speed).filter(|&speed| speed <= MAX_SPEED_MILLIKNOTS)?;
     if course.is_empty() {
-        // Receivers that stand still leave the course out.
+        // Receivers that stand still omit the course.
         return (speed == 0).then_some([0, 0]);
     }
     let course = thousandths(course).filter(|&course| course <= 360_000)?;
@@ -147,14 +145,14 @@ fn signed(angle_e7: i32, half: &[u8], positive: &[u8], negative: &[u8]) -> Optio
     }
 }
 
-/// An angle in degrees, of exactly so many digits, and minutes of two and any number of
-/// decimals, rounded to nearest. Without a leading zero each digit would be another one.
+/// An angle: degrees of exactly `degree_digits` digits, minutes of two digits and any number of
+/// decimals, rounded to nearest. A missing leading zero would shift every digit.
 fn angle_e7(field: &[u8], degree_digits: usize, most_degrees: u32) -> Option<i32> {
     let (whole, decimals) = split_at_point(field);
     let (degrees, minutes) = whole.split_at_checked(degree_digits)?;
     let degrees = number(degrees).filter(|&degrees| degrees <= most_degrees)?;
     let minutes = number(minutes).filter(|_| minutes.len() == 2)?;
-    // Receivers that round print 60.0 minutes for the next degree.
+    // Receivers that round print 60.0 minutes before the next degree.
     let minutes_e7 = (minutes * E7).checked_add(fraction(decimals, E7)?)?;
     let minutes_e7 = Some(minutes_e7).filter(|&minutes| minutes <= 60 * E7)?;
     i32::try_from(degrees * E7 + (minutes_e7 + 30) / 60).ok()
@@ -170,7 +168,7 @@ fn milliseconds(field: &[u8]) -> Option<u32> {
     is_time.then_some(ms)
 }
 
-/// A decimal number below a million, in thousandths; further digits are cut off.
+/// A decimal number below a million, in thousandths; further digits are truncated.
 fn thousandths(field: &[u8]) -> Option<u32> {
     let (whole, decimals) = split_at_point(field);
     if whole.is_empty() && decimals.is_empty() {
@@ -179,13 +177,13 @@ fn thousandths(field: &[u8]) -> Option<u32> {
     Some(number(whole)? * 1_000 + fraction(decimals, 1_000)?)
 }
 
-/// What stands before and after the point, if there is one.
+/// The digits before and after the decimal point; without a point, none after it.
 fn split_at_point(field: &[u8]) -> (&[u8], &[u8]) {
     let mut parts = field.splitn(2, |&byte| byte == b'.');
     (parts.next().unwrap_or_default(), parts.next().unwrap_or_default())
 }
 
-/// A number of at most six digits; none at all are 0.
+/// A number of at most six digits; 0 for no digits.
 fn number(digits: &[u8]) -> Option<u32> {
     if digits.len() > 6 {
         return None;
@@ -195,8 +193,7 @@ fn number(digits: &[u8]) -> Option<u32> {
     })
 }
 
-/// Any number of decimals, in parts of `unit`, which is a power of ten; what is smaller is cut
-/// off.
+/// Any number of decimals, in parts of `unit`, a power of ten; smaller parts are truncated.
 fn fraction(decimals: &[u8], unit: u32) -> Option<u32> {
     let mut weight = unit;
     decimals.iter().try_fold(0, |sum, &digit| {

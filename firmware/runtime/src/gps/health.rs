@@ -1,32 +1,32 @@
-//! What a receiver's bytes add up to over the last seconds.
+//! Judges the receiver from its bytes of the last seconds.
 
 use robot_io::Receiver;
 
-/// What has not happened for this long does not happen, microseconds. Receivers are to send a
-/// position at least once a second.
+/// An event counts as missing after this time, microseconds. Receivers must send a position at
+/// least once a second.
 const PATIENCE_US: u64 = 3_000_000;
 
-/// What a piece of the stream held.
+/// What a piece of the stream contained.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Heard {
     /// A message with the right checksum.
     pub sound: bool,
     /// A sentence without checksum or with a wrong one.
     pub unchecked: bool,
-    /// A message with a position, be it valid or not.
+    /// A message with a position, valid or not.
     pub position: bool,
     /// A solution.
     pub solution: bool,
     /// A valid solution.
     pub valid: bool,
-    /// A valid solution of a receiver that tells the velocity, if only where it moves.
+    /// A valid solution of a receiver that reports velocity, at least while it moves.
     pub velocity: bool,
 }
 
-/// When each kind of thing was heard last, microseconds; a receiver before its first byte.
+/// When each kind of event was last heard, microseconds. The default is [`Health::NEW`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Health {
-    /// The first byte after silence.
+    /// Time of the first byte after silence.
     began_us: u64,
     byte_us: Option<u64>,
     sound_us: Option<u64>,
@@ -38,7 +38,7 @@ pub struct Health {
 }
 
 impl Health {
-    /// Health before the first byte.
+    /// The health before the first byte.
     pub const NEW: Self = Self {
         began_us: 0,
         byte_us: None,
@@ -50,13 +50,13 @@ impl Health {
         velocity_us: None,
     };
 
-    /// Notes what the bytes that came by `now_us` held.
+    /// Stores what the bytes up to `now_us` contained.
     pub fn hear(&mut self, now_us: u64, heard: &Heard) {
         if !is_recent(self.byte_us, now_us) {
             self.began_us = now_us;
         }
         self.byte_us = Some(now_us);
-        for (what, last_us) in [
+        for (is_heard, last_us) in [
             (heard.sound, &mut self.sound_us),
             (heard.unchecked, &mut self.unchecked_us),
             (heard.position, &mut self.position_us),
@@ -64,16 +64,16 @@ impl Health {
             (heard.valid, &mut self.valid_us),
             (heard.velocity, &mut self.velocity_us),
         ] {
-            if what {
+            if is_heard {
                 *last_us = Some(now_us);
             }
         }
     }
 
-    /// The verdict at `now_us`.
+    /// State of the receiver at `now_us`.
     pub fn receiver(&self, now_us: u64) -> Receiver {
         let recent = |last_us| is_recent(last_us, now_us);
-        // What has been waited for long enough since the bytes began.
+        // Not recent, although the bytes began long enough ago.
         let missing = |last_us| !recent(last_us) && !recent(Some(self.began_us));
         if !recent(self.byte_us) {
             Receiver::Silent
@@ -95,7 +95,7 @@ impl Health {
     }
 }
 
-/// Whether something happened within the patience.
+/// Whether an event happened within [`PATIENCE_US`].
 fn is_recent(last_us: Option<u64>, now_us: u64) -> bool {
     last_us.is_some_and(|last_us| now_us.saturating_sub(last_us) <= PATIENCE_US)
 }

@@ -1,17 +1,17 @@
-//! NMEA 0183: GGA and RMC of one epoch, merged.
+//! NMEA 0183: merges GGA and RMC of one epoch.
 //!
-//! GGA has the place, its quality and HDOP; RMC says whether to believe it, and the velocity.
-//! They belong to one epoch if they have the same time, in either order. What counts:
+//! GGA has the place, its quality and HDOP; RMC has its validity and the velocity. They belong to
+//! one epoch if they have the same time, in either order. What counts:
 //!
-//! | RMC | then a GGA of a measured quality is |
+//! | RMC | a GGA of a measured quality is then |
 //! |---|---|
 //! | valid, of the same epoch | a valid solution with velocity |
-//! | void, or not clearly valid, with or without a time | void, and so are all after it until an RMC of another epoch is valid |
-//! | none in this epoch | not served, as RMC may still come ... |
-//! | none in most epochs, or never | ... and where it rarely does, a valid solution without velocity |
+//! | void, or not clearly valid, with or without a time | void, like all after it until an RMC of another epoch is valid |
+//! | missing in this epoch | not a solution yet: RMC may still arrive |
+//! | missing in most or all epochs | a valid solution without velocity |
 //!
-//! RMC alone says nothing about accuracy and is never a solution. A second talker adds nothing
-//! to an epoch whose GGA has a fix, and one without a fix takes nothing away.
+//! RMC alone has no accuracy and is never a solution. A second talker adds nothing to an epoch
+//! whose GGA has a fix, and without a fix it removes nothing.
 
 use super::Solution;
 use super::fields::{self, Gga, Rmc, Sentence, Talker};
@@ -22,9 +22,9 @@ use super::sentence::{Heard, Reader};
 pub(super) enum Message {
     /// A solution.
     Solution(Solution),
-    /// A GGA that is no solution yet.
+    /// A GGA that is not a solution yet.
     Position,
-    /// A sentence that says nothing about the place.
+    /// A sentence without a place.
     Other,
     /// A sentence without checksum or with a wrong one.
     Unchecked,
@@ -35,13 +35,13 @@ pub(super) struct Decoder {
     reader: Reader,
     epoch: Epoch,
     pace: Pace,
-    /// The last RMC was void, and its time: no GGA counts until one of another time is valid.
+    /// Time of the last RMC if it was void: no GGA counts until an RMC of another time is valid.
     void: Option<Option<u32>>,
-    /// Time of the last sentence that has one, milliseconds of the day.
+    /// Time of the last sentence that has a time, milliseconds of the day.
     time_ms: Option<u32>,
 }
 
-/// What has arrived of the current epoch.
+/// The sentences of the current epoch so far.
 #[derive(Clone, Copy, Default)]
 struct Epoch {
     /// Milliseconds of the day.
@@ -50,22 +50,22 @@ struct Epoch {
     rmc: Option<Rmc>,
 }
 
-/// Whether RMC comes with each GGA, learned from the epochs that are over.
+/// Whether RMC accompanies GGA, learned from past epochs.
 #[derive(Clone, Copy, Default)]
 struct Pace {
-    /// Rises with each epoch of GGA alone, falls with each that had both.
+    /// Rises with each epoch of GGA alone, falls with each epoch of both.
     lone: u8,
-    /// RMC is not waited for.
+    /// The decoder does not wait for RMC.
     is_lone: bool,
 }
 
 impl Pace {
-    /// What an epoch of GGA alone adds; one with both takes away 1. So RMC that comes every
-    /// second time is not waited for, and one that is lost now and then is.
+    /// An epoch of GGA alone adds this, an epoch of both subtracts 1. So the decoder waits for an
+    /// RMC that is lost now and then, but not for one that accompanies every second GGA.
     const STEP: u8 = 2;
-    /// Two epochs of GGA alone, one after the other, are enough to stop waiting.
+    /// Two consecutive epochs of GGA alone end the waiting.
     const LONE_AT: u8 = 2 * Self::STEP;
-    /// How long both must come, at most, to wait again.
+    /// Most consecutive epochs of both that it takes to wait again.
     const MOST: u8 = 10;
 
     fn learn(&mut self, epoch: &Epoch) {
@@ -91,21 +91,21 @@ impl Decoder {
         })
     }
 
-    /// The receiver's clock, milliseconds of the day, as far as its sentences say it.
+    /// The receiver's clock, milliseconds of the day; `None` before the first sentence with a time.
     pub(super) fn time_ms(&self) -> Option<u32> {
         self.time_ms
     }
 
-    /// Whether a valid RMC is part of the current epoch, even if it leaves the course out.
+    /// Whether the current epoch has a valid RMC, even one without a course.
     pub(super) fn has_rmc(&self) -> bool {
         self.epoch.rmc.is_some_and(|rmc| rmc.is_valid)
     }
 
     fn gga(&mut self, gga: Gga) -> Option<Solution> {
         if gga.time_ms.is_none() {
-            // Only a receiver that has no fix has no time, and nothing else belongs to it. A second
-            // talker that has none takes nothing from the first, which will say itself when it
-            // has lost its own.
+            // Only a receiver without a fix has no time, and its sentence belongs to no epoch. A
+            // second talker without a fix does not void the first talker's fix; the first talker
+            // will report its own loss.
             let first = self.epoch.gga.filter(|first| first.has_fix);
             let is_second = first.is_some_and(|first| first.talker != gga.talker);
             return (!is_second).then(|| solution(&gga, None));
@@ -122,7 +122,7 @@ impl Decoder {
         if !rmc.is_valid {
             return self.void(rmc);
         }
-        // One without a time belongs to nothing.
+        // An RMC without a time belongs to no epoch.
         rmc.time_ms?;
         self.enter(rmc.time_ms, self.epoch.rmc.map(|rmc| rmc.talker), rmc.talker);
         if self.void.is_some_and(|void_ms| void_ms != rmc.time_ms) {
@@ -135,7 +135,8 @@ impl Decoder {
         self.solution()
     }
 
-    /// A void RMC: of the current epoch if it does not say which, and of all GGA to come.
+    /// Applies a void RMC to its epoch and to all GGA that follow. Without a time, its epoch is the
+    /// current one.
     fn void(&mut self, rmc: Rmc) -> Option<Solution> {
         if rmc.time_ms.is_some() {
             self.enter(rmc.time_ms, self.epoch.rmc.map(|rmc| rmc.talker), rmc.talker);
@@ -145,18 +146,19 @@ impl Decoder {
         self.solution()
     }
 
-    /// Begins a new epoch if `time_ms` is not the current one's, or if its talker has said such a
-    /// sentence already: some receivers print whole seconds however often they send.
-    fn enter(&mut self, time_ms: Option<u32>, said: Option<Talker>, talker: Talker) {
+    /// Begins a new epoch if the time changes, or if this epoch already has such a sentence of
+    /// this talker: some receivers print whole seconds at any rate. `earlier` is the talker of that
+    /// sentence.
+    fn enter(&mut self, time_ms: Option<u32>, earlier: Option<Talker>, talker: Talker) {
         self.time_ms = time_ms;
-        if self.epoch.time_ms == time_ms && said != Some(talker) {
+        if self.epoch.time_ms == time_ms && earlier != Some(talker) {
             return;
         }
         self.pace.learn(&self.epoch);
         self.epoch = Epoch { time_ms, ..Epoch::default() };
     }
 
-    /// The solution that the latest sentence completes.
+    /// The solution of the epoch so far; `None` while RMC may still arrive.
     fn solution(&self) -> Option<Solution> {
         let gga = self.epoch.gga?;
         match self.epoch.rmc {

@@ -1,16 +1,16 @@
-//! The frame of NMEA 0183: from bytes to sentences whose checksum is right.
+//! NMEA 0183: from bytes to sentences with the right checksum.
 //!
-//! A sentence is complete with the second digit of its checksum, so what ends its line is of no
-//! account. Whatever came before, a `$` begins a new one.
+//! A sentence ends with the second digit of its checksum, so the line end does not matter. A `$`
+//! always begins a new sentence.
 
-/// Bytes between `$` and `*` at most. The standard allows 79; many decimals and the name of a
-/// reference station make it more.
+/// Most bytes between `$` and `*`. The standard allows 79; many decimals and the name of a
+/// reference station can exceed that.
 const BODY_BYTES: usize = 192;
 
 /// What a byte completes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Heard<'a> {
-    /// A sentence with the right checksum: what stands between `$` and `*`.
+    /// A sentence with the right checksum: the bytes between `$` and `*`.
     Sentence(&'a [u8]),
     /// A sentence without a checksum, or with a wrong one.
     Unchecked,
@@ -22,53 +22,53 @@ pub(super) struct Reader {
     length: usize,
     /// Exclusive or of the body so far.
     sum: u8,
-    place: Place,
+    part: Part,
 }
 
-/// Where in a sentence the next byte stands.
+/// The part of a sentence that the next byte belongs to.
 #[derive(Clone, Copy)]
-enum Place {
+enum Part {
     Outside,
     Body,
     FirstDigit,
-    /// The first digit is this.
+    /// Carries the value of the first digit.
     SecondDigit(u8),
 }
 
 impl Default for Reader {
     fn default() -> Self {
-        Self { body: [0; BODY_BYTES], length: 0, sum: 0, place: Place::Outside }
+        Self { body: [0; BODY_BYTES], length: 0, sum: 0, part: Part::Outside }
     }
 }
 
 impl Reader {
     /// Takes the next byte.
     pub(super) fn push(&mut self, byte: u8) -> Option<Heard<'_>> {
-        let place = core::mem::replace(&mut self.place, Place::Outside);
-        match (place, byte) {
+        let part = core::mem::replace(&mut self.part, Part::Outside);
+        match (part, byte) {
             (_, b'$') => {
-                (self.length, self.sum, self.place) = (0, 0, Place::Body);
+                (self.length, self.sum, self.part) = (0, 0, Part::Body);
                 None
             }
-            (Place::Body, b'*') => {
-                self.place = Place::FirstDigit;
+            (Part::Body, b'*') => {
+                self.part = Part::FirstDigit;
                 None
             }
-            (Place::Body, b' '..=b'~') => {
+            (Part::Body, b' '..=b'~') => {
                 self.keep(byte);
                 None
             }
-            (Place::Body, b'\r' | b'\n') => self.unchecked(),
-            // Not a sentence after all.
-            (Place::Outside | Place::Body, _) => None,
-            (Place::FirstDigit, _) => match digit(byte) {
+            (Part::Body, b'\r' | b'\n') => self.unchecked(),
+            // Not a sentence.
+            (Part::Outside | Part::Body, _) => None,
+            (Part::FirstDigit, _) => match digit(byte) {
                 Some(first) => {
-                    self.place = Place::SecondDigit(first);
+                    self.part = Part::SecondDigit(first);
                     None
                 }
                 None => self.unchecked(),
             },
-            (Place::SecondDigit(first), _) => match digit(byte) {
+            (Part::SecondDigit(first), _) => match digit(byte) {
                 Some(second) if first << 4 | second == self.sum => {
                     self.body.get(..self.length).map(Heard::Sentence)
                 }
@@ -77,17 +77,17 @@ impl Reader {
         }
     }
 
-    /// Keeps a byte of the body; a body that is too long is none.
+    /// Keeps a byte of the body; drops a body that is too long.
     fn keep(&mut self, byte: u8) {
         if let Some(slot) = self.body.get_mut(self.length) {
             *slot = byte;
             self.length += 1;
             self.sum ^= byte;
-            self.place = Place::Body;
+            self.part = Part::Body;
         }
     }
 
-    /// That a checksum is wanting, if this looks like a sentence and not like noise.
+    /// Reports a missing or wrong checksum if the body looks like a sentence, not like noise.
     fn unchecked(&self) -> Option<Heard<'_>> {
         let (address, rest) = self.body.get(..self.length)?.split_at_checked(5)?;
         let is_address = address.iter().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit());
@@ -113,7 +113,7 @@ mod tests {
     use std::string::String;
     use std::vec::Vec;
 
-    /// What is heard, sentences as they are and `?` for one without a right checksum.
+    /// Compares what the reader hears: sentences, and `?` for a missing or wrong checksum.
     fn check(bytes: &[u8], expected: &[&str]) {
         let mut reader = Reader::default();
         let heard: Vec<String> = bytes
@@ -142,12 +142,12 @@ mod tests {
     fn no_checksum_and_a_wrong_one_are_heard_as_such() {
         check(b"$GPXYZ,1;\r\n$GPXYZ,1;*6B\r\n$GPXYZ,1;*\r\n$GPXYZ,1;*6\r\n", &["?"; 4]);
         check(b"$GPXYZ,1;\r\n$GPXYZ,1;*6A\r\n", &["?", "GPXYZ,1;"]);
-        // Noise with a sign of money in it is no sentence.
+        // Noise with a `$` in it is not a sentence.
         check(b"$\r\n$1\n$ab cd ef,\r\n$GP\xffYZ,1\r\n$GPXYZ\r\n", &[]);
     }
 
     #[test]
-    fn a_sign_of_money_begins_anew_and_what_is_too_long_is_left() {
+    fn a_dollar_sign_begins_a_sentence_and_a_long_one_is_dropped() {
         check(b"+GPSRD:$GPXY$GPXYZ,1;*6A", &["GPXYZ,1;"]);
         check(b"$GPXYZ,1;*$GPXYZ,1;*6$GPXYZ,1;*6A", &["GPXYZ,1;"]);
         for (length, is_read) in [(BODY_BYTES, true), (BODY_BYTES + 1, false)] {

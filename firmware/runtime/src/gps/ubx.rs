@@ -1,9 +1,8 @@
 //! UBX: NAV-PVT, the one message with position, accuracy and velocity of one epoch.
 //!
-//! It is 92 bytes long since u-blox 8, and was 84 bytes in u-blox 7 (protocol 14); nothing else
-//! of this class and number is read. The last bytes are kept, and with each byte it is asked
-//! whether a whole message ends here: so nothing that came before can hide one, however much it
-//! looks like the beginning of another.
+//! It is 92 bytes long since u-blox 8 and 84 bytes long in u-blox 7 (protocol 14); other lengths
+//! are ignored. The decoder keeps the last bytes and checks at each byte whether a whole message
+//! ends there, so earlier bytes that look like the start of another message cannot hide one.
 
 use math::GeoPoint;
 
@@ -18,7 +17,7 @@ pub(super) enum Message {
     Other,
 }
 
-/// Lengths that NAV-PVT has had.
+/// Lengths of NAV-PVT.
 const PAYLOADS: [u8; 2] = [PAYLOAD, PAYLOAD_OF_U_BLOX_7];
 const PAYLOAD: u8 = 92;
 const PAYLOAD_OF_U_BLOX_7: u8 = 84;
@@ -30,13 +29,13 @@ const SYNC: [u8; 2] = [0xb5, 0x62];
 const HEADER: usize = 6;
 const CHECKSUM: usize = 2;
 
-/// Bytes that are kept: a power of two, at least the longest NAV-PVT with its frame.
+/// Bytes that are kept: a power of two, at least the longest NAV-PVT with header and checksum.
 const KEPT: usize = 128;
 const _: () = assert!(KEPT >= PAYLOAD as usize + HEADER + CHECKSUM);
 
 #[derive(Clone, Copy)]
 pub(super) struct Decoder {
-    /// The last bytes, each at its number modulo [`KEPT`].
+    /// The last bytes; byte number n is at n modulo [`KEPT`].
     bytes: [u8; KEPT],
     /// Number of the next byte.
     next: usize,
@@ -98,10 +97,11 @@ impl Window<'_> {
         self.u32(at) as i32
     }
 
-    /// `has_flags3`: the longer message has a bit that says: position invalid.
+    /// The solution in this message. `has_flags3`: the longer message has a flag for an invalid
+    /// position.
     fn solution(&self, has_flags3: bool) -> Solution {
         let place = GeoPoint { lat_e7: self.i32(28), lon_e7: self.i32(24) };
-        // Dead reckoning alone (1) and time alone (5) are no fixes.
+        // Dead reckoning alone (1) and time alone (5) are not fixes.
         let has_position = matches!(self.u8(20), 2..=4);
         let is_ok = self.u8(21) & 1 != 0;
         let is_refused = has_flags3 && self.u8(78) & 1 != 0;
@@ -125,11 +125,11 @@ impl Sums {
     }
 }
 
-/// Recognises messages of any kind, to tell a receiver that speaks UBX from noise. What it
-/// misses behind a false start harms nobody.
+/// Recognises messages of any kind, to distinguish UBX from noise. It may miss a message after a
+/// false start; that does no harm.
 #[derive(Clone, Copy)]
 struct Others {
-    /// Bytes of this message so far.
+    /// Number of bytes of this message so far.
     count: u16,
     payload: u16,
     sums: Sums,
@@ -137,8 +137,8 @@ struct Others {
     first: u8,
 }
 
-/// Longer messages are taken for noise; the longest that receivers send without being asked,
-/// raw measurements of 255 signals, has 8,176 bytes.
+/// Longer messages count as noise. The longest message that receivers send unasked, raw
+/// measurements of 255 signals, has 8,176 bytes.
 const LONGEST_PAYLOAD: u16 = 8_192;
 
 impl Default for Others {
@@ -153,7 +153,7 @@ impl Others {
         let end = HEADER as u16 + self.payload;
         match self.count {
             0 if byte != SYNC[0] => return false,
-            1 if byte != SYNC[1] => return self.begin_anew(byte),
+            1 if byte != SYNC[1] => return self.restart(byte),
             4 => self.payload = byte.into(),
             5 => self.payload |= u16::from(byte) << 8,
             _ => {}
@@ -165,19 +165,19 @@ impl Others {
             count if count == end => self.first = byte,
             _ => {
                 let is_sound = self.sums == Sums(self.first, byte);
-                self.begin_anew(byte);
+                self.restart(byte);
                 return is_sound;
             }
         }
         self.count += 1;
         if self.payload > LONGEST_PAYLOAD {
-            return self.begin_anew(byte);
+            return self.restart(byte);
         }
         false
     }
 
-    /// Waits for the next message, which this byte may begin.
-    fn begin_anew(&mut self, byte: u8) -> bool {
+    /// Waits for the next message; this byte may begin it.
+    fn restart(&mut self, byte: u8) -> bool {
         *self = Self { count: u16::from(byte == SYNC[0]), ..Self::default() };
         false
     }

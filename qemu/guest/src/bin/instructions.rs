@@ -1,4 +1,4 @@
-//! Counts what the plan in its region costs to use: a name and a number a line.
+//! Counts the instructions of using the blob in its region. Prints one name and number per line.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -23,20 +23,20 @@ mod counts {
     use robot_io::{Fix, Operator, Percepts, RangeReading, Reason, Receiver};
     use semihosting::println;
 
-    /// Points in each direction at which the plan is asked.
+    /// Sampled positions along each axis of the map.
     const SAMPLES: u32 = 25;
-    /// Ticks that are counted.
+    /// Counted ticks.
     const TICKS: u64 = 200;
-    /// Ticks that are counted with behaviours: many combinations of what happens at once.
+    /// Counted ticks with behaviours, enough for many combinations of events.
     const BEHAVING_TICKS: u64 = 2_000;
-    /// Obstacles in sight of the counted ticks, all near enough to repel.
+    /// Obstacles in each counted tick, all near enough to repel.
     const OBSTACLES: usize = 8;
-    /// From one of those ticks to the next, microseconds.
+    /// Time between two ticks, microseconds.
     const PERIOD_US: u64 = runtime::TICK_PERIOD_US;
 
     pub(crate) fn print() {
         let counter = Counter::start();
-        // What the measurement itself costs is not part of any count.
+        // No count includes the cost of the measurement itself.
         let mark = counter.mark();
         let overhead = counter.since(mark);
         let count = |mark| counter.since(mark) - overhead;
@@ -44,7 +44,7 @@ mod counts {
         let mark = counter.mark();
         let parsed = Blob::parse(black_box(runtime::plan_region()));
         let validation = count(mark);
-        let blob = parsed.expect("the harness loads a sound blob");
+        let blob = parsed.expect("the harness loads a valid blob");
         let parallel = chosen(&blob);
         let layer = parallel.layer(parallel.layer_count() - 1).expect("plans have layers");
 
@@ -65,7 +65,7 @@ mod counts {
         blob.parallel_plan(blob.parameters().plan.into()).expect("the blob has plans")
     }
 
-    /// From a position to an answer, all over the map.
+    /// Most instructions from a position to an answer, sampled over the map.
     fn worst_look_up(blob: &Blob<'_>, layer: &Layer<'_>, counter: Counter, overhead: u32) -> u32 {
         let mut worst = 0;
         for step in 0..SAMPLES * SAMPLES {
@@ -96,7 +96,7 @@ mod counts {
         )
     }
 
-    /// The stack that a whole tick takes.
+    /// Stack of a whole tick, bytes.
     fn tick_stack(blob: &Blob<'_>, parallel: &ParallelPlan<'_>) -> usize {
         let mut state = State::new(blob);
         let percepts = percepts(blob, start(blob, parallel), 0);
@@ -105,7 +105,7 @@ mod counts {
         })
     }
 
-    /// A place with a route, away from the goal.
+    /// A position with a route, away from the goal.
     fn start(blob: &Blob<'_>, parallel: &ParallelPlan<'_>) -> Vec2 {
         let layer = parallel.layer(0).expect("plans have layers");
         (0..SAMPLES * SAMPLES)
@@ -114,7 +114,7 @@ mod counts {
             .expect("some sample has a route")
     }
 
-    /// Whole ticks of a robot on its way, a new fix in each, obstacles all around.
+    /// Most instructions of a whole tick while driving, with a new fix and obstacles all around.
     fn worst_tick(
         blob: &Blob<'_>,
         parallel: &ParallelPlan<'_>,
@@ -135,7 +135,7 @@ mod counts {
         worst
     }
 
-    /// The most instructions and the most stack of whole ticks in which behaviours take turns.
+    /// Most instructions and most bytes of stack of whole ticks in which behaviours alternate.
     fn with_behaviours(
         blob: &Blob<'_>,
         parallel: &ParallelPlan<'_>,
@@ -168,7 +168,7 @@ mod counts {
             && matches!(look_up(blob, layer, point), Answer::Move { .. })
     }
 
-    /// Rises and falls between 0 and 1, once in twice the period.
+    /// A triangle wave between 0 and 1 with a period of `2 * period` ticks.
     fn wave(tick: u64, period: u64) -> f32 {
         let phase = tick % (2 * period);
         phase.min(2 * period - phase) as f32 / period as f32
@@ -177,7 +177,7 @@ mod counts {
     fn percepts(blob: &Blob<'_>, at: Vec2, tick: u64) -> Percepts {
         let frame = blob.map_frame().expect("the blob is on the globe");
         let time_us = (tick + 1) * PERIOD_US;
-        // A different angle each tick, through several turns.
+        // A different angle in each tick, over several turns.
         let turn_rad = tick as f32 * 0.1;
         Percepts {
             time_us,

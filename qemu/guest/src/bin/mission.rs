@@ -1,6 +1,6 @@
-//! Drives a mission in lockstep with a simulated world at the other end of two pipes.
+//! Runs a mission in lockstep with a simulated world at the other end of two pipes.
 //!
-//! When the mission is over it says what memory it took, a name and a number a line.
+//! At the end of the run it prints its memory use, one name and number per line.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -12,7 +12,7 @@ fn main() -> ! {
     guest::executor::run(|spawner| spawner.spawn(robot(blob, pipe, tally).unwrap()), finish)
 }
 
-/// The runtime's tasks, joined into one future that lies in static memory as on any board.
+/// The runtime's tasks, joined into one future in static memory.
 #[cfg(target_os = "none")]
 #[embassy_executor::task]
 fn robot(
@@ -23,13 +23,13 @@ fn robot(
     runtime::lockstep::run(*blob, pipe, tally)
 }
 
-/// Bytes of what a function returns.
+/// Size of a function's return type, bytes.
 #[cfg(target_os = "none")]
 const fn output_bytes<A, B, C, R>(_: &impl Fn(A, B, C) -> R) -> usize {
     size_of::<R>()
 }
 
-/// In lockstep a task never waits for time: nothing to do means that the mission is over.
+/// Ends the image: in lockstep no task waits for time, so idle means that the run is over.
 #[cfg(target_os = "none")]
 fn finish() {
     semihosting::eprintln!("control-state-bytes {}", size_of::<controller::State>());

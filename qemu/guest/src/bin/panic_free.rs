@@ -1,14 +1,13 @@
-//! Links only if no panic can be reached from what reads a blob, ticks, or reads and writes what
-//! crosses the robot's skin.
+//! Links only if reading a blob, the tick, and the robot's inputs and outputs cannot panic.
 //!
-//! Its panic handler calls a function that does not exist. The linker drops the handler if
-//! nothing can panic, and otherwise names that function as missing. Never run. Only of release
-//! images: debug ones check for overflow, and that check is a panic.
+//! The panic handler calls a function that does not exist. If nothing can panic, the linker drops
+//! the handler; otherwise it reports that function as missing. The image is never run. It proves
+//! this for release images only: debug images check for overflow, and that check can panic.
 //!
 //! Covered: validation, look-ups, the whole tick with its behaviours, trace hash, records, the
-//! packets of the link both ways, and the receiver's drivers from bytes to fix and verdict.
-//! Deliberately absent: the polling of the tasks around them and the executor, whose code is
-//! made by others and can panic as far as the compiler sees, and the drivers of the board.
+//! packets of the link in both directions, and the receiver's drivers from bytes to fix and state.
+//! Deliberately absent: the polling of the tasks and the third-party executor, which can panic as
+//! far as the compiler knows, and the drivers of the board.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -29,7 +28,7 @@ mod gate {
 
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-        // SAFETY: it does not exist, so a program that calls it does not link.
+        // SAFETY: the function does not exist, so a program that calls it does not link.
         unsafe { a_panic_can_be_reached() }
     }
 
@@ -70,7 +69,7 @@ mod gate {
         cortex_m::asm::udf()
     }
 
-    /// What the GPS task does with the bytes of a piece.
+    /// Does what the GPS task does with the bytes of one read.
     fn hear(receiver: &mut gps::Decoder, fixes: &FixSlot<NoopRawMutex>) {
         let now_us = black_box(0);
         for &byte in black_box(&[0; 64]) {

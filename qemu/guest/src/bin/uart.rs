@@ -1,5 +1,5 @@
-//! The robot on real peripherals: GPS bytes come and telemetry goes on UART0, ticks are paced
-//! by a timer's interrupts, and the core sleeps in between.
+//! The robot on emulated peripherals: UART0 receives GPS bytes and sends telemetry, a timer's
+//! interrupts pace the ticks, and the core sleeps in between.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![allow(unsafe_code, reason = "interrupt handlers, in the module")]
 
@@ -31,10 +31,10 @@ mod robot {
             percepts.operator = Operator { is_armed: true, ..Operator::default() };
         }
 
-        /// There are no motors.
+        /// This machine has no motors.
         async fn act(&mut self, _record: &CommandRecord) {}
 
-        /// The machine has no watchdog; the harness sees that a robot hangs.
+        /// This machine has no watchdog: the harness notices that a robot hangs.
         fn feed_watchdog(&mut self) {}
     }
 

@@ -13,22 +13,22 @@ fn angles_are_degrees_of_fixed_length_and_minutes() {
         ("0000.0000", 2, Some(0)),
         ("3346.53708", 2, Some(337_756_180)),
         ("08423.77980", 3, Some(843_963_300)),
-        // A whole number of minutes, with a point, without, and with more decimals than count.
+        // A whole number of minutes: with a point, without one, and with surplus decimals.
         ("3330", 2, Some(335_000_000)),
         ("3330.", 2, Some(335_000_000)),
         ("3330.000000000000000000", 2, Some(335_000_000)),
         ("3346.537080000000000009", 2, Some(337_756_180)),
-        // Half a unit and more is rounded up, less is not.
+        // Half a unit or more is rounded up, less is not.
         ("0000.0000030", 2, Some(1)),
         ("0000.0000029", 2, Some(0)),
-        // Rounded up to the next degree by the receiver.
+        // The receiver rounded up to the next degree.
         ("3360.00000", 2, Some(340_000_000)),
         ("17960.0000", 3, Some(1_800_000_000)),
         ("3360.00001", 2, None),
         ("3361.0", 2, None),
         ("9100.0", 2, None),
         ("18100.0", 3, None),
-        // Digits that are missing, or too many.
+        // Missing or surplus digits.
         ("1026.6634", 3, None),
         ("026.6634", 2, None),
         ("03346.53708", 2, None),
@@ -47,7 +47,7 @@ fn angles_are_degrees_of_fixed_length_and_minutes() {
     }
 }
 
-/// Each angle of the globe, written as receivers with seven decimals write it, comes back.
+/// Every angle on the globe is the same after a receiver has written it with seven decimals.
 #[test]
 fn angles_come_back_as_they_were_written() {
     for e7 in (0..=1_800_000_000).step_by(999_983) {
@@ -124,7 +124,7 @@ fn numbers_are_cut_off_at_thousandths() {
 fn speed_and_course_become_a_velocity() {
     let of = |speed: &str, course: &str| velocity_mmps(speed.as_bytes(), course.as_bytes());
     assert_eq!(of("0.000", ""), Some([0, 0]));
-    assert_eq!(of("0.1", ""), None, "it moves, nobody says where to");
+    assert_eq!(of("0.1", ""), None, "it moves in an unknown direction");
     assert_eq!(of("", "90.0"), None);
     assert_eq!(of("1900.001", "90.0"), None);
     assert_eq!(of("1.0", "360.001"), None);
@@ -141,7 +141,7 @@ fn speed_and_course_become_a_velocity() {
     }
 }
 
-/// What kind of sentence a body is taken for.
+/// The kind of a sentence.
 fn kind(body: &str) -> &'static str {
     match parse(body.as_bytes()) {
         Some(Sentence::Gga(Gga { has_fix, .. })) => {
@@ -192,7 +192,7 @@ fn a_gga_without_fix_needs_nothing_more_and_one_with_a_fix_needs_all() {
         ("GNGGA,,3346.5,N,08423.7,W,1,12,0.9,45.0,M,46.9,M,,", "-"),
         ("GNGGA,101010.00,3346.5,N,8423.7,W,1,12,0.9,45.0,M,46.9,M,,", "-"),
         ("GNGGA,101010.00,3346.5,,08423.7,W,1,12,0.9,45.0,M,46.9,M,,", "-"),
-        // A piece lost on the way; the checksum happens to be right.
+        // A lost piece; the checksum happens to be right.
         ("GPGGA,201019.00,3249.20458,N,1,-25.6,M,,", "no fix"),
     ] {
         assert_eq!(kind(body), expected, "{body}");
