@@ -1,4 +1,4 @@
-//! The table of boards and emulated machines, `boards/boards.toml`, as values.
+//! The table of boards and emulated machines, `boards/table/boards.toml`, as values.
 //!
 //! Runs on the host only: in the compiler, in the QEMU harness, in tests, and in the build
 //! scripts of the boards and of the QEMU guest, for which [`link`] writes `memory.x`.
@@ -24,9 +24,8 @@ pub static MACHINES: LazyLock<Vec<Machine>> = LazyLock::new(|| TABLE.machines.cl
 
 // The file is compiled in and a test reads it, so this cannot fail outside a build with a
 // broken table.
-static TABLE: LazyLock<Table> = LazyLock::new(|| {
-    read::table(include_str!("../../boards.toml")).unwrap_or_else(|e| panic!("{e}"))
-});
+static TABLE: LazyLock<Table> =
+    LazyLock::new(|| read::table(include_str!("../boards.toml")).unwrap_or_else(|e| panic!("{e}")));
 
 /// What the file holds.
 #[derive(Debug)]
