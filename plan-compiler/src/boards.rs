@@ -1,6 +1,6 @@
 //! The boards whose flash the compiler knows, and whether a blob fits there.
 //!
-//! The table is `boards/boards.toml`, which each board's own linker script is written from too.
+//! The table is `boards/table/boards.toml`, which each board's own linker script is written from too.
 //! The compiler needs it to refuse a blob that no flashing tool could write, and to put the
 //! address into files that carry one.
 

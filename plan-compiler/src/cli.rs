@@ -108,7 +108,7 @@ fn assumptions() -> String {
 /// A plan holds, for every cell of a map, the cost to a goal and the best of eight
 /// directions; the robot's firmware reads it in place.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", assumptions()))]
+#[command(name = "plan-compiler", version, after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", assumptions()))]
 pub(crate) struct Cli {
     /// Print warnings and errors only
     #[arg(long, short, global = true)]

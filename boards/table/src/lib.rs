@@ -1,4 +1,4 @@
-//! Reads the table of boards and emulated machines, `boards/boards.toml`.
+//! Reads the table of boards and emulated machines, `boards/table/boards.toml`.
 //!
 //! Decides where program, plans and RAM of a board are. Runs on the host only: in the compiler, in
 //! the QEMU harness, in tests, and in the build scripts of the boards and of the QEMU guest, for
@@ -32,9 +32,8 @@ pub static BOARDS: LazyLock<Vec<Board>> = LazyLock::new(|| TABLE.boards.clone())
 pub static MACHINES: LazyLock<Vec<Machine>> = LazyLock::new(|| TABLE.machines.clone());
 
 // The file is compiled in and a test reads it, so this fails only in a build with a broken table.
-static TABLE: LazyLock<Table> = LazyLock::new(|| {
-    read::table(include_str!("../../boards.toml")).unwrap_or_else(|e| panic!("{e}"))
-});
+static TABLE: LazyLock<Table> =
+    LazyLock::new(|| read::table(include_str!("../boards.toml")).unwrap_or_else(|e| panic!("{e}")));
 
 /// The contents of the file.
 #[derive(Debug)]

@@ -190,7 +190,7 @@ mod tests {
 
     #[test]
     fn the_table_of_the_project_is_sound() {
-        let table = table(include_str!("../../boards.toml")).unwrap();
+        let table = table(include_str!("../boards.toml")).unwrap();
         assert!(table.boards.len() >= 4 && table.machines.len() >= 2, "{table:?}");
     }
 }

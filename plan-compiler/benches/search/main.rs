@@ -1,7 +1,7 @@
 //! The search beside other crates that find the same field, on the same maps in the same run.
 //!
-//! `cargo bench -p plan-compiler --bench search` measures with criterion and prints the table
-//! that the README shows: nanoseconds per cell of the map (free or not) for one whole field
+//! `cargo bench -p wayfield-plan-compiler --bench search` measures with criterion and prints the table
+//! of `BENCHMARKS.md`: nanoseconds per cell of the map (free or not) for one whole field
 //! from one goal, one thread, buffers kept where the crate can keep them, with each kind of vector
 //! unit that the machine has, and how many times faster the search is than the fastest of the others
 //! under the same rule about corners; also what finding the ways out of blocked cells adds, and what

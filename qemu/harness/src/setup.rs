@@ -80,7 +80,7 @@ pub fn built(
 
 /// The `plan-compiler` binary, as the tests' own profile builds it.
 pub fn plan_compiler() -> Result<PathBuf, SetupError> {
-    built("plan-compiler", "plan-compiler", "dev", None)
+    built("wayfield-plan-compiler", "plan-compiler", "dev", None)
 }
 
 /// Makes sure that code for `triple` can be built.

@@ -1,4 +1,4 @@
-//! The table of boards, `boards/boards.toml`, against everything that repeats a part of it.
+//! The table of boards, `boards/table/boards.toml`, against everything that repeats a part of it.
 
 use std::collections::BTreeSet;
 use std::fs;

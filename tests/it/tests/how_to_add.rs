@@ -179,14 +179,14 @@ fn a_schema_and_a_format_are_added_by_the_steps_of_the_readme() {
     format.edit("plan-compiler/src/cli.rs", &[("use maps::formats::{", "sketch, ")]);
 
     // The schema: its golden vectors hold, and a mission can weigh it.
-    let said = format.cargo("", &["test", "--package", "schemas", "--lib"]);
+    let said = format.cargo("", &["test", "--package", "wayfield-schemas", "--lib"]);
     assert!(said.contains("move_ahead::tests::golden_vectors ... ok"), "{said}");
     // The format: map text in, field out.
     let map = format.path("yard.sketch");
     fs::write(&map, "sketch\n.....\n.###.\n.....\n").expect("a map is written");
     let mission = "[goals]\neast = [4.5, 0.5]\n[schemas]\nahead_gain = 0.5\n";
     fs::write(format.path("yard.mission.toml"), mission).expect("a mission is written");
-    let run = ["run", "--quiet", "--package", "plan-compiler", "--"];
+    let run = ["run", "--quiet", "--package", "wayfield-plan-compiler", "--"];
     let build = ["build", "yard.sketch", "--robot-radius", "0", "-o", "plans.bin"];
     format.cargo("", &[&run[..], &build[..]].concat());
     let query = ["query", "plans.bin", "--layer", "east/physical", "--at", "2.5,2.5"];
@@ -221,8 +221,8 @@ fn a_board_is_added_by_the_steps_of_its_readme() {
     let manifest = copied.path("boards/my-rover/Cargo.toml");
     let text = fs::read_to_string(&manifest).expect("the manifest is copied");
     fs::write(&manifest, text.replace("nrf52840-dk", "my-rover")).expect("it is written");
-    copied.step("boards.toml");
-    let table = copied.path("boards/boards.toml");
+    copied.step("table/boards.toml");
+    let table = copied.path("boards/table/boards.toml");
     let text = fs::read_to_string(&table).expect("the table is copied");
     let row = text.split("\n\n").find(|row| row.starts_with("[board.nrf52840-dk]"));
     let row = row.expect("the board has a row").replace("nrf52840-dk", "my-rover");

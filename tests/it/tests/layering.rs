@@ -1,13 +1,12 @@
-//! Dependencies run one way. Read from the manifests, so that a wrong arrow fails here
-//! before anybody reads it.
+//! Dependencies run one way. The tests read the manifests, so a wrong dependency fails here.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use it::root;
 
-/// What each crate may use of ours. A crate that is missing here fails the test: whoever adds
-/// one decides where it stands.
+/// Which of our crates each crate may use. A crate without a row fails the test: its author decides
+/// where it stands.
 const MAY_USE: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("plan-format", &["math"]),
@@ -136,9 +135,8 @@ fn dependencies_run_one_way() {
     let ours: BTreeSet<&str> = allowed.keys().copied().collect();
     let mut wrong = Vec::new();
     for manifest in manifests() {
-        let text = std::fs::read_to_string(&manifest).expect("a manifest is readable");
-        let document = text.parse::<toml_edit::Document<String>>().expect("a manifest is TOML");
-        let name = document["package"]["name"].as_str().expect("a package has a name").to_owned();
+        let document = read_manifest(&manifest);
+        let name = crate_name(&document);
         let Some(may): Option<&BTreeSet<&str>> = allowed.get(name.as_str()) else {
             wrong.push(format!("{name} has no row in the table of layers"));
             continue;
@@ -211,14 +209,60 @@ fn the_root_holds_nothing_else() {
     }
 }
 
-/// Crates that `code` in the README's map names must exist, and every crate must be named.
+/// The rows of the README's code map: the crate in each folder, where there is one.
+fn code_map() -> Vec<String> {
+    let readme = std::fs::read_to_string(root().join("README.md")).expect("there is a README");
+    let (_, table) = readme.split_once("| folder |").expect("the README has a code map");
+    let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    let folders = rows.filter_map(|row| row.split('`').nth(1));
+    folders
+        .filter_map(|folder| {
+            let manifest = root().join(folder).join("Cargo.toml");
+            manifest.is_file().then(|| crate_name(&read_manifest(&manifest)))
+        })
+        .collect()
+}
+
 #[test]
 fn the_readme_maps_every_crate() {
-    let readme = std::fs::read_to_string(root().join("README.md")).expect("there is a README");
+    let mapped: BTreeSet<String> = code_map().into_iter().collect();
+    let ours: BTreeSet<String> =
+        manifests().iter().map(|manifest| crate_name(&read_manifest(manifest))).collect();
+    assert_eq!(mapped, ours);
+}
+
+#[test]
+fn each_crate_of_the_code_map_stands_below_those_that_it_uses() {
+    let map = code_map();
+    let row = |name: &str| map.iter().position(|mapped| mapped == name);
+    let mut wrong = Vec::new();
+    for (name, uses) in MAY_USE {
+        for used in *uses {
+            if row(used) >= row(name) {
+                wrong.push(format!("{name} stands above {used}, which it may use"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn one_version_of_rust_is_pinned_stated_and_documented() {
+    let read = |file: &str| std::fs::read_to_string(root().join(file)).expect("it is there");
+    let table = |file: &str| read(file).parse::<toml_edit::DocumentMut>().expect("it is TOML");
+    let pinned = table("rust-toolchain.toml");
+    let pinned = pinned["toolchain"]["channel"].as_str().expect("a channel").to_owned();
+    let stated = table("Cargo.toml");
+    let stated = stated["workspace"]["package"]["rust-version"].as_str().expect("a version");
+    // CI builds with the pinned version only, so it proves no older one.
+    assert_eq!(pinned, format!("{stated}.0"));
+    for document in ["README.md", ".github/CONTRIBUTING.md"] {
+        assert!(read(document).contains(&format!("Rust {stated} ")), "{document}: not {stated}");
+    }
     for manifest in manifests() {
-        let folder = manifest.parent().and_then(|path| path.strip_prefix(root()).ok());
-        let folder = folder.expect("below the root").to_string_lossy().into_owned();
-        assert!(readme.contains(&format!("`{folder}`")), "the code map does not name `{folder}`");
+        let manifest = read_manifest(&manifest);
+        let taken = &manifest["package"]["rust-version"]["workspace"];
+        assert_eq!(taken.as_bool(), Some(true), "{} states its own", crate_name(&manifest));
     }
 }
 
@@ -265,9 +309,20 @@ pub(crate) fn manifests() -> Vec<std::path::PathBuf> {
     found
 }
 
+fn read_manifest(path: &Path) -> toml_edit::Document<String> {
+    let text = std::fs::read_to_string(path).expect("a manifest is readable");
+    text.parse().expect("a manifest is TOML")
+}
+
+/// The name by which other manifests use the package: without the prefix that it is published by.
+fn crate_name(manifest: &toml_edit::Document<String>) -> String {
+    let package = manifest["package"]["name"].as_str().expect("a package has a name");
+    package.strip_prefix("wayfield-").unwrap_or(package).to_owned()
+}
+
 fn dependencies(table: &toml_edit::Table) -> Vec<String> {
     let mut names = Vec::new();
-    // Tests may look sideways; only what is linked into a product counts.
+    // Tests may use any crate; only dependencies that are linked into a product count.
     for section in ["dependencies", "build-dependencies"] {
         if let Some(entries) = table.get(section).and_then(|item| item.as_table_like()) {
             names.extend(entries.iter().map(|(name, _)| name.to_owned()));
