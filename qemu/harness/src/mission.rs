@@ -1,4 +1,4 @@
-//! A map and its mission, compiled into a scenario.
+//! Compiles a map and its mission into a scenario.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use plan_compiler::mission::{self, Goal, Mission, Named};
 use plan_format::parameters::Gains;
 use sim::{Scenario, Surroundings};
 
-/// The mixes of the paper by their names in a mission file (W, section 4).
+/// The gains of the paper's mixes by their names in a mission file (W, section 4).
 pub const PRESETS: [(&str, Gains); 4] = [
     ("100:0", Gains::REACTIVE_ONLY),
     ("66:34", Gains::MOSTLY_REACTIVE),
@@ -20,19 +20,19 @@ pub const PRESETS: [(&str, Gains); 4] = [
     ("0:100", Gains::PLAN_ONLY),
 ];
 
-/// What is to be different from the mission file.
+/// Changes to the mission file; by default none.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
     /// The parallel plan to follow.
     pub plan: Option<String>,
     /// The gains.
     pub gains: Option<Gains>,
-    /// Goals instead of those of mission and map.
+    /// Goals that replace those of mission and map, unless empty.
     pub goals: Vec<Goal>,
 }
 
-/// Compiles a map, with the mission file beside it, or a mission file that names its map.
-/// The error lists everything that is wrong, as `plan-compiler build` does.
+/// Compiles a map with the mission file beside it, or a mission file that names its map.
+/// The error lists all problems, as `plan-compiler build` does.
 pub fn scenario(path: &Path, changes: &Changes) -> Result<Scenario, String> {
     let mut problems = Vec::new();
     let scenario = read_and_compile(path, changes, &mut problems);
@@ -56,18 +56,19 @@ fn read_and_compile(
         (Some(map), true) => map.clone(),
         (None, true) => {
             let message = format!("{} does not name its map", path.display());
-            problems.push(Problem::error(message).help("give the map's file instead"));
+            let help = "add map = \"FILE\" to it, or give the map's file instead";
+            problems.push(Problem::error(message).help(help));
             return None;
         }
         (_, false) => path.to_owned(),
     };
-    // Beside the mission, which may be one of several of its map; otherwise beside the map.
+    // A world beside the mission has precedence, for a map may have several missions.
     let mut surroundings = Surroundings::beside(path, problems);
     if surroundings.is_none() && is_mission && !has_errors(problems) {
         surroundings = Surroundings::beside(&map_path, problems);
     }
     if let Some(name) = &changes.plan {
-        mission.plan = Some(asked_for(name));
+        mission.plan = Some(from_command_line(name));
     }
     mission.parameters.gains = changes.gains.unwrap_or(mission.parameters.gains);
     let (map, found) = formats::read(&map_path, &mission.reading(ReadOptions::default()));
@@ -87,8 +88,8 @@ fn read_mission(path: &Path, problems: &mut Vec<Problem>) -> Option<Mission> {
     if has_errors(problems) { None } else { Some(mission) }
 }
 
-/// A name that stands in no file.
-fn asked_for(name: &str) -> Named {
+/// A plan's name that the option `--plan` gives.
+fn from_command_line(name: &str) -> Named {
     let source = Source { name: "--plan".to_owned(), text: name.to_owned() };
     let place = Place { source: source.into(), span: 0..name.len(), label: "asked for".to_owned() };
     Named { name: name.to_owned(), place }
