@@ -1,7 +1,7 @@
 //! `plan-compiler convert` as a user runs it: maps, blobs and MissionLab's Iplan.dat, one into
 //! the other and back.
 //!
-//! What it says of mistakes is in `tests/golden/errors`, beside that of the other commands.
+//! Its error messages are in `tests/golden/errors`, beside those of the other commands.
 
 use maps::Map;
 use maps::formats::iplan;
@@ -46,7 +46,7 @@ impl Run {
         fs::read_to_string(self.path(name)).unwrap()
     }
 
-    /// Exit status and what was said.
+    /// Exit status and messages.
     fn run(&self, arguments: &str) -> (i32, String) {
         let output = Command::new(harness::setup::plan_compiler().unwrap())
             .args(arguments.split(' '))

@@ -82,8 +82,8 @@ fn a_utm_origin_places_the_map_on_the_globe() {
     assert_eq!(map.points[0].name, "start");
     assert!(near(map.points[0].at, [18.4734, 21.9977]), "{:?}", map.points[0].at);
 
-    // The frame that the robot uses brings the same places to the same points: the grid's
-    // north is not true north, and the reference's heading says so.
+    // The robot's map frame gives the same points. North of the UTM grid is not true north; the
+    // reference's heading has the difference.
     let frame = math::MapFrame::new(reference.place, reference.at, reference.heading_rad);
     let place = math::GeoPoint::from_degrees(35.0001, 86.0001).expect("on the globe");
     let local = frame.to_local(place).expect("within range");

@@ -1,4 +1,4 @@
-//! What is said of missions that can be read and would go wrong.
+//! Messages about missions that compile but would fail.
 
 use super::{check, compiled};
 
@@ -255,7 +255,7 @@ criticality = { fuel = "PS PS PS PS PS PS PS" }
     );
 }
 
-/// Eight inputs have too many combinations of labels; that is said, and no more than that.
+/// Eight inputs have too many combinations of labels; the only message is that they are too many.
 #[test]
 fn what_is_too_much_to_look_through_is_said() {
     let mut text = WORLD.to_owned();

@@ -1,8 +1,8 @@
-//! The shipped ploughing mission carried out by the robot's behaviour crate in the simplest world
-//! there is: a point that drives straight, a tank, and six strips.
+//! The shipped ploughing mission, run by the robot's behaviour crate in the simplest world: a point
+//! that drives straight, a tank, and six strips.
 //!
-//! Shows that the mission itself is sound (H26, H28, figure 4); how it drives in a real world is
-//! shown elsewhere.
+//! Shows that the mission itself is sound (H26, H28, figure 4); `work` simulates it with body and
+//! sensors.
 
 use super::plough::section;
 use behaviour::{Behaviours, Decision, Observations, Phase, Report, World};
@@ -150,7 +150,7 @@ fn is_at_end(mission: &Mission<'_>, point: &Point, strip: usize) -> bool {
     point.is_at(Vec2::new(at.x, 80.0 - at.y))
 }
 
-/// With fuel for all of it nobody is interrupted.
+/// With enough fuel, no behaviour is interrupted.
 #[test]
 fn six_strips_are_ploughed_one_after_the_other() {
     let (point, log) = run(0.0, |_| {});

@@ -1,4 +1,4 @@
-//! H36: nobody waits longer for the robot than the compiler has said.
+//! H36: no behaviour waits longer for the robot than the bound that the compiler reports.
 
 use super::compiled;
 use behaviour::{Behaviours, Decision, Observations, Phase, Report, World};
@@ -154,7 +154,7 @@ fn check(text: &str, count: usize) {
 }
 
 #[test]
-fn h36_nobody_waits_longer_than_the_compiler_said() {
+fn h36_no_behaviour_waits_longer_than_its_bound() {
     check(&sixteen(), 16);
     check(&five(), 5);
 }

@@ -57,7 +57,7 @@ fn inputs_that_once_failed_are_as_their_table_says() {
     assert!(compared >= 6, "{compared} rows");
 }
 
-/// A yard of 8 by 6 cells: a fence with a gate, a hut, and a corner nobody has seen.
+/// A yard of 8 by 6 cells: a fence with a gate, a hut, and a corner of unknown cells.
 const YARD: [&str; 6] = ["########", "#.....??", "#.##..??", "#.##...#", "......##", "########"];
 
 /// The yard as grey and alpha, a row after the other from the north.
