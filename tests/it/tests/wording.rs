@@ -29,7 +29,9 @@ const PHRASES: &[Phrase] = &[
     Phrase {
         words: "is no",
         unless_after: &["there", "it's"],
-        unless_before: &["longer", "more", "later", "less", "worse", "better", "larger", "lower"],
+        unless_before: &[
+            "longer", "more", "later", "less", "worse", "better", "larger", "lower", "deeper",
+        ],
         instead: NEGATION,
     },
     Phrase {
@@ -55,12 +57,11 @@ const PHRASES: &[Phrase] = &[
     phrase("is told", REPORTED),
     phrase("are told", REPORTED),
     phrase("was told", REPORTED),
-    phrase("be told", REPORTED),
+    Phrase { words: "be told", unless_after: &[], unless_before: &["apart"], instead: REPORTED },
     phrase("is said", REPORTED),
     phrase("are said", REPORTED),
     phrase("was said", REPORTED),
     phrase("be said", REPORTED),
-    phrase("says so", REPORTED),
     phrase("had enough", "\"a closed pipe\""),
     phrase("as the paper has it", "\"as in the paper\""),
     phrase("goes on as if", "name the policy"),
