@@ -70,7 +70,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let blob: Blob<'_> = loaded.blob;
     let mut robot = Ideal {
-        frame: blob.frame().ok_or("the map does not lie on the globe")?,
+        frame: blob.map_frame().ok_or("the map does not lie on the globe")?,
         position: Vec2::new(x.parse()?, y.parse()?),
         heading_rad: 0.0,
         time_us: 0,

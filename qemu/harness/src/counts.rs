@@ -1,4 +1,4 @@
-//! What the plans cost a robot, counted to the instruction in QEMU.
+//! Instructions and bytes that the control code needs, counted exactly in QEMU.
 
 use std::path::{Path, PathBuf};
 
@@ -16,9 +16,9 @@ use plan_format::{
 };
 use sim::{Dialect, ReceiverSettings, Scenario, SensorSettings, Simulation, Start};
 
-/// A name and what may be counted for it at most.
+/// Names of counts and their upper limits.
 ///
-/// The look-up gives direction and cost; state and stack are those of the control code.
+/// A look-up gives direction and cost; state and stack are those of the control code.
 pub const LIMITS: &[(&str, u64)] = &[
     ("blob-validation", 30_000_000),
     ("look-up-worst", 400),
@@ -33,15 +33,15 @@ pub const LIMITS: &[(&str, u64)] = &[
     ("guest-stack-bytes", 16_384),
 ];
 
-/// Where the counts stand that the tests hold.
+/// The golden file of the counts.
 pub fn golden() -> PathBuf {
     root().join("tests/golden/instructions.txt")
 }
 
-/// Counts on the emulated Cortex-M4F: a line of a name and a number each. The campus has the plans,
-/// the mission of [`soak::fixtures::budget`] the behaviours; and a look-up and a validation are
-/// counted once more on a map that packs badly. The stack of the whole guest, tasks and executor
-/// included, is that of a mission on the campus.
+/// Counts on the emulated Cortex-M4F and returns a name and a number per line. The plans are those
+/// of the campus, the behaviours those of [`soak::fixtures::budget`]. A look-up and a validation
+/// are also counted on a map that packs badly. The stack of the whole guest, with tasks and
+/// executor, is measured in a mission on the campus. The error is a message for the user.
 pub fn measure() -> Result<String, String> {
     let map: &Path = &root().join("tests/maps/campus.opar");
     let campus = mission::scenario(map, &Changes::default())?;
@@ -56,14 +56,14 @@ pub fn measure() -> Result<String, String> {
     let large = large.map(|line| format!("worst-map-{line}"));
     let stack = format!("guest-stack-bytes {}", guest_stack(&campus)?);
     let more = behaviours.map(str::to_owned).chain(large).chain([stack]);
-    Ok(more.fold(plans, |said, line| said + &line + "\n"))
+    Ok(more.fold(plans, |counts, line| counts + &line + "\n"))
 }
 
-/// Bytes of stack that the guest uses at most in a minute of a mission, from reset on.
+/// Most bytes of stack that the guest uses from reset to the end of one minute of a mission.
 fn guest_stack(scenario: &Scenario) -> Result<u64, String> {
     const TICKS: usize = 1_200;
     let position = scenario.draw_start(1).ok_or("the campus has no free place")?;
-    // Sentences take the longer way through the receiver's drivers.
+    // NMEA sentences take the longer path through the receiver's drivers.
     let gps = ReceiverSettings { dialect: Dialect::Nmea, ..ReceiverSettings::ONE_METRE };
     let sensors = SensorSettings { gps: Some(gps), ..SensorSettings::USUAL };
     let start = Start { position, heading_rad: 0.5, seed: 1, sensors };
@@ -83,15 +83,15 @@ fn guest_stack(scenario: &Scenario) -> Result<u64, String> {
 /// Cells along each side of the map that packs badly.
 const SIDE: u32 = 394;
 
-/// A blob of 256 KB: noise in the west of its map and in the east a maze, both of which blocks of
-/// roots do not pay for.
+/// A blob of 256 KB: its map has noise in the west and a maze in the east, for which blocks of roots
+/// save nothing.
 fn worst_map() -> Result<Vec<u8>, WriteError> {
     let blocked = Bitmap::from_fn(SIDE, SIDE, |cell| {
-        if cell.column < SIDE / 2 { drawn(cell).is_multiple_of(5) } else { is_wall(cell) }
+        if cell.column < SIDE / 2 { hash(cell).is_multiple_of(5) } else { is_wall(cell) }
     });
-    // The ticks that are counted along with it find themselves by fixes.
+    // Needed because the guest also counts ticks, which use fixes.
     let place = GeoPoint { lat_e7: 337_756_000, lon_e7: -843_990_000 };
-    // A room, which is free.
+    // A room of the maze, so it is free.
     let middle = (SIDE / 2) | 1;
     let goal = Cell::new(middle, middle);
     let grid = Grid { columns: SIDE, rows: SIDE, resolution_m: 1.0, corner_m: [0.0, 0.0] };
@@ -116,10 +116,10 @@ fn worst_map() -> Result<Vec<u8>, WriteError> {
     })
 }
 
-/// Whether a cell is a wall of a maze of corridors one cell wide: every room, a cell in an odd
-/// column and an odd row, is open to the room east or to the room north of it.
+/// Whether a cell is a wall of a maze of corridors one cell wide. A room is a cell in an odd column
+/// and an odd row; each is open to the room east or north of it.
 fn is_wall(cell: Cell) -> bool {
-    let opens_north = |room: Cell| room.column + 2 >= SIDE || drawn(room).is_multiple_of(2);
+    let opens_north = |room: Cell| room.column + 2 >= SIDE || hash(room).is_multiple_of(2);
     match (cell.column % 2, cell.row % 2) {
         (1, 1) => false,
         (0, 1) => cell.column + 1 >= SIDE || opens_north(Cell::new(cell.column - 1, cell.row)),
@@ -128,8 +128,8 @@ fn is_wall(cell: Cell) -> bool {
     }
 }
 
-/// A number that looks drawn at random.
-fn drawn(cell: Cell) -> u32 {
+/// A pseudo-random number for a cell.
+fn hash(cell: Cell) -> u32 {
     let mut state = (cell.column << 16) | cell.row | (1 << 15);
     for _ in 0..3 {
         state ^= state << 13;
@@ -145,11 +145,11 @@ fn count(blob: &[u8]) -> Result<String, String> {
         .counting_command("instructions", Build::Release, blob)
         .map_err(|error| error.to_string())?;
     let output = command.output().map_err(|error| error.to_string())?;
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let counts = String::from_utf8_lossy(&output.stdout).into_owned();
     if output.status.success() {
-        Ok(said)
+        Ok(counts)
     } else {
-        let why = String::from_utf8_lossy(&output.stderr).into_owned();
-        Err(format!("the guest ended with {}: {said}{why}", output.status))
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        Err(format!("the guest ended with {}: {counts}{errors}", output.status))
     }
 }

@@ -1,15 +1,14 @@
-//! Boots the QEMU guest and feeds it in lockstep.
+//! Boots the QEMU guest and exchanges records with it in lockstep.
 //!
-//! It decides how to get what a machine lacks ([`setup`]), how QEMU is started ([`machine`])
-//! and how a simulated world talks to the robot inside ([`QemuPilot`]). The commands `demo`,
-//! `mission` and `instructions` stand on it, and so do the QEMU tests.
+//! The crate installs missing tools ([`setup`]), starts QEMU ([`machine`]) and connects a simulation
+//! to the robot in the guest ([`QemuPilot`]). The commands `demo`, `mission` and `instructions` use
+//! it, and so do the QEMU tests.
 //!
-//! Invariants: a guest never outlives its owner; whatever goes wrong in it (a panic, a fault,
-//! a hang) is an error with what the guest said last, within [`machine::PATIENCE`]; nothing
-//! is downloaded or installed but by [`setup`].
+//! Invariants: a guest never outlives its owner; a panic, a fault or a hang of the guest becomes an
+//! error with the guest's console output within [`machine::PATIENCE`]; only [`setup`] downloads or
+//! installs anything.
 //!
-//! Deliberately absent: what a mission is (see `sim`), and Windows: the guest's pipes are
-//! those of Unix.
+//! Deliberately absent: the simulation itself (see `sim`), and Windows: the guest uses Unix pipes.
 
 pub mod counts;
 pub mod machine;

@@ -1,4 +1,4 @@
-//! Which machine QEMU plays, and how it is started.
+//! The machines that QEMU emulates, and how QEMU is started.
 
 use std::io::{self, Write};
 use std::process::{Command, Stdio};
@@ -9,7 +9,7 @@ use tempfile::NamedTempFile;
 
 use crate::setup::{self, SetupError};
 
-/// A guest that says nothing for this long hangs.
+/// A guest that answers nothing for this long counts as hung.
 pub const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The emulated boards.
@@ -21,12 +21,12 @@ pub enum Machine {
     CortexM3,
 }
 
-/// How the image is built.
+/// How the guest's image is built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Build {
     /// As for a robot.
     Release,
-    /// Overflow checks and debug assertions on.
+    /// With overflow checks and debug assertions.
     Debug,
 }
 
@@ -36,14 +36,14 @@ pub enum StartError {
     /// Something is not installed or does not build.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The plans do not fit the machine's plan region.
-    #[error("{bytes} bytes of plans do not fit the {capacity} of {machine}")]
+    /// The blob does not fit the machine's plan region.
+    #[error("the blob has {bytes} bytes, but the plan region of {machine} has only {capacity}")]
     TooLarge {
-        /// Bytes of the blob.
+        /// Size of the blob, bytes.
         bytes: usize,
-        /// Bytes of the region.
+        /// Size of the region, bytes.
         capacity: usize,
-        /// The machine.
+        /// QEMU's name of the machine.
         machine: &'static str,
     },
     /// A file or process failed.
@@ -60,12 +60,12 @@ impl Machine {
         }
     }
 
-    /// The triple that its images are built for.
+    /// The target triple of its images.
     pub fn target(self) -> &'static str {
         &self.row().target
     }
 
-    /// Where the plans lie.
+    /// The region of its memory that holds the plans.
     pub fn plan_region(self) -> Region {
         self.row().memory.plans
     }
@@ -74,8 +74,9 @@ impl Machine {
         board_table::Machine::find(self.name()).expect("a test finds every machine in boards.toml")
     }
 
-    /// QEMU with an image of the guest and the plans in their region, not started yet. All
-    /// three standard streams are pipes. The file of plans must live until QEMU ends.
+    /// A command, not yet started, that runs the guest's program `bin` in QEMU with the blob `plans`
+    /// in its region. All three standard streams are pipes. The returned file holds the blob and
+    /// must live until QEMU ends.
     pub fn command(
         self,
         bin: &str,
@@ -107,8 +108,8 @@ impl Machine {
         Ok((command, file))
     }
 
-    /// As [`Machine::command`], with time that is a function of the instructions run: 128 ns
-    /// each, whatever the host does.
+    /// As [`Machine::command`], but the guest's time advances by 128 ns per instruction,
+    /// independently of the host.
     pub fn counting_command(
         self,
         bin: &str,

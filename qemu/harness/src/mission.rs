@@ -1,4 +1,4 @@
-//! A map and its mission, compiled into a scenario.
+//! Compiles a map and its mission into a scenario.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use plan_compiler::project::{self, Request};
 use plan_format::parameters::Gains;
 use sim::{Scenario, Surroundings};
 
-/// The mixes of the paper by their names in a mission file (W, section 4).
+/// The gains of the paper's mixes by their names in a mission file (W, section 4).
 pub const PRESETS: [(&str, Gains); 4] = [
     ("100:0", Gains::REACTIVE_ONLY),
     ("66:34", Gains::MOSTLY_REACTIVE),
@@ -19,19 +19,19 @@ pub const PRESETS: [(&str, Gains); 4] = [
     ("0:100", Gains::PLAN_ONLY),
 ];
 
-/// What is to be different from the mission file.
+/// Changes to the mission file; by default none.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
     /// The parallel plan to follow.
     pub plan: Option<String>,
     /// The gains.
     pub gains: Option<Gains>,
-    /// Goals instead of those of mission and map.
+    /// Goals that replace those of mission and map, unless empty.
     pub goals: Vec<Goal>,
 }
 
-/// Compiles a map, with the mission file beside it, or a mission file that names its map.
-/// The error lists everything that is wrong, as `plan-compiler build` does.
+/// Compiles a map with the mission file beside it, or a mission file that names its map.
+/// The error lists all problems, as `plan-compiler build` does.
 pub fn scenario(path: &Path, changes: &Changes) -> Result<Scenario, String> {
     let mut problems = Vec::new();
     let scenario = read_and_compile(path, changes, &mut problems);
@@ -47,22 +47,22 @@ fn read_and_compile(
     let options = Options { goals: changes.goals.clone(), ..Options::default() };
     let request = Request { path: path.into(), options, ..Request::default() };
     let mut project = project::load(request, problems)?;
-    // Beside the mission, which may be one of several of its map; otherwise beside the map.
+    // A world beside the mission has precedence, for a map may have several missions.
     let mut surroundings = Surroundings::beside(path, problems);
     if surroundings.is_none() && !has_errors(problems) {
         surroundings = Surroundings::beside(&project.inputs[0], problems);
     }
     let mission = &mut project.mission;
     if let Some(name) = &changes.plan {
-        mission.plan = Some(asked_for(name));
+        mission.plan = Some(from_command_line(name));
     }
     mission.parameters.gains = changes.gains.unwrap_or(mission.parameters.gains);
     let blob = compile(&project.input(), &|_, _| (), problems)?;
     Some(Scenario::new(project.map, blob, surroundings))
 }
 
-/// A name that stands in no file.
-fn asked_for(name: &str) -> Named {
+/// A plan's name that the option `--plan` gives.
+fn from_command_line(name: &str) -> Named {
     let source = Source { name: "--plan".to_owned(), text: name.to_owned() };
     let place = Place { source: source.into(), span: 0..name.len(), label: "asked for".to_owned() };
     Named { name: name.to_owned(), place }

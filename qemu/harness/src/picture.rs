@@ -1,4 +1,4 @@
-//! The picture of a mission: map, advice and the route, in a colour for each behaviour.
+//! The picture of a run: map, advice and the driven route, in one colour per behaviour.
 
 use std::path::Path;
 
@@ -8,14 +8,15 @@ use plan_compiler::trace::story::Story;
 use plan_format::Blob;
 use sim::{Outcome, Point, Scenario, Start};
 
-/// What was driven by one behaviour without a break.
+/// A part of the route that one behaviour drove without a break.
 struct Stretch {
     behaviour: usize,
     points: Vec<Point>,
 }
 
-/// Draws the map and the route, each behaviour's part in its colour and dashes, with a mark where it
-/// started, where it ended, and for each interruption.
+/// Draws the map and the route to `path` (.svg or .png). Each behaviour's part of the route has its
+/// own colour and dashes; marks show the start, the end and each interruption. The error is a
+/// message for the user.
 pub fn draw(
     scenario: &Scenario,
     start: &Start,
@@ -58,7 +59,7 @@ pub fn draw(
     }
 }
 
-/// Where a route ended, and whether as it should.
+/// The mark at the end of a route: an end if the outcome is reached, otherwise a stop.
 pub fn end(outcome: &Outcome, route: &[Point]) -> Option<(Mark, Point, &'static str)> {
     let last = *route.last()?;
     Some(match outcome.reached() {
@@ -67,14 +68,14 @@ pub fn end(outcome: &Outcome, route: &[Point]) -> Option<(Mark, Point, &'static 
     })
 }
 
-/// The route in parts, each of one behaviour.
+/// Splits the route into parts of one behaviour each.
 fn stretches(route: &[Point], engaged: &[u16]) -> Vec<Stretch> {
     let mut stretches: Vec<Stretch> = Vec::new();
     for (&at, &engaged) in route.iter().zip(engaged) {
         let behaviour = if engaged == 0 { NO_BEHAVIOUR } else { engaged.trailing_zeros() as usize };
         match stretches.last_mut() {
             Some(last) if last.behaviour == behaviour => last.points.push(at),
-            // Parts meet.
+            // A part begins at the last point of the part before, so that they meet.
             last => {
                 let before = last.and_then(|last| last.points.last().copied());
                 stretches
@@ -85,7 +86,7 @@ fn stretches(route: &[Point], engaged: &[u16]) -> Vec<Stretch> {
     stretches
 }
 
-/// What the legend calls a behaviour's part of the route.
+/// The legend of a behaviour's part of the route.
 fn name(blob: &Blob<'_>, behaviour: usize) -> String {
     let mission = blob.mission();
     match mission.behaviours().get(behaviour) {

@@ -16,35 +16,35 @@ use crate::machine::{Build, Machine, PATIENCE, StartError};
 
 type Answer = [u8; COMMAND_RECORD_BYTES];
 
-/// A guest under way. It is killed when this is dropped.
+/// A running guest; dropping it kills the guest.
 pub struct QemuPilot {
     child: Child,
-    /// `None` once the mission is over.
+    /// `None` after the end of the mission.
     to_guest: Option<ChildStdin>,
     answers: Receiver<Answer>,
-    /// What the guest says on its console, read to the end.
+    /// Reads the guest's console to the end.
     console: Option<JoinHandle<String>>,
     /// Deleted together with the guest that reads it.
     _plans: NamedTempFile,
 }
 
-/// What a guest says about itself when a mission is over: names and numbers.
+/// What a guest reports about itself at the end of a mission: names and numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
     numbers: BTreeMap<String, u64>,
-    /// Everything it said, numbers included.
+    /// The whole console output, numbers included.
     pub console: String,
 }
 
 impl QemuPilot {
-    /// Boots a machine with a blob of plans, sound or not. What is missing is set up first.
+    /// Boots a machine with a blob, sound or damaged. Installs missing tools first.
     pub fn boot(machine: Machine, build: Build, plans: &[u8]) -> Result<Self, StartError> {
         let (mut command, plans) = machine.counting_command("mission", build, plans)?;
         let mut child = command.spawn()?;
         let to_guest = child.stdin.take();
         let mut from_guest = child.stdout.take().expect("its output is a pipe");
         let mut console = child.stderr.take().expect("its console is a pipe");
-        // In lockstep there is never more than one answer under way.
+        // In lockstep at most one answer is in flight.
         let (sender, answers) = sync_channel(1);
         thread::spawn(move || {
             let mut answer = [0; COMMAND_RECORD_BYTES];
@@ -52,14 +52,15 @@ impl QemuPilot {
         });
         let console = thread::spawn(move || {
             let mut text = Vec::new();
-            // A console that breaks off still says what came before.
+            // If reading fails, the text so far is still useful.
             let _ = console.read_to_end(&mut text);
             String::from_utf8_lossy(&text).into_owned()
         });
         Ok(Self { child, to_guest, answers, console: Some(console), _plans: plans })
     }
 
-    /// Ends the mission and returns what the guest says about it.
+    /// Ends the mission and returns the guest's report. Fails if the guest hangs or ends with an
+    /// error.
     pub fn finish(mut self) -> Result<Report, PilotError> {
         drop(self.to_guest.take());
         if let Err(RecvTimeoutError::Timeout) = self.answers.recv_timeout(PATIENCE) {
@@ -69,7 +70,7 @@ impl QemuPilot {
         if status.success() { Ok(Report::parse(console)) } else { Err(ended(status, &console)) }
     }
 
-    /// The guest has closed its pipes: waits for it and takes what it said.
+    /// Waits for a guest that has closed its pipes, and returns its console output.
     fn end(&mut self) -> Result<(ExitStatus, String), PilotError> {
         let status = self.child.wait()?;
         let console = self.console.take().and_then(|thread| thread.join().ok());
@@ -77,11 +78,11 @@ impl QemuPilot {
     }
 
     fn hangs(&mut self) -> PilotError {
-        // The console ends only when the guest does; whether it can be killed shows there.
+        // Killing fails only for a guest that has ended; either way its console ends.
         let _ = self.child.kill();
         let console = self.end().map(|(_, console)| console).unwrap_or_default();
         let seconds = PATIENCE.as_secs();
-        PilotError::Ended(format!("no answer within {seconds} s; it said: {}", console.trim()))
+        PilotError::Ended(format!("no answer within {seconds} s; its console: {}", console.trim()))
     }
 
     fn broke(&mut self) -> PilotError {
@@ -93,13 +94,13 @@ impl QemuPilot {
 }
 
 fn ended(status: ExitStatus, console: &str) -> PilotError {
-    PilotError::Ended(format!("{status}; it said: {}", console.trim()))
+    PilotError::Ended(format!("{status}; its console: {}", console.trim()))
 }
 
 impl Pilot for QemuPilot {
     fn exchange(&mut self, sensors: &SensorRecord) -> Result<CommandRecord, PilotError> {
         let bytes = sensors.to_bytes().ok_or_else(|| {
-            PilotError::Answer("a sensor record does not fit its bytes".to_owned())
+            PilotError::Answer("the sensor record is too large to send".to_owned())
         })?;
         let sent = self.to_guest.as_mut().is_some_and(|pipe| pipe.write_all(&bytes).is_ok());
         if !sent {
@@ -116,7 +117,7 @@ impl Pilot for QemuPilot {
 
 impl Drop for QemuPilot {
     fn drop(&mut self) {
-        // Both fail only for a guest that has ended already.
+        // Both calls fail only if the guest has already ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -129,7 +130,7 @@ impl fmt::Debug for QemuPilot {
 }
 
 impl Report {
-    /// Reads the lines that are a name and a number.
+    /// Takes the numbers from the lines with a name and a number.
     pub fn parse(console: String) -> Self {
         let numbers = console.lines().filter_map(|line| {
             let (name, number) = line.split_once(' ')?;

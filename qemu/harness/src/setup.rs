@@ -1,7 +1,7 @@
-//! Gets what a bare machine lacks: Rust's bare-metal targets, QEMU, and our own images.
+//! Installs missing tools: Rust's bare-metal targets and QEMU. Also builds the project's images.
 //!
-//! Each step is done at most once in a process, and several processes take turns. What cannot
-//! be done without the user's password ends in an error that names the one command to run.
+//! Each step runs at most once in a process, and several processes take turns. A step that needs
+//! the user's password ends in an error that names the command to run.
 
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Emulates the boards.
+/// The program that emulates the boards.
 pub const QEMU: &str = "qemu-system-arm";
 
-/// What is missing, and the help.
+/// A tool is missing or failed.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum SetupError {
     /// The user has to act.
@@ -21,15 +21,15 @@ pub enum SetupError {
     Missing {
         /// What is missing.
         what: String,
-        /// The one command that fixes it.
+        /// The command that installs it.
         command: String,
     },
-    /// A program that ought to work did not.
+    /// A program failed.
     #[error("`{command}` failed: {why}")]
     Failed {
         /// The command line.
         command: String,
-        /// The end of what it said.
+        /// The program's error output, or its exit status.
         why: String,
     },
 }
@@ -43,18 +43,18 @@ pub fn root() -> &'static Path {
     })
 }
 
-/// Where cargo puts what it builds; also for pictures and the like.
+/// Cargo's target folder; pictures and other outputs go there too.
 pub fn target_folder() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
 }
 
-/// Makes sure that QEMU runs: installs it with apt where that needs no password.
+/// Makes sure that QEMU runs: installs it with apt-get if that needs no password.
 pub fn qemu() -> Result<(), SetupError> {
     static DONE: OnceLock<Result<(), SetupError>> = OnceLock::new();
     DONE.get_or_init(|| in_turn(install_qemu)).clone()
 }
 
-/// Builds a program of ours and returns its path. `target`: a bare-metal triple, or `None`
+/// Builds a program of the project and returns its path. `target` is a bare-metal triple, or `None`
 /// for the host. Cargo rebuilds nothing that is up to date.
 pub fn built(
     package: &str,
@@ -73,12 +73,12 @@ pub fn built(
         rust_target(triple)?;
         arguments.extend(["--target".to_owned(), triple.to_owned()]);
     }
-    // Held while cargo runs: a second caller of the same image waits for it here.
+    // Held while cargo runs, so that a second caller of the same image waits.
     let mut done = DONE.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
     done.entry(arguments).or_insert_with_key(|arguments| executable(arguments)).clone()
 }
 
-/// The `plan-compiler` binary, as the tests' own profile builds it.
+/// The `plan-compiler` binary, built with the profile of the tests.
 pub fn plan_compiler() -> Result<PathBuf, SetupError> {
     built("wayfield-plan-compiler", "plan-compiler", "dev", None)
 }
@@ -102,9 +102,10 @@ fn install_rust_target(triple: &str) -> Result<(), SetupError> {
         return Ok(());
     }
     let command = format!("rustup target add {triple}");
-    // In the project's folder rustup means the toolchain that the project pins.
+    // In the project's folder, rustup uses the toolchain that the project pins.
     run(clean_command("rustup").args(["target", "add", triple])).map(drop).map_err(|error| {
-        SetupError::Missing { what: format!("no Rust library for {triple} ({error})"), command }
+        let what = format!("the Rust target {triple} is not installed ({error})");
+        SetupError::Missing { what, command }
     })
 }
 
@@ -127,19 +128,19 @@ fn install_qemu() -> Result<(), SetupError> {
     };
     eprintln!("installing {QEMU} with apt-get");
     let apt = |arguments: &[&str]| {
-        // Another program may be installing something: wait for it.
+        // Waits if another program holds the lock of the package manager.
         let words = [sudo, &["apt-get", "-o", "DPkg::Lock::Timeout=120", "-qq", "-y"], arguments];
         let words = words.concat();
         let (program, rest) = words.split_first().expect("apt-get at least");
         run(Command::new(program).args(rest).env("DEBIAN_FRONTEND", "noninteractive"))
     };
     let install = || apt(&["install", "--no-install-recommends", QEMU]);
-    // The lists of a fresh system are empty or old; where they are not, this saves a minute.
+    // Updates the package lists only if the first attempt fails, which saves a minute.
     let installed = install().or_else(|_| apt(&["update"]).and_then(|_| install()));
     installed.map(drop).map_err(|error| missing(&format!(" ({error})")))
 }
 
-/// How a user installs QEMU on this machine.
+/// The command that installs QEMU on this machine.
 fn installation_command() -> &'static str {
     const COMMANDS: &[(&str, &str)] = &[
         ("apt-get", "sudo apt-get install --no-install-recommends qemu-system-arm"),
@@ -157,7 +158,7 @@ fn is_root() -> bool {
     output(Command::new("id").arg("-u")).is_ok_and(|id| id.stdout.trim_ascii() == b"0")
 }
 
-/// Runs cargo and finds the path of the program in what it reports.
+/// Runs cargo and returns the path of the program from its messages.
 fn executable(arguments: &[String]) -> Result<PathBuf, SetupError> {
     let report = run(clean_command("cargo").args(arguments))?;
     report
@@ -167,12 +168,12 @@ fn executable(arguments: &[String]) -> Result<PathBuf, SetupError> {
         .next_back()
         .ok_or_else(|| SetupError::Failed {
             command: format!("cargo {}", arguments.join(" ")),
-            why: "it names no executable".to_owned(),
+            why: "its messages name no executable".to_owned(),
         })
 }
 
-/// A command of the toolchain that the project pins, without what a surrounding cargo,
-/// coverage run or wrapper left in the environment: those flags are for the host's code.
+/// A command of the toolchain that the project pins. It does not inherit the environment variables
+/// of a surrounding cargo, coverage run or wrapper: those flags are for the host's code.
 fn clean_command(program: &str) -> Command {
     let mut command = Command::new(program);
     command.current_dir(root());
@@ -202,14 +203,14 @@ fn is_for_the_host(name: &str) -> bool {
     name != "CARGO_TARGET_DIR" && (NAMES.contains(&name) || BEGINNINGS.iter().any(begins))
 }
 
-/// Runs `work` while no other process of ours does the like.
+/// Runs `work` under a lock that all processes of the project share.
 fn in_turn<T>(work: impl FnOnce() -> T) -> T {
     let folder = target_folder();
     let lock = fs::create_dir_all(&folder)
         .and_then(|()| File::create(folder.join(".setup.lock")))
         .and_then(|file| file.lock().map(|()| file));
     let result = work();
-    // Without a lock the work was done all the same: only a clash in time could hurt it.
+    // `work` runs even if the lock could not be taken: a clash is unlikely.
     drop(lock);
     result
 }
@@ -222,7 +223,7 @@ fn output(command: &mut Command) -> io::Result<Output> {
     command.stdin(Stdio::null()).output()
 }
 
-/// Runs to the end and returns the standard output.
+/// Runs a command to its end and returns its standard output.
 fn run(command: &mut Command) -> Result<String, SetupError> {
     let name = |command: &Command| {
         let words = std::iter::once(command.get_program()).chain(command.get_args());
@@ -234,8 +235,8 @@ fn run(command: &mut Command) -> Result<String, SetupError> {
             Ok(String::from_utf8_lossy(&output.stdout).into_owned())
         }
         Ok(output) => {
-            let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-            let why = if said.is_empty() { output.status.to_string() } else { said };
+            let errors = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+            let why = if errors.is_empty() { output.status.to_string() } else { errors };
             Err(failed(command, why))
         }
         Err(error) if error.kind() == ErrorKind::NotFound => {
@@ -250,7 +251,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_meant_for_the_host_does_not_reach_bare_metal_builds() {
+    fn flags_for_the_host_do_not_reach_bare_metal_builds() {
         for name in [
             "RUSTFLAGS",
             "CARGO_ENCODED_RUSTFLAGS",

@@ -1,4 +1,4 @@
-//! One binary for all targets; `FUZZ` names the one that is run. README.md says how.
+//! One binary for all targets; `FUZZ` names the target to run. See README.md.
 #![cfg_attr(fuzzing, no_main)]
 
 #[cfg(fuzzing)]
@@ -6,12 +6,12 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     static CHOSEN: std::sync::OnceLock<&'static fuzz::Target> = std::sync::OnceLock::new();
     let chosen = CHOSEN.get_or_init(|| {
         let name = std::env::var("FUZZ").expect("FUZZ names a target");
-        fuzz::Target::find(&name).expect("FUZZ names a target that there is")
+        fuzz::Target::find(&name).expect("FUZZ names an existing target")
     });
     chosen.run(bytes);
 });
 
-/// Without a fuzzer: lists the targets, writes their seeds, or runs files again.
+/// Without a fuzzer: lists the targets, writes their seeds, or runs a target on files.
 #[cfg(not(fuzzing))]
 fn main() -> std::process::ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();

@@ -1,22 +1,21 @@
-//! Fuzz targets: every reader of text and bytes, with what follows it.
+//! Fuzz targets: every reader of text and bytes, and the code that uses its results.
 //!
-//! A [`Target`] takes any bytes and must come back: no panic, no broken promise. A map is read,
-//! compiled and proved; a mission is compiled, looked through, drawn and driven; a blob is asked for
-//! everything and driven by. The same targets run in two ways:
+//! A [`Target`] takes any bytes. It must neither panic nor violate an assertion. A map is read,
+//! compiled and verified; a mission is compiled, checked, drawn and run; a blob is queried in full
+//! and then run for some ticks. The same targets run in two ways:
 //!
 //! - `cargo test -p fuzz`, on any toolchain: the corpus and a bounded number of mutations of it,
 //!   the same ones each time.
-//! - coverage-guided by `cargo fuzz` and libFuzzer, for as long as one likes; README.md beside this
-//!   crate says how.
+//! - coverage-guided by `cargo fuzz` and libFuzzer, without a time limit; see this crate's
+//!   README.md.
 //!
-//! Invariants: no reader is without a target (a test holds the list); a target does bounded work,
-//! so that what takes long is a finding; all seeds are the project's own.
+//! Invariants: every reader has a target (a test holds the list); a target does bounded work, so a
+//! slow input is a finding; all seeds are the project's own.
 //!
-//! Deliberately absent: the reading of files from odd places (pipes, folders), which the tests of
-//! the command line cover.
+//! Deliberately absent: input from pipes and folders, which the tests of the command line cover.
 
 #[path = "../../../plan-compiler/src/cli.rs"]
-#[allow(dead_code, reason = "only what reads words is used")]
+#[allow(dead_code, reason = "only the parser is used")]
 mod cli;
 
 #[path = "../../../plan-compiler/src/commands/query/points.rs"]
@@ -31,18 +30,18 @@ mod texts;
 pub use mutate::Mutations;
 pub use robot::checksum;
 
-/// Longer inputs say nothing that shorter ones do not.
+/// Longer inputs are skipped: they exercise no further code.
 pub const MAX_INPUT_BYTES: usize = 64 << 10;
 
-/// One thing that takes bytes from outside.
+/// A reader of bytes from outside, with the code that uses its results.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
-    /// Its name, and the folder of its corpus.
+    /// Name of the target and of its folder in the corpus.
     pub name: &'static str,
     read: fn(&[u8]),
 }
 
-/// All of them.
+/// All targets.
 pub const TARGETS: &[Target] = &[
     Target { name: "overlay", read: maps::overlay },
     Target { name: "opar", read: maps::opar },
@@ -68,20 +67,20 @@ pub const TARGETS: &[Target] = &[
 ];
 
 impl Target {
-    /// The target of a name.
+    /// The target with this name, if it exists.
     pub fn find(name: &str) -> Option<&'static Self> {
         TARGETS.iter().find(|target| target.name == name)
     }
 
-    /// Runs it on some bytes; returns if nothing is wrong.
+    /// Runs the target on some bytes. Panics if it finds a mistake.
     pub fn run(&self, bytes: &[u8]) {
         if bytes.len() <= MAX_INPUT_BYTES {
             (self.read)(bytes);
         }
     }
 
-    /// What it starts from: the files of its corpus, the maps that ship where it reads such, and
-    /// what is made by code because it changes with the formats.
+    /// The seeds: the files of its corpus, the shipped maps and missions of its format, and inputs
+    /// built by code because they change with the robot's formats.
     pub fn seeds(&self) -> Vec<Vec<u8>> {
         seeds::of(self.name)
     }

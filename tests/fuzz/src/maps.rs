@@ -1,4 +1,4 @@
-//! Maps: read, compiled on a bounded grid, and every cell proved.
+//! Maps: read, compiled on a bounded cell grid, and verified cell by cell.
 
 use ::maps::Map;
 use ::maps::formats::{self, Format, ReadOptions};
@@ -14,7 +14,7 @@ use plan_format::Blob;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Cells of a grid that is searched: maps of shapes get cells to fit, others are only read.
+/// Most cells of a map that is compiled; a larger map is only read.
 const MAX_CELLS: f64 = 4_096.0;
 /// Cells along the longer side of a map of shapes.
 const SIDE_CELLS: f64 = 48.0;
@@ -64,12 +64,12 @@ pub(crate) fn osm_pbf(bytes: &[u8]) {
     check(Some(Format::Osm), &[("map.osm.pbf", bytes)]);
 }
 
-/// Whatever the bytes look like.
+/// A map in the format that the reader recognises.
 pub(crate) fn any(bytes: &[u8]) {
     check(None, &[("map", bytes)]);
 }
 
-/// The target of a format; whoever adds one decides here.
+/// The target of a format. Add a line for each new format.
 #[cfg(test)]
 const fn target(format: Format) -> &'static str {
     match format {
@@ -84,23 +84,23 @@ const fn target(format: Format) -> &'static str {
     }
 }
 
-/// Reads the first of some files, with the others beside it, and follows what it says.
+/// Reads the first of some files, with the others beside it, and compiles the map.
 fn check(format: Option<Format>, files: &[(&str, &[u8])]) {
     let path = put(files);
     let options = ReadOptions { format, ..ReadOptions::default() };
     let (map, problems) = formats::read(&path, &options);
-    say(&problems);
+    draw_all(&problems);
     let Some(map) = map else {
-        assert!(has_errors(&problems), "no map, and no error that says why");
+        assert!(has_errors(&problems), "neither a map nor an error");
         return;
     };
     if !has_errors(&problems) {
         let source = source::read_text(&path).ok().map(|(text, _)| text);
-        follow(&map, source.as_ref());
+        build(&map, source.as_ref());
     }
 }
 
-/// Writes files beside each other, each over the one before; the first one's path.
+/// Writes files into one folder, over those of the input before; returns the path of the first.
 pub(crate) fn put(files: &[(&str, &[u8])]) -> PathBuf {
     thread_local! {
         static FOLDER: tempfile::TempDir = tempfile::tempdir().expect("a folder for inputs");
@@ -113,40 +113,41 @@ pub(crate) fn put(files: &[(&str, &[u8])]) -> PathBuf {
     })
 }
 
-/// Draws what a person would see, with places and excerpts.
-pub(crate) fn say(problems: &[Problem]) {
+/// Draws the problems as a user would see them, with places and excerpts.
+pub(crate) fn draw_all(problems: &[Problem]) {
     for colour in [false, true] {
         assert!(problems.is_empty() || !draw(problems, colour).is_empty());
     }
 }
 
-fn follow(map: &Map, source: Option<&Arc<Source>>) {
+/// Compiles a map and verifies every cell of the result.
+fn build(map: &Map, source: Option<&Arc<Source>>) {
     let mission = Mission::default();
     let options = options(map);
     let input = Input { map, source, mission: &mission, options: &options };
     let mut problems = Vec::new();
     let grid = grid(&input, &mut problems);
     if grid.is_none_or(|grid| f64::from(grid.columns) * f64::from(grid.rows) > MAX_CELLS) {
-        return say(&problems);
+        return draw_all(&problems);
     }
     let mut problems = Vec::new();
     let blob = compile(&input, &|_, _| (), &mut problems);
-    say(&problems);
+    draw_all(&problems);
     let Some(blob) = blob else {
-        assert!(has_errors(&problems), "no blob, and no error that says why");
+        assert!(has_errors(&problems), "neither a blob nor an error");
         return;
     };
     let blob = Blob::parse_exact(&blob).expect("what was written is read");
-    accept(&verify(&blob, &|_, _| ()));
+    check_report(&verify(&blob, &|_, _| ()));
     let layers = layers(&input, blob.grid(), &mut Vec::new()).expect("it was compiled already");
-    accept(&compare(&blob, &layers));
+    check_report(&compare(&blob, &layers));
 }
 
-fn accept(report: &verify::Report) {
+fn check_report(report: &verify::Report) {
     assert_eq!(report.count, 0, "{:?}", report.violations.first());
 }
 
-/// Cells to fit, and a goal in the middle where the map has none.
+/// Options with cells that bound the work, and with a goal in the middle of a map that has none.
 fn options(map: &Map) -> Options {
     let [width, height] = map.extent.size;
     let [x, y] = map.extent.corner;
@@ -165,7 +166,7 @@ fn options(map: &Map) -> Options {
     }
 }
 
-/// A map that missions are compiled for.
+/// The map for the missions.
 pub(crate) fn yard() -> (Map, Arc<Source>) {
     let text = "MISSION-AREA 60 40\nORIGIN 0 0\nGLOBAL_REF_POINT 51.5 7.4\nCONTROL MEASURES:\n\
                 WALL shed 20 10 30 10 30 20 20 20 20 10\nBOUNDARY NoCommZone1 40 5 55 5 55 15 40 15\n\

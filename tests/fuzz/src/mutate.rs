@@ -1,13 +1,13 @@
-//! Mutations of seeds that are the same on each run and each machine.
+//! Mutations of seeds, the same on every run and every machine.
 
-/// Inputs near some seeds.
+/// An endless iterator over mutations of some seeds.
 #[derive(Clone, Debug)]
 pub struct Mutations<'s> {
     seeds: &'s [Vec<u8>],
     random: Random,
 }
 
-/// What stands for trouble in the texts and numbers that are read.
+/// Byte sequences that often break readers of texts and numbers.
 const WORDS: &[&[u8]] = &[
     b"0",
     b"-1",
@@ -40,7 +40,7 @@ const WORDS: &[&[u8]] = &[
 ];
 
 impl<'s> Mutations<'s> {
-    /// Those of a number.
+    /// The mutations that a random seed number gives.
     pub fn new(seeds: &'s [Vec<u8>], number: u64) -> Self {
         Self { seeds, random: Random::new(number) }
     }
@@ -82,7 +82,7 @@ impl<'s> Mutations<'s> {
 impl Iterator for Mutations<'_> {
     type Item = Vec<u8>;
 
-    /// Never ends, as long as there is a seed.
+    /// Ends only if there is no seed.
     fn next(&mut self) -> Option<Vec<u8>> {
         if self.seeds.is_empty() {
             return None;
@@ -95,7 +95,7 @@ impl Iterator for Mutations<'_> {
     }
 }
 
-/// A small generator (Marsaglia's xorshift64*), since only sameness matters here.
+/// A small random number generator (xorshift64*, after Marsaglia). Only repeatability matters here.
 #[derive(Clone, Debug)]
 pub(crate) struct Random(u64);
 
@@ -111,12 +111,12 @@ impl Random {
         self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
     }
 
-    /// From 0 up to a limit, without it.
+    /// Uniform in `0..limit`.
     pub(crate) fn below(&mut self, limit: usize) -> usize {
         ((self.next() >> 32) as usize * limit) >> 32
     }
 
-    /// From 0 up to 1.
+    /// Uniform in `[0, 1)`.
     pub(crate) fn unit(&mut self) -> f32 {
         (self.next() >> 40) as f32 / (1 << 24) as f32
     }

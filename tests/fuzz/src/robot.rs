@@ -1,4 +1,4 @@
-//! Bytes that reach a robot: its blob, its receiver, its links, what it recorded.
+//! Bytes that reach a robot: its blob, its receiver, its link, its recorded traces.
 
 use crate::mutate::Random;
 use controller::State;
@@ -15,30 +15,30 @@ use robot_io::{
 use runtime::OperatorSlot;
 use std::sync::OnceLock;
 
-/// Bytes of a blob's header.
+/// Size of a blob's header, bytes.
 const HEADER_BYTES: usize = 28;
-/// Cells that are asked for, all layers together; of more, every so many.
-const MAX_CELLS_ASKED: u64 = 1 << 16;
-/// Ticks that a blob is driven by.
+/// Most look-ups in all layers together; in larger blobs, cells are skipped at regular intervals.
+const MAX_LOOK_UPS: u64 = 1 << 16;
+/// Ticks of a run with a blob.
 const BLOB_TICKS: u64 = 1_000;
-/// Ticks of a recorded mission that are driven again.
+/// Most ticks of a trace that are replayed.
 const MAX_TICKS: usize = 2_000;
 
-/// A blob as it is, and with its header and checksum mended; then every look-up and 1,000 ticks.
+/// A blob as it is, and with its header and checksum repaired; then look-ups and 1,000 ticks.
 pub(crate) fn blob(bytes: &[u8]) {
     let _ = (Blob::parse(bytes).is_ok(), Blob::parse_exact(bytes).is_ok());
-    let blob = mended(bytes);
+    let blob = repaired(bytes);
     let mut beats = 0;
     let parsed = Blob::parse_paced(&blob, || beats += 1);
     let checks = blob.len() / 4 * limits::MAX_CHECKS_PER_WORD as usize;
     assert!(beats <= checks / limits::CHECKS_PER_BEAT as usize + 4, "{beats} beats");
     if let Ok(plan) = parsed {
-        ask(&plan);
+        query(&plan);
         drive(&plan, bytes, BLOB_TICKS);
     }
 }
 
-/// The header of this build's blobs, which other bytes get.
+/// The header of a sound blob, which [`repaired`] puts before other bytes.
 fn header() -> &'static [u8] {
     static HEADER: OnceLock<Vec<u8>> = OnceLock::new();
     HEADER.get_or_init(|| {
@@ -47,8 +47,9 @@ fn header() -> &'static [u8] {
     })
 }
 
-/// Bytes as the payload of a blob, or a blob with what it claims of itself made true.
-fn mended(bytes: &[u8]) -> Vec<u8> {
+/// A blob with a correct header, length and checksum: its payload is that of the given blob, or the
+/// given bytes if they are not a blob.
+fn repaired(bytes: &[u8]) -> Vec<u8> {
     let payload = bytes.strip_prefix(&plan_format::MAGIC);
     let payload = payload.map_or(bytes, |rest| rest.get(HEADER_BYTES - 8..).unwrap_or_default());
     let mut blob = [header(), payload].concat();
@@ -59,12 +60,12 @@ fn mended(bytes: &[u8]) -> Vec<u8> {
     blob
 }
 
-/// A number for some bytes.
+/// The CRC-32 of some bytes.
 pub fn checksum(bytes: &[u8]) -> u32 {
     crc32(bytes.iter())
 }
 
-/// CRC-32 by its slow definition.
+/// CRC-32, bit by bit.
 fn crc32<'b>(bytes: impl Iterator<Item = &'b u8>) -> u32 {
     !bytes.fold(u32::MAX, |crc, &byte| {
         (0..8).fold(crc ^ u32::from(byte), |crc, _| {
@@ -73,8 +74,8 @@ fn crc32<'b>(bytes: impl Iterator<Item = &'b u8>) -> u32 {
     })
 }
 
-/// Everything that a plan can be asked for.
-fn ask(blob: &Blob<'_>) {
+/// Queries everything in a blob.
+fn query(blob: &Blob<'_>) {
     let layers: Vec<Layer<'_>> =
         blob.parallel_plans().flat_map(|parallel| parallel.layers()).collect();
     for parallel in blob.parallel_plans() {
@@ -82,7 +83,7 @@ fn ask(blob: &Blob<'_>) {
     }
     let (columns, rows) = (u64::from(blob.grid().columns), u64::from(blob.grid().rows));
     let cells = columns * rows;
-    let stride = (cells * layers.len() as u64 / MAX_CELLS_ASKED).max(1);
+    let stride = (cells * layers.len() as u64 / MAX_LOOK_UPS).max(1);
     for layer in &layers {
         assert!(!layer.name().is_empty());
         for index in (0..cells).step_by(stride as usize) {
@@ -93,7 +94,7 @@ fn ask(blob: &Blob<'_>) {
     }
 }
 
-/// Drives a robot that perceives by chance, the same chance for the same bytes.
+/// Runs the controller with random percepts, seeded by the bytes.
 pub(crate) fn drive(blob: &Blob<'_>, bytes: &[u8], ticks: u64) {
     let mut random = Random::new(checksum(bytes).into());
     let mut state = State::new(blob);
@@ -101,11 +102,11 @@ pub(crate) fn drive(blob: &Blob<'_>, bytes: &[u8], ticks: u64) {
     for _ in 0..ticks {
         time_us += random.below(100_000) as u64;
         let percepts = percepts(blob, time_us, &mut random).sanitised();
-        sound(&controller::tick(blob, &mut state, &percepts));
+        check_finite(&controller::tick(blob, &mut state, &percepts));
     }
 }
 
-fn sound(commands: &Commands) {
+fn check_finite(commands: &Commands) {
     assert!(commands.speed_mps.is_finite() && commands.turn_rate_radps.is_finite(), "{commands:?}");
 }
 
@@ -155,7 +156,7 @@ fn percepts(blob: &Blob<'_>, time_us: u64, random: &mut Random) -> Percepts {
     }
 }
 
-/// A receiver's bytes through the drivers.
+/// A receiver's bytes, decoded by the drivers.
 pub(crate) fn gps(bytes: &[u8]) {
     let mut decoder = runtime::gps::Decoder::default();
     for solution in bytes.iter().filter_map(|&byte| decoder.push(byte)) {
@@ -163,17 +164,17 @@ pub(crate) fn gps(bytes: &[u8]) {
     }
 }
 
-/// Frames up and down, and the task that listens.
+/// Packets in both directions, and the task that receives them.
 pub(crate) fn link(bytes: &[u8]) {
     let (mut up, mut down) = (packet::Decoder::default(), packet::Decoder::default());
     for &byte in bytes {
-        let said: Option<Uplink> = up.push(byte);
-        if let Some(said) = said {
-            assert!(packet::encode(&said).is_some(), "what was said can be said again");
+        let uplink: Option<Uplink> = up.push(byte);
+        if let Some(uplink) = uplink {
+            assert!(packet::encode(&uplink).is_some(), "a decoded uplink can be encoded");
         }
-        let told: Option<Downlink> = down.push(byte);
-        if let Some(told) = told {
-            assert!(packet::encode(&told).is_some(), "what was told can be told again");
+        let downlink: Option<Downlink> = down.push(byte);
+        if let Some(downlink) = downlink {
+            assert!(packet::encode(&downlink).is_some(), "a decoded downlink can be encoded");
         }
     }
     let slot = OperatorSlot::<NoopRawMutex>::new();
@@ -181,7 +182,7 @@ pub(crate) fn link(bytes: &[u8]) {
     let _ = slot.at(u64::MAX, &Parameters::default().link);
 }
 
-/// A world that says what records say.
+/// A transport that delivers sensor records from bytes.
 struct Records<'b>(std::slice::Chunks<'b, u8>);
 
 impl runtime::lockstep::Transport for Records<'_> {
@@ -190,13 +191,13 @@ impl runtime::lockstep::Transport for Records<'_> {
     }
 
     fn send(&mut self, record: &CommandRecord) {
-        sound(&record.commands);
+        check_finite(&record.commands);
         let bytes = record.to_bytes().expect("a record fits");
         assert_eq!(CommandRecord::from_bytes(&bytes), Some(*record));
     }
 }
 
-/// Records on a pipe, through the whole robot.
+/// Sensor records, through the whole robot.
 pub(crate) fn lockstep(bytes: &[u8]) {
     static BLOB: OnceLock<Vec<u8>> = OnceLock::new();
     for bytes in bytes.chunks(COMMAND_RECORD_BYTES) {
@@ -209,12 +210,12 @@ pub(crate) fn lockstep(bytes: &[u8]) {
     runtime::lockstep::run_blocking(blob, records, ());
 }
 
-/// A recorded mission: its plans, its ticks again, and its story.
+/// A trace: its plans, the replay of its ticks, and its story.
 pub(crate) fn trace(bytes: &[u8]) {
     let Ok(mut trace) = Trace::from_bytes(bytes) else { return };
     trace.percepts.truncate(MAX_TICKS);
     assert!(Trace::from_bytes(&trace.to_bytes()).is_ok());
-    let blob = mended(&trace.blob);
+    let blob = repaired(&trace.blob);
     let Ok(blob) = Blob::parse_exact(&blob) else { return };
     let _ = trace.replayed_hash(&blob);
     for turn in story::of(&blob, &trace.percepts).turns {

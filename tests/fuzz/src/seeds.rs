@@ -1,4 +1,4 @@
-//! What targets start from.
+//! The seeds of the targets.
 
 use math::GeoPoint;
 use plan_compiler::trace::Trace;
@@ -11,14 +11,14 @@ use sim::{Dialect, Mode};
 use soak::fixtures;
 use std::path::Path;
 
-/// The seeds of a target: its corpus, the maps that ship, and what is made.
+/// The seeds of a target: its corpus, the shipped maps and the inputs built by code.
 pub(crate) fn of(name: &str) -> Vec<Vec<u8>> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut seeds = files(&here.join("corpus").join(name), "");
     for ending in shipped(name) {
         seeds.extend(files(&here.join("../maps"), ending));
     }
-    seeds.extend(made(name));
+    seeds.extend(built(name));
     seeds
 }
 
@@ -37,7 +37,7 @@ fn shipped(name: &str) -> &'static [&'static str] {
     }
 }
 
-/// The contents of a folder's files with an ending, in the order of their names.
+/// The contents of a folder's files with an ending, sorted by name.
 fn files(folder: &Path, ending: &str) -> Vec<Vec<u8>> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let mut paths: Vec<_> = entries.flatten().map(|entry| entry.path()).collect();
@@ -46,13 +46,13 @@ fn files(folder: &Path, ending: &str) -> Vec<Vec<u8>> {
     paths.iter().map(|path| std::fs::read(path).expect("a seed can be read")).collect()
 }
 
-/// Bytes that change with the formats of the robot are made when they are wanted.
-fn made(name: &str) -> Vec<Vec<u8>> {
+/// Inputs built by code, because they change with the robot's formats.
+fn built(name: &str) -> Vec<Vec<u8>> {
     match name {
         "blob" => blobs(),
         "trace" => blobs().into_iter().map(|blob| trace(blob).to_bytes()).collect(),
         "gps" => vec![receiver(&[Dialect::Ubx]), receiver(&[Dialect::Nmea]), receiver(&BOTH)],
-        "link" => vec![frames()],
+        "link" => vec![packets()],
         "lockstep" => vec![records()],
         _ => Vec::new(),
     }
@@ -84,7 +84,7 @@ fn trace(blob: Vec<u8>) -> Trace {
     Trace { blob, percepts: (0..20).map(percepts).collect(), hash: 7 }
 }
 
-/// Five solutions, in turn in some languages.
+/// Five solutions, each in all the dialects.
 fn receiver(dialects: &[Dialect]) -> Vec<u8> {
     let solution = |number: u64| Solution {
         time_us: number * 200_000,
@@ -97,7 +97,7 @@ fn receiver(dialects: &[Dialect]) -> Vec<u8> {
     messages.flat_map(|(number, dialect)| dialect.message(&solution(number))).collect()
 }
 
-fn frames() -> Vec<u8> {
+fn packets() -> Vec<u8> {
     let manual = Some(Manual { speed_mps: 1.0, turn_rate_radps: -0.5 });
     let operators = [
         Operator { is_armed: true, ..Operator::default() },
@@ -111,7 +111,7 @@ fn frames() -> Vec<u8> {
         instructions: 3_000,
         receiver: Receiver::Sound,
     }));
-    up.into_iter().chain([down]).flat_map(|frame| frame.expect("a frame fits")).collect()
+    up.into_iter().chain([down]).flat_map(|packet| packet.expect("a packet fits")).collect()
 }
 
 fn records() -> Vec<u8> {

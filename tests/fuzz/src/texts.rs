@@ -1,7 +1,7 @@
-//! Texts that people write beside maps: missions, worlds, graphs, command lines.
+//! Texts that users write: missions, worlds, graphs, command lines.
 
 use crate::cli::Cli;
-use crate::maps::{say, yard};
+use crate::maps::{draw_all, yard};
 use crate::robot;
 use ::maps::Map;
 use ::maps::problem::Source;
@@ -21,17 +21,17 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-/// Ticks that a mission is driven for.
+/// Ticks of a mission's run.
 const MISSION_TICKS: u64 = 100;
 
-/// Read, looked through, drawn, compiled for a map, driven.
+/// Reads a mission, checks it, draws it, compiles it for a map and runs it.
 pub(crate) fn mission(bytes: &[u8]) {
     static YARD: OnceLock<(Map, Arc<Source>)> = OnceLock::new();
     let Ok((text, _)) = source::decode(Path::new("yard.mission.toml"), bytes.to_vec()) else {
         return;
     };
     let (read, mut problems) = mission::parse(&text);
-    say(&problems);
+    draw_all(&problems);
     if has_errors(&problems) {
         return;
     }
@@ -42,14 +42,14 @@ pub(crate) fn mission(bytes: &[u8]) {
         assert!(!dot(&drawn).is_empty() && !picture(&drawn).is_empty());
     }
     let (map, source) = YARD.get_or_init(yard);
-    // Bounded whatever the mission asks for.
+    // Large cells bound the work for any mission.
     let options = Options { resolution_m: Some(2.0), ..Options::default() };
     let input = Input { map, source: Some(source), mission: &read, options: &options };
     let mut problems = Vec::new();
     let blob = compile(&input, &|_, _| (), &mut problems);
-    say(&problems);
+    draw_all(&problems);
     match blob {
-        None => assert!(has_errors(&problems), "no blob, and no error that says why"),
+        None => assert!(has_errors(&problems), "neither a blob nor an error"),
         Some(blob) => {
             let blob = Blob::parse_exact(&blob).expect("what was written is read");
             robot::drive(&blob, bytes, MISSION_TICKS);
@@ -68,14 +68,14 @@ pub(crate) fn graph(bytes: &[u8]) {
         Err(mistakes) => {
             assert!(!mistakes.is_empty());
             for mistake in mistakes {
-                // The place must be one that an excerpt can show.
+                // An excerpt must be able to show the span.
                 assert!(text.get(mistake.span.clone()).is_some(), "{mistake:?}");
             }
         }
     }
 }
 
-/// A world file, and what a robot does to that world.
+/// A world file, and a robot's steps in its world.
 pub(crate) fn world(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let Ok(mut world) = text.parse::<Surroundings>() else { return };
@@ -89,7 +89,7 @@ pub(crate) fn world(bytes: &[u8]) {
     let _ = (world.is_done(Reason::Idle), world.summary());
 }
 
-/// Words on the command line, one a line.
+/// The words of a command line, one per line.
 pub(crate) fn command_line(bytes: &[u8]) {
     let words = bytes.split(|&byte| byte == b'\n').map(word);
     match Cli::try_parse_from(std::iter::once("plan-compiler".into()).chain(words)) {
@@ -108,7 +108,7 @@ fn word(bytes: &[u8]) -> OsString {
     String::from_utf8_lossy(bytes).into_owned().into()
 }
 
-/// Points, poses and messages as `query -` takes them, one a line.
+/// Points, poses and messages as `query -` takes them, one per line.
 pub(crate) fn points(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     for line in text.lines() {

@@ -1,20 +1,20 @@
-//! Every target over its seeds and a bounded number of mutations of them, the same on each run.
+//! Runs every target on its seeds and on a bounded number of their mutations, the same on each run.
 
 use fuzz::{Mutations, TARGETS, Target};
 use std::panic::catch_unwind;
 use std::time::{Duration, Instant};
 
-/// Inputs of one target besides its seeds: as many as fit into the time, at most this number.
-/// What does not fit is left to the coverage-guided run.
+/// Most mutations of one target.
 const MUTATIONS: usize = 2_000;
+/// Time after which a target gets no further mutations; the coverage-guided run does the rest.
 const TIME: Duration = Duration::from_secs(6);
 
-/// Longer than this no input may take, on a machine that does much else besides.
+/// Time limit for one input, generous for a busy machine.
 const MAX_TIME: Duration = Duration::from_secs(20);
-/// Failures after which the rest is not looked for.
+/// Failures after which a target is given up.
 const MAX_FAILURES: usize = 20;
 
-/// Bytes that all committed corpora may take.
+/// Upper limit for the sum of all corpora, bytes.
 const MAX_CORPUS_BYTES: u64 = 200_000;
 
 #[test]
@@ -22,7 +22,7 @@ fn every_target_survives_its_seeds_and_mutations_of_them() {
     let mut failures = Vec::new();
     for target in TARGETS {
         let seeds = target.seeds();
-        assert!(!seeds.is_empty(), "{} has nothing to start from", target.name);
+        assert!(!seeds.is_empty(), "{} has no seeds", target.name);
         failures.extend(seeds.iter().filter_map(|seed| failure(target, seed)));
         let (start, mut count) = (Instant::now(), 0);
         for input in Mutations::new(&seeds, 1).take(MUTATIONS) {
@@ -37,7 +37,8 @@ fn every_target_survives_its_seeds_and_mutations_of_them() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// What fails on an input, which is kept for `target run`.
+/// Runs a target on an input. If it panics or takes too long, keeps the input in a file for
+/// `target run` and describes the failure.
 fn failure(target: &Target, input: &[u8]) -> Option<String> {
     let start = Instant::now();
     let survived = catch_unwind(|| target.run(input)).is_ok();
@@ -53,13 +54,13 @@ fn failure(target: &Target, input: &[u8]) -> Option<String> {
 }
 
 #[test]
-fn the_corpus_is_small_and_each_folder_is_a_targets() {
+fn the_corpus_is_small_and_each_folder_belongs_to_a_target() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
     let mut bytes = 0;
     for entry in std::fs::read_dir(folder).expect("there is a corpus") {
         let entry = entry.expect("an entry can be read");
         let name = entry.file_name().into_string().expect("a name in ASCII");
-        assert!(Target::find(&name).is_some(), "corpus/{name} is no target's");
+        assert!(Target::find(&name).is_some(), "corpus/{name} belongs to no target");
         for file in std::fs::read_dir(entry.path()).expect("a folder a target") {
             bytes += file.and_then(|file| file.metadata()).expect("it can be read").len();
         }

@@ -1,9 +1,9 @@
-//! No reader of text or bytes is without a fuzz target: whoever writes one says here which.
+//! Every reader of text or bytes has a fuzz target, named in the table of this file.
 
 use fuzz::Target;
 use std::path::Path;
 
-/// Files with functions that read what comes from outside, and the target that reaches them.
+/// Files with functions that read input from outside, and the target that calls them.
 const READERS: &[(&str, &str)] = &[
     ("firmware/runtime/src/blob.rs", "blob"),
     ("firmware/runtime/src/gps.rs", "gps"),
@@ -33,7 +33,7 @@ const READERS: &[(&str, &str)] = &[
     ("tests/sim/src/surroundings.rs", "world"),
 ];
 
-/// How functions that read are called here.
+/// Names of functions that read.
 const VERBS: &[&str] = &[
     "parse",
     "parse_paced",
@@ -50,11 +50,11 @@ const VERBS: &[&str] = &[
     "from_str",
 ];
 
-/// What they take.
+/// Types of their parameters.
 const INPUTS: &[&str] = &["u8", "&str", "Source", "&Path"];
 
 #[test]
-fn no_reader_is_without_a_fuzz_target() {
+fn every_reader_has_a_fuzz_target() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut found = Vec::new();
     for top in
@@ -69,15 +69,15 @@ fn no_reader_is_without_a_fuzz_target() {
     found.retain(|file| !has_row(file));
     assert!(
         found.is_empty(),
-        "these read what comes from outside: give each a fuzz target and a row here: {found:?}"
+        "these files read input from outside: give each a fuzz target and a row here: {found:?}"
     );
     for (file, target) in READERS {
-        assert!(all.iter().any(|reader| reader == file), "{file} has no reader any more");
-        assert!(Target::find(target).is_some(), "there is no target {target}");
+        assert!(all.iter().any(|reader| reader == file), "{file} no longer has a reader");
+        assert!(Target::find(target).is_some(), "the target {target} does not exist");
     }
 }
 
-/// The files below a folder in which something reads.
+/// Adds the files below a folder that contain a reader.
 fn visit(root: &Path, folder: &Path, found: &mut Vec<String>) {
     for entry in std::fs::read_dir(folder).expect("a folder is readable").flatten() {
         let path = entry.path();
@@ -94,7 +94,7 @@ fn visit(root: &Path, folder: &Path, found: &mut Vec<String>) {
     }
 }
 
-/// Whether a function of a source text is called as one that reads and takes what such ones take.
+/// Whether a source text has a public function with the name and a parameter of a reader.
 fn reads(source: &str) -> bool {
     source.split("fn ").zip(source.split("fn ").skip(1)).any(|(before, function)| {
         let (signature, _) = function.split_once('{').unwrap_or((function, ""));

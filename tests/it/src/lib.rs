@@ -1,4 +1,4 @@
-//! What the integration tests share: where the project and the data made by others lie.
+//! Paths that the integration tests share: the project, its maps, and files made by others.
 
 use std::path::{Path, PathBuf};
 
@@ -7,13 +7,13 @@ pub fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
-/// A file of the project's own maps.
+/// The path of one of the project's own maps.
 pub fn own_map(name: &str) -> PathBuf {
     root().join("tests/maps").join(name)
 }
 
-/// The folder of real files made by others, which lies beside the project on our machines and
-/// in CI but is not part of it. Where it is missing this says so, and the caller returns.
+/// A folder of real files made by others. It lies beside the project on our machines and in CI, but
+/// is not part of the project. If it is missing, this prints a note, and the test must return.
 pub fn real_data(folder: &str) -> Option<PathBuf> {
     let path = root().join("../shared/data").join(folder);
     if path.is_dir() {

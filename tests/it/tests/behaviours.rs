@@ -1,6 +1,5 @@
-//! The mission language: what it becomes, and what it says of mistakes and of missions that would
-//! go wrong. The texts are in `tests/golden/behaviours`, one file a topic, to be read as a user
-//! reads them.
+//! The mission language: its compiled form, and the messages about mistakes and about missions that
+//! would fail. The messages are in `tests/golden/behaviours`, one file per topic.
 
 mod lints;
 mod mistakes;
@@ -29,7 +28,7 @@ fn compiled(text: &str) -> (Option<MissionDraft>, Vec<Problem>) {
     (draft, problems)
 }
 
-/// Compares everything that is said of a mission with `tests/golden/behaviours/NAME.snap`.
+/// Compares all messages about a mission with `tests/golden/behaviours/NAME.snap`.
 #[track_caller]
 fn check(name: &str, text: &str) {
     let (draft, problems) = compiled(text);
@@ -66,7 +65,7 @@ fn piece() -> impl Strategy<Value = String> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(512))]
 
-    /// Whatever is written, there is a mission that the robot takes, or a reason; never a panic.
+    /// Any text gives a mission that the robot accepts, or an error; never a panic.
     #[test]
     fn any_text_compiles_or_is_refused_with_reasons(text in piece()) {
         let (draft, problems) = compiled(&text);

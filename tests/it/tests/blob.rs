@@ -1,175 +1,18 @@
-//! The blob at its border: what is written is read, what is damaged is refused.
+//! Blobs are read as they were written, and damaged blobs are refused.
 
 mod hostile;
+mod picture;
 mod sizes;
 
-use plan_compiler::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED, is_blocked};
+use picture::{Picture, answer_of};
+use plan_compiler::field::{ESCAPE, Field, NO_ESCAPE, UNREACHED, is_blocked};
 use plan_compiler::pack::pack;
 use plan_format::mission::MissionDraft;
 use plan_format::{
-    Answer, Blob, BlobError, Cell, Direction, Draft, Grid, Layer, LayerDraft, Origin, Parameters,
-    PlanDraft, Step, WriteError, grid::octile, limits, write,
+    Answer, Blob, BlobError, Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft,
+    WriteError, grid::octile, limits, write,
 };
 use proptest::prelude::*;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
-/// A map as a picture, north at the top: `.` free, `#` blocked, `G` the goal.
-struct Picture {
-    columns: u32,
-    rows: u32,
-    blocked: Vec<bool>,
-    goal: usize,
-}
-
-impl std::fmt::Debug for Picture {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for row in (0..self.rows as usize).rev() {
-            let start = row * self.columns as usize;
-            let sign = |index| match self.blocked[index] {
-                true => '#',
-                false if index == self.goal => 'G',
-                false => '.',
-            };
-            writeln!(
-                f,
-                "{}",
-                (start..start + self.columns as usize).map(sign).collect::<String>()
-            )?;
-        }
-        Ok(())
-    }
-}
-
-impl Picture {
-    fn of(lines: &[&str]) -> Self {
-        let cells: Vec<u8> = lines.iter().rev().flat_map(|line| line.bytes()).collect();
-        Self {
-            columns: lines[0].len() as u32,
-            rows: lines.len() as u32,
-            blocked: cells.iter().map(|&cell| cell == b'#').collect(),
-            goal: cells.iter().position(|&cell| cell == b'G').unwrap(),
-        }
-    }
-
-    fn cell(&self, index: usize) -> Cell {
-        Cell::new(index as u32 % self.columns, index as u32 / self.columns)
-    }
-
-    fn neighbour(&self, index: usize, direction: Direction) -> Option<usize> {
-        let cell = self.cell(index).neighbour(direction, self.columns, self.rows)?;
-        Some((cell.row * self.columns + cell.column) as usize)
-    }
-
-    /// A step between free cells, by the rule of corners.
-    fn step(&self, index: usize, direction: Direction, cut_corners: bool) -> Option<usize> {
-        let to = self.neighbour(index, direction)?;
-        let (dx, dy) = direction.step();
-        let beside = |dx, dy| {
-            let side = Direction::from_signs(dx, dy).and_then(|side| self.neighbour(index, side));
-            side.is_some_and(|side| !self.blocked[side])
-        };
-        let clear = cut_corners || !direction.is_diagonal() || beside(dx, 0) && beside(0, dy);
-        (clear && !self.blocked[to]).then_some(to)
-    }
-
-    /// The field of the picture by a slow and readable search: Dijkstra with a heap.
-    fn field(&self, cut_corners: bool) -> Field {
-        let cost = self
-            .spread(vec![self.goal], |index, direction| self.step(index, direction, cut_corners));
-        let routed = (0..cost.len()).filter(|&index| cost[index] != UNREACHED).collect();
-        let escape = self.spread(routed, |index, direction| {
-            self.neighbour(index, direction).filter(|&to| self.blocked[to])
-        });
-        // Diagonal steps before straight ones, as the advice rule has it.
-        let order = [1, 3, 5, 7, 0, 2, 4, 6].map(Direction::from_code);
-        let downhill = |index: usize, cost: &[u32], to: &dyn Fn(Direction) -> Option<usize>| {
-            order.into_iter().find(|&direction| {
-                to(direction).is_some_and(|to| {
-                    cost[to].checked_add(direction.step_cost()) == Some(cost[index])
-                })
-            })
-        };
-        let code = (0..cost.len()).map(|index| match () {
-            () if self.blocked[index] => {
-                let way = downhill(index, &escape, &|direction| self.neighbour(index, direction));
-                way.map_or(NO_ESCAPE, |direction| ESCAPE + direction.code())
-            }
-            () if index == self.goal => GOAL,
-            () => downhill(index, &cost, &|direction| self.step(index, direction, cut_corners))
-                .map_or(NO_ROUTE, Direction::code),
-        });
-        Field { columns: self.columns, rows: self.rows, code: code.collect(), cost }
-    }
-
-    /// Uniform-cost search from several cells.
-    fn spread(
-        &self,
-        from: Vec<usize>,
-        step: impl Fn(usize, Direction) -> Option<usize>,
-    ) -> Vec<u32> {
-        let mut cost = vec![UNREACHED; self.blocked.len()];
-        let mut open = BinaryHeap::new();
-        for index in from {
-            cost[index] = 0;
-            open.push(Reverse((0, index)));
-        }
-        while let Some(Reverse((reached, index))) = open.pop() {
-            for direction in Direction::ALL {
-                let Some(to) = step(index, direction) else { continue };
-                let next = reached + direction.step_cost();
-                if reached == cost[index] && next < cost[to] {
-                    cost[to] = next;
-                    open.push(Reverse((next, to)));
-                }
-            }
-        }
-        cost
-    }
-
-    /// Every look-up against the field: the same, but for the choice that the advice rule leaves.
-    fn check(&self, field: &Field, layer: &Layer<'_>, cut_corners: bool) {
-        for index in 0..field.cost.len() {
-            let answer = layer.look_up(self.cell(index));
-            assert_eq!(layer.step(self.cell(index)), step_of(answer), "cell {index}");
-            let expected = answer_of(field, index);
-            let (Answer::Move { direction, cost }, Answer::Move { direction: given, .. }) =
-                (answer, expected)
-            else {
-                assert_eq!(answer, expected, "cell {index}");
-                continue;
-            };
-            assert_eq!(cost, field.cost[index], "cost of cell {index}");
-            assert_eq!(direction.is_diagonal(), given.is_diagonal(), "advice in cell {index}");
-            let to = self.step(index, direction, cut_corners).expect("a step that is allowed");
-            assert_eq!(field.cost[to] + direction.step_cost(), cost, "step from cell {index}");
-        }
-    }
-}
-
-/// What a field says of a cell.
-fn answer_of(field: &Field, index: usize) -> Answer {
-    match field.code[index] {
-        code @ 0..GOAL => {
-            Answer::Move { direction: Direction::from_code(code), cost: field.cost[index] }
-        }
-        GOAL => Answer::Goal,
-        NO_ROUTE => Answer::NoRoute,
-        NO_ESCAPE => Answer::Blocked { escape: None },
-        code => Answer::Blocked { escape: Some(Direction::from_code(code)) },
-    }
-}
-
-/// An answer without its cost.
-fn step_of(answer: Answer) -> Step {
-    match answer {
-        Answer::Move { direction, .. } => Step::Move(direction),
-        Answer::Goal => Step::Goal,
-        Answer::NoRoute => Step::NoRoute,
-        Answer::Blocked { escape } => Step::Blocked { escape },
-        Answer::OffMap => Step::OffMap,
-    }
-}
 
 fn draft(fields: &[Field]) -> Draft {
     let plan = |(number, field): (usize, &Field)| PlanDraft {
@@ -227,7 +70,7 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>().join(" ")
 }
 
-/// The bytes of [`tiny`], in their order. Whoever changes one changes the format.
+/// The bytes of [`tiny`] in their order. A change here is a change of the format.
 const TINY_BYTES: &[(&str, &str)] = &[
     ("WAYFIELD", "57 41 59 46 49 45 4c 44"),
     ("version 2, 28 bytes of header", "02 00 1c 00"),
@@ -294,7 +137,7 @@ fn every_flipped_bit_is_refused() {
     for bit in 0..blob.len() * 8 {
         blob[bit / 8] ^= 1 << (bit % 8);
         assert!(Blob::parse(&blob).is_err(), "bit {bit}");
-        // With memory behind it that happens to continue the blob, as flash does.
+        // Followed by erased flash.
         let region = [&blob[..], &[0xff; 64]].concat();
         assert!(Blob::parse(&region).is_err(), "bit {bit} in a larger region");
         blob[bit / 8] ^= 1 << (bit % 8);
@@ -303,7 +146,7 @@ fn every_flipped_bit_is_refused() {
 }
 
 #[test]
-fn a_region_may_be_larger_than_its_blob_and_a_file_may_not() {
+fn a_region_may_be_larger_than_its_blob_but_a_file_may_not() {
     let mut region = write(&tiny()).unwrap();
     region.extend_from_slice(&[0xff; 100]);
     assert_eq!(Blob::parse(&region).unwrap().plan_count(), 1);
@@ -314,7 +157,7 @@ fn a_region_may_be_larger_than_its_blob_and_a_file_may_not() {
 }
 
 #[test]
-fn a_blob_that_is_not_ours_is_refused_for_that_reason() {
+fn a_foreign_blob_is_refused_with_the_reason() {
     let blob = write(&tiny()).unwrap();
     let with = |at: usize, bytes: &[u8]| {
         let mut other = blob.clone();
@@ -330,7 +173,7 @@ fn a_blob_that_is_not_ours_is_refused_for_that_reason() {
     assert_eq!(refusal(&resealed(with(16, &[0; 8]))), BlobError::Schema);
 }
 
-/// A blob with a checksum that fits its bytes, by the slow definition of CRC-32.
+/// The blob with its checksum corrected: CRC-32, bit by bit.
 fn resealed(mut blob: Vec<u8>) -> Vec<u8> {
     let mut crc = u32::MAX;
     for &byte in blob[..24].iter().chain(&blob[28..]) {
@@ -411,7 +254,7 @@ fn equal_layers_are_stored_once() {
     let field = Picture::of(&["....", ".#..", "G..."]).field(false);
     let one = write(&draft(std::slice::from_ref(&field))).unwrap().len();
     let two = write(&draft(&[field.clone(), field])).unwrap();
-    // A blob's record, a layer's record, and the blob's name.
+    // The records of a plan and a layer, and the plan's name.
     assert!(two.len() - one <= 22 + 33 + 8, "{} more", two.len() - one);
     let blob = Blob::parse(&two).unwrap();
     assert_eq!(blob.parallel_plan(1).unwrap().layer(0).unwrap().bytes(), 0);
@@ -467,7 +310,7 @@ fn a_real_city_fits_its_budget() {
     }
 }
 
-/// Maps of every texture: a share of blocked cells, alone or in rectangles, and a goal.
+/// Maps of every texture: blocked cells as noise and in rectangles, and a goal.
 fn pictures() -> impl Strategy<Value = Picture> {
     let rectangle = (0..90u32, 0..90u32, 1..20u32, 1..20u32);
     let rectangles = prop::collection::vec(rectangle, 0..30);
@@ -495,7 +338,7 @@ fn pictures() -> impl Strategy<Value = Picture> {
     )
 }
 
-/// Arrays that no search would leave: any code beside any cost.
+/// Fields that no search would produce: any code with any cost.
 fn fields() -> impl Strategy<Value = Field> {
     let costs = prop_oneof![0..100_000u32, any::<u32>(), Just(5741u32)];
     let codes = prop_oneof![0..=NO_ESCAPE, ESCAPE..ESCAPE + 8];
@@ -520,7 +363,7 @@ proptest! {
         let blocked = field.code.iter().filter(|&&code| is_blocked(code)).count();
         let routed = field.cost.iter().filter(|&&cost| cost != UNREACHED).count();
         prop_assert_eq!((counts.blocked as usize, counts.free as usize), (blocked, routed));
-        // A plane may need its fixed part on a map of a few cells.
+        // 200 bytes for the fixed parts of the planes, which dominate on small maps.
         let most = layer.raw_bytes() + 200;
         prop_assert!(layer.bytes() <= most, "{} bytes", layer.bytes());
     }
@@ -541,7 +384,7 @@ proptest! {
         at in 28usize..1000,
     ) {
         let _ = Blob::parse(&bytes);
-        // Behind a true header and checksum, so that the validation is what refuses.
+        // With a correct header and checksum, so that the bytes reach the validation.
         let mut blob = write(&tiny()).unwrap();
         let at = at.min(blob.len() - 1);
         let end = (at + bytes.len()).min(blob.len());

@@ -1,4 +1,4 @@
-//! The table of boards, `boards/table/boards.toml`, against everything that repeats a part of it.
+//! Checks everything that repeats a part of the table of boards, `boards/table/boards.toml`, against it.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -9,7 +9,7 @@ use it::root;
 
 use crate::cli::Run;
 
-/// Folders below `boards/` that hold a board, not the table's own crate.
+/// The folders of boards below `boards/`, without that of the table's crate.
 fn folders() -> BTreeSet<String> {
     let entries = fs::read_dir(root().join("boards")).expect("boards/ is readable");
     let folders = entries.map(|entry| entry.expect("an entry is readable").path());
@@ -23,7 +23,7 @@ fn read(file: &str) -> String {
     fs::read_to_string(root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
 }
 
-/// The target that a folder's `cargo build` is for.
+/// The target that `cargo build` uses in a folder.
 fn target(folder: &Path) -> String {
     let file = root().join(folder).join(".cargo/config.toml");
     let text = fs::read_to_string(file).expect("the folder has a configuration");
@@ -31,7 +31,7 @@ fn target(folder: &Path) -> String {
     document["build"]["target"].as_str().expect("it names a target").to_owned()
 }
 
-/// `0x000C_0000`, as the documents write addresses.
+/// An address as the documents write it: `0x000C_0000`.
 fn address(address: u32) -> String {
     format!("`0x{:04X}_{:04X}`", address >> 16, address & 0xFFFF)
 }
@@ -58,7 +58,7 @@ fn row(board: &Board) -> String {
 }
 
 #[test]
-fn every_board_with_firmware_has_a_folder_and_no_other_has() {
+fn only_boards_with_firmware_have_a_folder() {
     let built = BOARDS.iter().filter(|board| board.state.has_firmware());
     assert_eq!(folders(), built.map(|board| board.name.clone()).collect());
 }
@@ -75,19 +75,19 @@ fn every_folder_builds_for_the_target_of_its_row() {
 }
 
 #[test]
-fn the_readme_of_the_boards_has_every_row_and_no_other() {
+fn the_readme_of_the_boards_has_exactly_the_rows_of_the_table() {
     let readme = read("boards/README.md");
     let expected: Vec<String> = BOARDS.iter().map(row).collect();
     let rows = readme.lines().skip_while(|line| !line.starts_with("| folder |")).skip(2);
     let rows: Vec<&str> = rows.take_while(|line| line.starts_with('|')).collect();
-    assert_eq!(rows, expected, "write these:\n{}", expected.join("\n"));
+    assert_eq!(rows, expected, "the rows must be:\n{}", expected.join("\n"));
 }
 
 #[test]
 fn the_readme_names_every_board_with_firmware() {
     let readme = read("README.md");
     let shipped = readme.lines().find(|line| line.starts_with("Firmware ships for"));
-    let shipped = shipped.expect("the README says what firmware ships for");
+    let shipped = shipped.expect("the README names the boards with firmware");
     for board in BOARDS.iter() {
         let is_named = shipped.contains(&format!("`{}`", board.name));
         assert_eq!(is_named, board.state.has_firmware(), "{}: {shipped}", board.name);
@@ -97,7 +97,7 @@ fn the_readme_names_every_board_with_firmware() {
 #[test]
 fn help_lists_every_board_and_marks_those_without_firmware() {
     let help = Run::new(&[]).done("build --help");
-    let (_, after) = help.split_once("--board <NAME>").expect("there is the option");
+    let (_, after) = help.split_once("--board <NAME>").expect("the help has the option");
     let lines = after.lines().map(str::trim);
     let lines =
         lines.skip_while(|line| !line.starts_with("- ")).take_while(|line| !line.is_empty());
@@ -114,6 +114,6 @@ fn the_licences_of_every_target_are_checked() {
     let deny = read("deny.toml");
     let targets = BOARDS.iter().map(|board| &board.target);
     for target in targets.chain(MACHINES.iter().map(|machine| &machine.target)) {
-        assert!(deny.contains(&format!("\"{target}\",")), "deny.toml leaves out {target}");
+        assert!(deny.contains(&format!("\"{target}\",")), "deny.toml does not list {target}");
     }
 }

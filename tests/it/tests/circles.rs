@@ -1,29 +1,29 @@
-//! Modules of a crate form no circle: if `a` uses `b`, then `b` does not use `a`, by whatever way.
-//! Read from the sources, so that a circle fails here on the day it comes.
+//! Modules do not depend on each other in a circle: if `a` uses `b`, then `b` does not use `a`,
+//! neither directly nor through other modules.
 //!
-//! What counts is who uses whom among the children of one module. A child may use what its parent
-//! defines, and a parent its children. Unit tests do not count.
+//! The test reads the sources of every crate and compares the children of each module with each
+//! other. Not counted: what a child uses of its parents or a parent of its children, and unit tests.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 
 use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree};
 
-/// A module by the names that lead to it from the crate's root.
+/// A module, as its path from the crate's root.
 type Module = Vec<String>;
 
-/// The modules of one crate and what each of them uses.
+/// The modules of one crate, and the paths that each of them uses.
 #[derive(Default)]
 struct Crate {
     modules: BTreeSet<Module>,
-    /// What names mean in a module by its `use` declarations.
+    /// For each module, the names that its `use` declarations define, with their paths.
     aliases: BTreeMap<Module, BTreeMap<String, Vec<String>>>,
-    /// Paths as they are written, by the module that writes them.
+    /// For each module, the paths in its code, as written.
     paths: BTreeMap<Module, BTreeSet<Vec<String>>>,
 }
 
-/// Reads one file, and the modules that are written out in it.
+/// Reads one file with its inline modules.
 struct Reader<'c> {
     found: &'c mut Crate,
     module: Module,
@@ -54,6 +54,7 @@ impl Visit<'_> for Reader<'_> {
 }
 
 impl Reader<'_> {
+    /// Adds the names and paths of a `use` declaration; `path` leads to the tree.
     fn read_use(&mut self, tree: &UseTree, mut path: Vec<String>) {
         let name = match tree {
             UseTree::Path(rest) => {
@@ -82,6 +83,7 @@ impl Reader<'_> {
     }
 }
 
+/// Whether an item has the attribute `#[cfg(test)]`.
 fn is_for_tests(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| {
         let is_cfg = attribute.path().is_ident("cfg");
@@ -90,7 +92,8 @@ fn is_for_tests(attributes: &[Attribute]) -> bool {
 }
 
 impl Crate {
-    /// Reads every source below a crate's `src`. Programs in `src/bin` are crates of their own.
+    /// Reads every source below a crate's `src`, except `src/bin`, whose programs are separate
+    /// crates.
     fn read(sources: &Path) -> Self {
         let mut found = Self::default();
         super::layering::visit(sources, &mut |path| {
@@ -99,16 +102,25 @@ impl Crate {
                 return;
             }
             let text = std::fs::read_to_string(path).expect("a source is readable");
-            let file = syn::parse_file(&text).expect("a source is Rust");
-            let module = module_of(below);
-            found.modules.insert(module.clone());
-            Reader { found: &mut found, module }.visit_file(&file);
+            found.add(below, &text);
         });
-        found.modules.retain(|module| module.last().is_none_or(|name| name != "tests"));
         found
     }
 
-    /// The module that a path leads to from a module; `None` if it leads out of the crate.
+    /// Adds the modules of one source; `file` is its path below `src`. Files of unit tests are
+    /// left out.
+    fn add(&mut self, file: &Path, text: &str) {
+        let module = module_of(file);
+        if module.last().is_some_and(|name| name == "tests") {
+            return;
+        }
+        let file = syn::parse_file(text).expect("a source is Rust");
+        self.modules.insert(module.clone());
+        Reader { found: self, module }.visit_file(&file);
+    }
+
+    /// The module that a path leads to from the module `from`; `None` if it leads out of the crate.
+    /// `depth` counts the aliases followed so far.
     fn target(&self, from: &Module, path: &[String], depth: usize) -> Option<Module> {
         let (first, mut rest) = path.split_first()?;
         let mut at = match first.as_str() {
@@ -132,7 +144,7 @@ impl Crate {
             }
             at.pop();
             let alias = self.aliases.get(&at).and_then(|aliases| aliases.get(name));
-            // An alias may lead to another; none leads on for ever.
+            // An alias may lead to another; the limit ends a chain that does not end itself.
             if let Some(alias) = alias.filter(|alias| alias.as_slice() != path && depth < 8) {
                 let onward: Vec<String> = alias.iter().chain(&rest[index + 1..]).cloned().collect();
                 return self.target(&at, &onward, depth + 1);
@@ -142,7 +154,7 @@ impl Crate {
         Some(at)
     }
 
-    /// Who uses whom among the children of each module, with one of the files that say so.
+    /// For each module, which of its children use which others, each with a module that does so.
     fn uses(&self) -> BTreeMap<Module, BTreeMap<String, BTreeMap<String, Module>>> {
         let mut uses: BTreeMap<Module, BTreeMap<String, BTreeMap<String, Module>>> =
             BTreeMap::new();
@@ -158,16 +170,16 @@ impl Crate {
         uses
     }
 
-    /// Every circle, as the names of the modules along it.
+    /// Every circle, as text: the names of the modules along it.
     fn circles(&self) -> Vec<String> {
         let mut circles = Vec::new();
         for (parent, uses) in self.uses() {
             for start in uses.keys() {
-                let Some(way) = way_back(&uses, start) else { continue };
-                // Each circle is listed once, from its first module.
-                if way.iter().all(|name| name >= start) {
+                let Some(circle) = circle_from(&uses, start) else { continue };
+                // A circle is found from each of its modules, but listed only from the first.
+                if circle.iter().all(|name| name >= start) {
                     let from = if parent.is_empty() { "crate".into() } else { parent.join("::") };
-                    circles.push(format!("in {from}: {} -> {start}", way.join(" -> ")));
+                    circles.push(format!("in {from}: {} -> {start}", circle.join(" -> ")));
                 }
             }
         }
@@ -175,24 +187,27 @@ impl Crate {
     }
 }
 
-/// The shortest way from a module over others back to itself.
-fn way_back(uses: &BTreeMap<String, BTreeMap<String, Module>>, start: &str) -> Option<Vec<String>> {
+/// The shortest circle from a module back to itself, found by a breadth-first search.
+fn circle_from(
+    uses: &BTreeMap<String, BTreeMap<String, Module>>,
+    start: &str,
+) -> Option<Vec<String>> {
     let mut seen = BTreeSet::new();
-    let mut ways = std::collections::VecDeque::from([vec![start.to_owned()]]);
-    while let Some(way) = ways.pop_front() {
-        for used in uses.get(way.last()?).into_iter().flat_map(BTreeMap::keys) {
+    let mut paths = VecDeque::from([vec![start.to_owned()]]);
+    while let Some(path) = paths.pop_front() {
+        for used in uses.get(path.last()?).into_iter().flat_map(BTreeMap::keys) {
             if used == start {
-                return Some(way);
+                return Some(path);
             }
             if seen.insert(used.clone()) {
-                ways.push_back(way.iter().chain([used]).cloned().collect());
+                paths.push_back(path.iter().chain([used]).cloned().collect());
             }
         }
     }
     None
 }
 
-/// `a/b.rs` and `a/b/mod.rs` are both module `a::b`; `lib.rs` and `main.rs` are the root.
+/// The module of a file: `a::b` for `a/b.rs` and `a/b/mod.rs`, the root for `lib.rs` and `main.rs`.
 fn module_of(file: &Path) -> Module {
     let mut names: Module =
         file.with_extension("").iter().map(|name| name.to_string_lossy().into_owned()).collect();
@@ -208,11 +223,36 @@ fn modules_form_no_circles() {
     for manifest in super::layering::manifests() {
         let sources: PathBuf = manifest.with_file_name("src");
         if sources.is_dir() {
-            let of = manifest.parent().and_then(|path| path.strip_prefix(it::root()).ok());
-            let of = of.expect("below the root").display().to_string();
-            circles
-                .extend(Crate::read(&sources).circles().iter().map(|way| format!("{of}, {way}")));
+            let folder = manifest.parent().and_then(|path| path.strip_prefix(it::root()).ok());
+            let folder = folder.expect("below the root").display().to_string();
+            let found = Crate::read(&sources).circles();
+            circles.extend(found.iter().map(|circle| format!("{folder}, {circle}")));
         }
     }
     assert!(circles.is_empty(), "{}", circles.join("\n"));
+}
+
+#[test]
+fn circles_are_found_through_paths_aliases_and_further_modules() {
+    let check = |files: &[(&str, &str)], expected: &[&str]| {
+        let mut found = Crate::default();
+        files.iter().for_each(|(file, text)| found.add(Path::new(file), text));
+        assert_eq!(found.circles(), expected, "{files:?}");
+    };
+    let root = ("lib.rs", "mod a;\nmod b;\nmod c;\npub use b::B;");
+    let a = ("a.rs", "use crate::B;\npub struct A(B);");
+    // Without a circle: `a` uses `b`, through the name that the root exports.
+    check(&[root, a, ("b.rs", "pub struct B;")], &[]);
+    check(&[root, a, ("b.rs", "pub struct B;\n#[cfg(test)]\nmod tests { use crate::a::A; }")], &[]);
+    // Directly, by a path in the code.
+    check(&[root, a, ("b.rs", "pub struct B(super::a::A);")], &["in crate: a -> b -> a"]);
+    // Through `c`, and from a module within `b`.
+    let c = ("c/mod.rs", "use crate::a as other;\npub struct C(other::A);");
+    let within = ("b/within.rs", "fn f() -> super::super::c::C { todo() }");
+    let b = ("b.rs", "mod within;\npub struct B;");
+    check(&[root, a, b, c, within], &["in crate: a -> b -> c -> a"]);
+    // Below a module.
+    let x = ("b/x.rs", "use super::y::Y;");
+    let y = ("b/y.rs", "use crate::b::x;\nfn f() { x::g() }");
+    check(&[root, a, b, x, y], &["in b: x -> y -> x"]);
 }

@@ -1,8 +1,8 @@
-//! The `plan-compiler` binary as a user runs it: in a folder of its own, by its arguments,
-//! judged by its exit status, its output and the files it leaves.
+//! The `plan-compiler` binary as a user runs it, each time in a new folder. The tests check its exit
+//! status, its output and the files that it writes.
 //!
-//! What it says of mistakes is in `tests/golden/errors`, one file a class, to be read as a
-//! newcomer would. `INSTA_UPDATE=always cargo test -p it cli` writes them anew.
+//! Its error messages are in `tests/golden/errors`, one file per class of mistakes.
+//! `INSTA_UPDATE=always cargo test -p it cli` rewrites them.
 
 mod examples;
 mod hostile;
@@ -32,12 +32,12 @@ BOUNDARY \"NoCommZone west\" 0 20  10 20  10 30  0 30
 BOUNDARY NoFlyZone1 28 20  32 20  32 24  28 24
 ";
 
-/// The binary run in a folder of its own.
+/// The binary in a new folder.
 pub(crate) struct Run {
     pub(super) folder: TempDir,
 }
 
-/// What a run ended with.
+/// The result of a run.
 pub(crate) struct Ended {
     pub(crate) status: i32,
     pub(crate) out: String,
@@ -61,7 +61,7 @@ impl Run {
         self.folder.path().join(name)
     }
 
-    /// Runs with arguments parted by spaces, or by `|` if there are any.
+    /// Runs with arguments that are separated by `|`, or by spaces if there is no `|`.
     pub(crate) fn run(&self, arguments: &str, input: &str) -> Ended {
         let by = if arguments.contains('|') { '|' } else { ' ' };
         let mut child = Command::new(harness::setup::plan_compiler().unwrap())
@@ -74,7 +74,7 @@ impl Run {
             .unwrap();
         let mut stdin = child.stdin.take().unwrap();
         let input = input.to_owned();
-        // Whoever does not read its input closes it.
+        // A program that does not read its input closes the pipe.
         let feeding = std::thread::spawn(move || {
             let _ = std::io::Write::write_all(&mut stdin, input.as_bytes());
         });
@@ -88,7 +88,7 @@ impl Run {
         }
     }
 
-    /// Runs what must succeed.
+    /// Runs a command that must succeed.
     pub(crate) fn done(&self, arguments: &str) -> String {
         let ended = self.run(arguments, "");
         assert_eq!(ended.status, 0, "{arguments}\n{}", ended.err);
@@ -105,8 +105,8 @@ impl Run {
     }
 }
 
-/// A mistake must end with status 1, say what the golden file holds, print nothing, and leave
-/// every file as it was, whether the output existed or not.
+/// Checks that a mistake ends with status 1, reports the message of the golden file, prints nothing,
+/// and leaves every file unchanged, whether the output existed or not.
 fn check(name: &str, files: &[(&str, &[u8])], arguments: &str, input: &str) {
     for output_exists in [false, true] {
         let run = Run::new(files);
@@ -393,7 +393,7 @@ fn inspect_says_what_the_blob_holds() {
     let count = |name: &str| layer[name].as_u64().unwrap();
     assert_eq!(layer["name"], "physical");
     assert_eq!(count("free") + count("blocked") + count("unreachable"), 40 * 30);
-    // The inside of the house: 9 m by 9 m of free cells, of which the wall touches none.
+    // The inside of the house: 9 m by 9 m of free cells that the wall does not touch.
     assert_eq!(count("unreachable"), 81);
     assert!(run.done("inspect plans.bin").contains("gate/physical"));
 }
@@ -427,7 +427,7 @@ fn query_answers_every_point() {
     for (line, (direction, cell, escape)) in lines.iter().zip(expected) {
         let (got_direction, got_cell, got_escape) = row(line);
         assert_eq!((got_cell.as_str(), got_escape), (cell, escape), "{line}");
-        // Which way out of a circle's middle is no business of this test.
+        // The direction out of a circle's middle is not defined.
         assert!(direction.is_empty() || direction == got_direction, "{line}");
     }
     assert_eq!(lines[0]["cost_m"], 0.0);

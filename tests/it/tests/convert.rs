@@ -1,7 +1,7 @@
 //! `plan-compiler convert` as a user runs it: maps, blobs and MissionLab's Iplan.dat, one into
 //! the other and back.
 //!
-//! What it says of mistakes is in `tests/golden/errors`, beside that of the other commands.
+//! Its error messages are in `tests/golden/errors`, beside those of the other commands.
 
 use maps::Map;
 use maps::formats::iplan;
@@ -24,7 +24,7 @@ use tempfile::TempDir;
 const YARD: &str = "type octile\nheight 4\nwidth 6\nmap\n......\n..TT..\n..T...\n......\n";
 const PLAN: &str = "BEGIN_PLAN\nP\nyard.map\nORDERED\nFALSE\n<0.5,0.5>\n1\nMOVETO\n1\n<4.5,2.5>\n";
 
-/// The binary in a folder of its own.
+/// The binary in a new folder.
 struct Run {
     folder: TempDir,
 }
@@ -46,7 +46,7 @@ impl Run {
         fs::read_to_string(self.path(name)).unwrap()
     }
 
-    /// Exit status and what was said.
+    /// Exit status and messages.
     fn run(&self, arguments: &str) -> (i32, String) {
         let output = Command::new(harness::setup::plan_compiler().unwrap())
             .args(arguments.split(' '))
@@ -70,8 +70,8 @@ impl Run {
     }
 }
 
-/// A mistake must end with status 1, say what the golden file holds, and leave every file as
-/// it was, whether the output existed or not.
+/// Checks that a mistake ends with status 1, reports the message of the golden file, and leaves every
+/// file unchanged, whether the output existed or not.
 fn check(name: &str, files: &[(&str, &str)], arguments: &str, output: &str) {
     for output_exists in [false, true] {
         let run = Run::new(files);
@@ -223,7 +223,7 @@ fn mistakes_are_told() {
     check("convert_what_is_too_far", &[("long.map", &long)], arguments, "Iplan.dat");
 }
 
-/// An Iplan.dat with one goal, whose costs say nothing yet.
+/// An Iplan.dat with one goal and placeholders for the costs.
 fn drawn(blocked: &[Vec<bool>], resolution: &str, goal: [f64; 2]) -> String {
     let (columns, rows, [x, y]) = (blocked.len(), blocked[0].len(), goal);
     let values =
@@ -235,7 +235,7 @@ fn drawn(blocked: &[Vec<bool>], resolution: &str, goal: [f64; 2]) -> String {
     format!("p\nm.map\nORDERED\nFALSE\nTEXT\n0\n{map}END_FILE\n")
 }
 
-/// What is read from an Iplan.dat, and the Iplan.dat of its plans.
+/// The map of an Iplan.dat, and the Iplan.dat written from its plans.
 fn there_and_back(text: &str) -> (Map, String) {
     let source = Source { name: "Iplan.dat".into(), text: text.into() };
     let (map, mut problems) = iplan::read(&Arc::new(source));
@@ -294,8 +294,8 @@ fn beside(run: &Run, file: &Path) -> String {
     name
 }
 
-/// The historic program's queue rewrote some cells by worse costs: these and the names are all
-/// that differs, whether the copy comes from its obstacles or from a copy.
+/// The historic program's queue overwrote the costs of some cells with worse ones. Only these and the
+/// names differ, whether the new file comes from the obstacles or from a copy.
 #[test]
 fn the_historic_plan_comes_out_again_but_for_its_bug() {
     let Some(file) = real("Iplan.dat") else { return };

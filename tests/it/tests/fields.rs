@@ -1,9 +1,8 @@
-//! Fields against slow references, pictures, and results that others published.
+//! Fields, compared with slow references and with drawn pictures.
 
-use it::real_data;
+mod published;
+
 use maps::Bitmap;
-use maps::formats::{ReadOptions, read};
-use maps::problem::draw;
 use plan_compiler::field::{self, Field};
 use plan_compiler::search::{
     Corners, MAX_COST, Method, Query, Solver, Vectors, is_cut_short, step,
@@ -14,9 +13,8 @@ use plan_format::{Cell, Direction};
 use proptest::prelude::*;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
-use std::path::Path;
 
-/// The length of a path as its numbers of steps, ordered by `straight + diagonal sqrt 2`.
+/// The length of a path as its numbers of steps, ordered by `straight + diagonal * sqrt 2`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Length {
     straight: i64,
@@ -54,8 +52,8 @@ impl PartialOrd for Length {
     }
 }
 
-/// Dijkstra's algorithm with a binary heap, plainly: the shortest lengths from the sources by
-/// the steps that `step` allows.
+/// A plain Dijkstra search with a binary heap: the shortest lengths from the sources by the steps
+/// that `step` allows.
 fn dijkstra(
     size: (u32, u32),
     sources: &[Cell],
@@ -79,7 +77,7 @@ fn dijkstra(
     lengths
 }
 
-/// Whether a step may be taken, said once more and independently of the search.
+/// The cell that a legal step leads to, computed independently of the search.
 fn legal(blocked: &Bitmap, corners: Corners, from: Cell, direction: Direction) -> Option<Cell> {
     let (dx, dy) = direction.step();
     let at = |dx: i32, dy: i32| {
@@ -114,7 +112,7 @@ fn assert_right(blocked: &Bitmap, goal: Cell, corners: Corners, field: &Field) {
         let (cost, code) = (field.cost[index(cell)], field.code[index(cell)]);
         assert_eq!(cost, lengths[index(cell)].map_or(field::UNREACHED, Length::cost), "{cell:?}");
         assert_eq!(field::is_blocked(code), blocked.get(cell), "{cell:?}");
-        // Either kind of cell is led along the lengths of its own kind.
+        // Free cells follow the lengths of routes, blocked cells those of escapes.
         let (lengths, move_) = if is_free(cell) {
             (&lengths, field::advised(code))
         } else {
@@ -163,7 +161,7 @@ fn solve_by(solver: &mut Solver, blocked: &Bitmap, goal: Cell, corners: Corners)
     solver.solve(&Query { terrain: &Terrain::new(blocked.clone()), goal, corners })
 }
 
-/// Compares what every method finds with the references.
+/// Compares the results of every method with the references.
 fn assert_solved(blocked: &Bitmap, goal: Cell, corners: Corners) {
     let field = solve(blocked, goal, corners);
     assert_right(blocked, goal, corners, &field);
@@ -198,7 +196,7 @@ fn turned_map(map: &Bitmap, symmetry: u8) -> Bitmap {
     turned_map
 }
 
-/// Maps of several textures: noise of any density, rectangles, walls with doors.
+/// Maps of several textures: noise of any density, rectangles, or walls with doors.
 fn maps(side: u32) -> impl Strategy<Value = Bitmap> {
     let size = (1..=side, 1..=side);
     let noise =
@@ -243,7 +241,7 @@ proptest! {
 
     #[test]
     fn fields_equal_the_reference(
-        // Large enough for two tiles and what passes between them.
+        // Large enough for two tiles and the transfer between them.
         map in maps(100), corners in corners(), column in 0u32..100, row in 0u32..100,
     ) {
         let goal = Cell::new(column, row);
@@ -284,7 +282,7 @@ proptest! {
 }
 
 #[test]
-fn a_solver_leaves_nothing_behind() {
+fn a_reused_solver_gives_the_same_fields() {
     let mut solver = Solver::new();
     for (columns, rows) in [(70, 40), (3, 200), (130, 130), (1, 1), (64, 64)] {
         for corners in [Corners::Forbid, Corners::Allow] {
@@ -306,7 +304,7 @@ fn arrows(field: &Field) -> Vec<String> {
     })
 }
 
-/// Draws escapes as arrows: `#` where there is none, `.` where the cell is free.
+/// Draws escapes as arrows. Blocked cells without an escape are `#`, free cells `.`.
 fn escapes(field: &Field) -> Vec<String> {
     picture(field, |code| match field::escape(code) {
         Some(direction) => arrow(direction),
@@ -324,7 +322,7 @@ fn picture(field: &Field, symbol: impl Fn(u8) -> char) -> Vec<String> {
     rows.map(|row| row.iter().map(|&code| symbol(code)).collect()).collect()
 }
 
-/// Solves a drawn map (`#` blocked, `*` the goal) and checks the field and what is drawn of it.
+/// Solves a drawn map (`#` blocked, `*` the goal), and checks the field and its drawing.
 #[track_caller]
 fn check(
     map: &[&str],
@@ -397,7 +395,7 @@ fn folded_corridor(columns: u32, rows: u32) -> Bitmap {
 }
 
 #[test]
-fn paths_that_are_too_long_are_told() {
+fn paths_that_are_too_long_are_reported() {
     for (rows, too_long) in [(1_099, false), (1_299, true)] {
         let columns = 1_200;
         let map = folded_corridor(columns, rows);
@@ -419,140 +417,6 @@ fn paths_that_are_too_long_are_told() {
         } else {
             assert_eq!(farthest, cost);
         }
-    }
-}
-
-/// The blocked cells of a MovingAI map.
-fn movingai_map(path: &Path) -> Bitmap {
-    let (map, problems) = read(path, &ReadOptions::default());
-    let cells = map.and_then(|map| map.cells);
-    cells.unwrap_or_else(|| panic!("{}", draw(&problems, false))).blocked()
-}
-
-/// One line of a MovingAI scenario; rows count from the north.
-#[derive(Debug, PartialEq)]
-struct Entry {
-    map: String,
-    start: [u32; 2],
-    goal: [u32; 2],
-    /// In cells, with diagonals of the square root of two.
-    length: f64,
-}
-
-/// The entries of a scenario file, every line of it.
-fn scenario(text: &str) -> Vec<Entry> {
-    let mut lines = text.lines();
-    let header = lines.next().expect("a header");
-    assert!(["version 1", "version 1.0"].contains(&header.trim()), "{header}");
-    let entry = |line: &str| {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let [_, map, _, _, x, y, goal_x, goal_y, length] = words[..] else { panic!("{line}") };
-        let number = |word: &str| word.parse::<u32>().expect("a coordinate");
-        // Some files name the map with the folder that it lay in.
-        let map = map.rsplit('/').next().expect("a name").to_owned();
-        let (start, goal) = ([x, y].map(number), [goal_x, goal_y].map(number));
-        Entry { map, start, goal, length: length.parse().expect("a length") }
-    };
-    lines.filter(|line| !line.trim().is_empty()).map(entry).collect()
-}
-
-#[test]
-fn both_spellings_of_a_scenarios_header_are_read() {
-    let entry = "16\tmaps/dao/a.map\t32\t32\t15\t2\t1\t27\t64.31370850";
-    let expected =
-        [Entry { map: "a.map".into(), start: [15, 2], goal: [1, 27], length: 64.313_708_5 }];
-    for (header, end) in [("version 1", "\n"), ("version 1.0", "\r\n")] {
-        assert_eq!(scenario(&format!("{header}{end}{entry}{end}{end}")), expected);
-    }
-}
-
-#[test]
-fn every_published_movingai_length_is_reproduced() {
-    let Some(folder) = real_data("movingai") else { return };
-    let mut solver = Solver::new();
-    let (mut compared, mut files) = (0, 0);
-    for file in std::fs::read_dir(&folder).expect("a folder") {
-        let path = file.expect("an entry").path();
-        if path.extension().is_none_or(|extension| extension != "scen") {
-            continue;
-        }
-        files += 1;
-        let entries = scenario(&std::fs::read_to_string(&path).expect("text"));
-        let map = movingai_map(&folder.join(&entries[0].map));
-        let cell = |[x, y]: [u32; 2]| Cell::new(x, map.rows() - 1 - y);
-        let mut field = solve(&Bitmap::new(0, 0), Cell::new(0, 0), Corners::Forbid);
-        let terrain = Terrain::new(map.clone());
-        for entry in entries {
-            let goal = cell(entry.goal);
-            let query = Query { terrain: &terrain, goal, corners: Corners::Forbid };
-            solver.solve_into(&query, &mut field);
-            let start = cell(entry.start);
-            let cost = field.cost[(start.row * map.columns() + start.column) as usize];
-            let got = f64::from(cost) / f64::from(STRAIGHT_STEP);
-            // Some files print six significant digits; the convergent adds 1.5e-8.
-            let tolerance = entry.length * 6e-6 + 1e-8;
-            assert!((got - entry.length).abs() <= tolerance, "{path:?}: {entry:?}: {got}");
-            compared += 1;
-        }
-    }
-    // Every line of every file that lies there.
-    assert!(files >= 6 && compared >= 3_743, "{files} files, {compared} lengths");
-}
-
-/// The fields of an `Iplan.dat`: size, goal and values, x outer and y inner.
-fn iplan_fields(text: &str) -> Vec<((u32, u32), Cell, Vec<f64>)> {
-    let mut fields = Vec::new();
-    let mut lines = text.lines().map(str::trim);
-    while lines.any(|line| line == "BEGIN_MAP") {
-        let header: Vec<&str> = lines.by_ref().take_while(|&line| line != "#Data").collect();
-        let number = |index: usize| header[index].parse::<u32>().expect("a number");
-        let values: Vec<f64> = lines
-            .by_ref()
-            .take_while(|&line| line != "END_MAP")
-            .map(|line| line.parse().expect("a value"))
-            .collect();
-        fields.push(((number(1), number(2)), Cell::new(number(4), number(5)), values));
-    }
-    fields
-}
-
-/// A cost as the historic generator counted it: a diagonal is 1.414.
-fn in_iplan_units(cost: u32) -> f64 {
-    let diagonals = (0..STRAIGHT_STEP)
-        .find(|diagonals| (cost - diagonals * DIAGONAL_STEP).is_multiple_of(STRAIGHT_STEP))
-        .expect("a sum of steps");
-    let straights = (cost - diagonals * DIAGONAL_STEP) / STRAIGHT_STEP;
-    f64::from(straights) + 1.414 * f64::from(diagonals)
-}
-
-#[test]
-fn the_historic_plans_are_reproduced_but_for_their_generators_errors() {
-    const OBSTACLE: f64 = 9998.0;
-    const UNREACHED: f64 = 9999.0;
-    let Some(folder) = real_data("missionlab") else { return };
-    let text = std::fs::read_to_string(folder.join("Iplan.dat")).expect("text");
-    let fields = iplan_fields(&text);
-    assert_eq!(fields.len(), 2);
-    for ((columns, rows), goal, values) in fields {
-        let value = |cell: Cell| values[(cell.column * rows + cell.row) as usize];
-        let blocked =
-            Bitmap::from_fn(columns, rows, |cell| value(cell).total_cmp(&OBSTACLE).is_eq());
-        let field = solve(&blocked, goal, Corners::Allow);
-        let mut worse = 0;
-        for cell in cells((columns, rows)).filter(|&cell| !blocked.get(cell)) {
-            let cost = field.cost[(cell.row * columns + cell.column) as usize];
-            assert_eq!(
-                cost == field::UNREACHED,
-                value(cell).total_cmp(&UNREACHED).is_eq(),
-                "{cell:?}"
-            );
-            if cost != field::UNREACHED {
-                let above = value(cell) - in_iplan_units(cost);
-                assert!((-0.002..0.4).contains(&above), "{cell:?} {above}");
-                worse += usize::from(above > 0.002);
-            }
-        }
-        assert!(worse <= 7, "{worse} cells differ");
     }
 }
 

@@ -1,4 +1,4 @@
-//! Map formats through the built binary: a file in, cells and answers out.
+//! Map formats, read by the built binary: the tests compare cells and answers.
 
 mod damaged;
 mod field;
@@ -24,7 +24,7 @@ fn picture(run: &Run, layer: &str) -> String {
     text.lines().rev().map(row).collect()
 }
 
-/// What `inspect` says.
+/// The output of `inspect`.
 fn inspected(run: &Run) -> serde_json::Value {
     serde_json::from_str(&run.done("inspect plans.bin --json")).expect("JSON")
 }

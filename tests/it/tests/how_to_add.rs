@@ -1,8 +1,8 @@
-//! "How to add" in the README, followed: a schema, a map format and a board are added to a copy of
-//! the project by exactly the steps that stand there, and what comes out is used.
+//! Follows "How to add" in the README: adds a schema, a map format and a board to a copy of the
+//! project by the documented steps, and uses the result.
 //!
-//! Each step edits one file. A step that the README does not name fails, and so does one that it
-//! names and that no longer fits the code.
+//! Each step edits one file. A step fails if the README does not name its file or if it no longer
+//! fits the code.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,14 +11,14 @@ use std::process::Command;
 use harness::setup;
 use it::root;
 
-/// A copy of the project's sources, and the part of the README that is followed.
+/// A copy of the project's sources, and the steps of the README to follow.
 struct Tree {
     folder: tempfile::TempDir,
     steps: String,
 }
 
 impl Tree {
-    /// `part`: how its heading in the README begins.
+    /// Copies the project and reads the steps below the README's heading that begins with `part`.
     fn following(part: &str) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         copy(root(), folder.path());
@@ -33,7 +33,7 @@ impl Tree {
         self.folder.path().join(file)
     }
 
-    /// The steps must name the file that is about to be touched, or its folder's copy.
+    /// Checks that the steps name a file or folder.
     fn step(&self, file: &str) {
         assert!(self.steps.contains(&format!("`{file}`")), "no step names {file}:\n{}", self.steps);
     }
@@ -53,7 +53,7 @@ impl Tree {
         fs::write(self.path(file), text).expect("the copy can be written");
     }
 
-    /// Writes beside each line that mentions `old` the same with `new`, in the cases that occur.
+    /// Repeats each line that contains one of the words `old`, with these replaced by `new`.
     fn beside(&self, file: &str, old: &[&str], new: &[&str]) {
         self.step(file);
         let text = fs::read_to_string(self.path(file)).expect("a file of the project");
@@ -71,26 +71,26 @@ impl Tree {
         fs::write(self.path(file), lines.join("\n") + "\n").expect("the copy can be written");
     }
 
-    /// Runs cargo in the copy, with a build folder of its own that is kept for the next time.
+    /// Runs cargo in the copy, with a separate build folder that is kept for the next run.
     fn cargo(&self, folder: &str, arguments: &[&str]) -> String {
         let target = setup::target_folder().join("how-to-add");
         let output = Command::new(env!("CARGO"))
             .args(arguments)
             .current_dir(self.path(folder))
             .env("CARGO_TARGET_DIR", target)
-            // Nothing here is slow, and nobody debugs it.
+            // Optimisation and debug information would only slow the build down.
             .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
             .env("CARGO_PROFILE_DEV_DEBUG", "0")
             .env_remove("RUSTFLAGS")
             .output()
             .expect("cargo runs");
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.success(), "cargo {arguments:?}:\n{said}");
-        String::from_utf8_lossy(&output.stdout).into_owned() + &said
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "cargo {arguments:?}:\n{errors}");
+        String::from_utf8_lossy(&output.stdout).into_owned() + &errors
     }
 }
 
-/// All but build output and git's own.
+/// Copies a folder, except build output and git's own folder.
 fn copy(from: &Path, to: &Path) {
     fs::create_dir_all(to).expect("the copy can be written");
     for entry in fs::read_dir(from).expect("a folder is readable") {
@@ -175,12 +175,12 @@ fn a_schema_and_a_format_are_added_by_the_steps_of_the_readme() {
         "plan-compiler/src/cli.rs",
         &[("movingai::CONVENTIONS,", "\n        sketch::CONVENTIONS,")],
     );
-    // Where the list of imports ends, whatever else stands in it.
+    // At the start of the list of imports.
     format.edit("plan-compiler/src/cli.rs", &[("use maps::formats::{", "sketch, ")]);
 
-    // The schema: its golden vectors hold, and a mission can weigh it.
-    let said = format.cargo("", &["test", "--package", "wayfield-schemas", "--lib"]);
-    assert!(said.contains("move_ahead::tests::golden_vectors ... ok"), "{said}");
+    // The schema: its golden vectors hold, and a mission can set its gain.
+    let output = format.cargo("", &["test", "--package", "wayfield-schemas", "--lib"]);
+    assert!(output.contains("move_ahead::tests::golden_vectors ... ok"), "{output}");
     // The format: map text in, field out.
     let map = format.path("yard.sketch");
     fs::write(&map, "sketch\n.....\n.###.\n.....\n").expect("a map is written");
@@ -190,12 +190,12 @@ fn a_schema_and_a_format_are_added_by_the_steps_of_the_readme() {
     let build = ["build", "yard.sketch", "--robot-radius", "0", "-o", "plans.bin"];
     format.cargo("", &[&run[..], &build[..]].concat());
     let query = ["query", "plans.bin", "--layer", "east/physical", "--at", "2.5,2.5"];
-    let said = format.cargo("", &[&run[..], &query[..]].concat());
+    let output = format.cargo("", &[&run[..], &query[..]].concat());
     // Two steps along the bar, then round its end without cutting the corner.
-    assert!(said.contains("\"cost_m\":4,") || said.contains("\"cost_m\":4.0,"), "{said}");
+    assert!(output.contains("\"cost_m\":4,") || output.contains("\"cost_m\":4.0,"), "{output}");
 }
 
-/// The list of all formats says how long it is.
+/// Adds one to the length of the list of all formats.
 fn grow_the_list(path: &Path) {
     let text = fs::read_to_string(path).expect("a file of the project");
     let (before, after) = text.split_once("ALL: [Self; ").expect("the list of formats");

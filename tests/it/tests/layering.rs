@@ -1,12 +1,14 @@
-//! Dependencies run one way. The tests read the manifests, so a wrong dependency fails here.
+//! Checks on the structure of the project: dependencies run one way, `unsafe` stays where it is
+//! allowed, and every crate and every test that the documents name exists. All is read from the
+//! manifests and sources.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use it::root;
 
-/// Which of our crates each crate may use. A crate without a row fails the test: its author decides
-/// where it stands.
+/// The project's crates, each with those that it may use. A crate without a row fails the test, so
+/// that a new crate gets its layer deliberately.
 const MAY_USE: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("plan-format", &["math"]),
@@ -104,10 +106,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Where `unsafe` may be written: the shell, the boards and the QEMU guest.
+/// Folders whose code may be `unsafe`: the shell, the boards and the QEMU guest.
 const MAY_BE_UNSAFE: &[&str] = &["firmware/runtime", "boards", "qemu/guest"];
 
-/// What may lie at the root, besides dot files.
+/// Files and folders at the root, besides dot files and build output.
 const AT_ROOT: &[&str] = &[
     "CHANGELOG.md",
     "Cargo.lock",
@@ -138,7 +140,7 @@ fn dependencies_run_one_way() {
         let document = read_manifest(&manifest);
         let name = crate_name(&document);
         let Some(may): Option<&BTreeSet<&str>> = allowed.get(name.as_str()) else {
-            wrong.push(format!("{name} has no row in the table of layers"));
+            wrong.push(format!("{name} has no row in MAY_USE"));
             continue;
         };
         for used in dependencies(document.as_table()) {
@@ -151,16 +153,16 @@ fn dependencies_run_one_way() {
 }
 
 #[test]
-fn unsafe_code_stays_in_its_rooms() {
+fn unsafe_code_stays_in_its_folders() {
     let mut wrong = Vec::new();
     visit(root(), &mut |path| {
         if path.extension().is_some_and(|extension| extension == "rs") {
             let relative = path.strip_prefix(root()).expect("below the root");
             let text = std::fs::read_to_string(path).expect("a source file is readable");
-            if lifts_unsafe_lint(&text)
-                && !MAY_BE_UNSAFE.iter().any(|room| relative.starts_with(room))
+            if lowers_unsafe_lint(&text)
+                && !MAY_BE_UNSAFE.iter().any(|folder| relative.starts_with(folder))
             {
-                wrong.push(format!("{} lifts the lint on unsafe code", relative.display()));
+                wrong.push(format!("{} lowers the lint on unsafe code", relative.display()));
             }
         }
     });
@@ -168,7 +170,7 @@ fn unsafe_code_stays_in_its_rooms() {
 }
 
 /// Whether an attribute of a source file lowers the lint on unsafe code.
-fn lifts_unsafe_lint(text: &str) -> bool {
+fn lowers_unsafe_lint(text: &str) -> bool {
     ["allow(", "expect(", "warn("].iter().any(|attribute| {
         let lists = text.split(attribute).skip(1).filter_map(|rest| rest.split(')').next());
         lists.flat_map(|list| list.split(',')).any(|lint| lint.trim() == concat!("unsafe", "_code"))
@@ -184,16 +186,16 @@ fn every_attribute_that_lowers_the_unsafe_lint_is_found() {
         r#"#![cfg_attr(target_os = "none", warn(UNSAFE))]"#,
     ] {
         let text = lowered.replace("UNSAFE", concat!("unsafe", "_code"));
-        assert!(lifts_unsafe_lint(&text), "{text}");
+        assert!(lowers_unsafe_lint(&text), "{text}");
     }
     for kept in ["#![deny(UNSAFE)]", "#[expect(dead_code)]", r#"slot.expect("is unsafe")"#] {
         let text = kept.replace("UNSAFE", concat!("unsafe", "_code"));
-        assert!(!lifts_unsafe_lint(&text), "{text}");
+        assert!(!lowers_unsafe_lint(&text), "{text}");
     }
 }
 
 #[test]
-fn every_crate_takes_the_workspace_lints() {
+fn every_crate_uses_the_workspace_lints() {
     for manifest in manifests() {
         let text = std::fs::read_to_string(&manifest).expect("a manifest is readable");
         assert!(text.contains("[lints]\nworkspace = true"), "{}", manifest.display());
@@ -223,6 +225,7 @@ fn code_map() -> Vec<String> {
         .collect()
 }
 
+/// The code map of the README names the folder of every crate.
 #[test]
 fn the_readme_maps_every_crate() {
     let mapped: BTreeSet<String> = code_map().into_iter().collect();
@@ -266,7 +269,7 @@ fn one_version_of_rust_is_pinned_stated_and_documented() {
     }
 }
 
-/// A requirement is met by a test that exists, or it is open.
+/// Every test that a requirement names exists, and a requirement without a test is marked open.
 #[test]
 fn every_requirement_names_tests_that_exist() {
     let table = std::fs::read_to_string(root().join("tests/REQUIREMENTS.md")).expect("it is there");
@@ -282,11 +285,11 @@ fn every_requirement_names_tests_that_exist() {
     for row in table.lines().filter(|line| line.starts_with("| W") || line.starts_with("| H")) {
         let cells: Vec<&str> = row.split('|').map(str::trim).collect();
         let (id, proof) = (cells[1], cells[4]);
-        // Every second part stands between backticks; tests have long names.
+        // Every second part is between backticks; the name of a test has an underscore.
         let names = proof.split('`').skip(1).step_by(2).filter(|name| name.contains('_'));
         for name in names {
             if !sources.contains(&format!("fn {name}(")) {
-                wrong.push(format!("{id}: there is no test `{name}`"));
+                wrong.push(format!("{id}: the test `{name}` does not exist"));
             }
         }
         if proof.is_empty() {
@@ -322,7 +325,7 @@ fn crate_name(manifest: &toml_edit::Document<String>) -> String {
 
 fn dependencies(table: &toml_edit::Table) -> Vec<String> {
     let mut names = Vec::new();
-    // Tests may use any crate; only dependencies that are linked into a product count.
+    // Only dependencies that are linked into a product count, not those of tests.
     for section in ["dependencies", "build-dependencies"] {
         if let Some(entries) = table.get(section).and_then(|item| item.as_table_like()) {
             names.extend(entries.iter().map(|(name, _)| name.to_owned()));
@@ -338,7 +341,7 @@ fn dependencies(table: &toml_edit::Table) -> Vec<String> {
     names
 }
 
-/// Calls `seen` for every file below `path`, build output and dot folders left out.
+/// Calls `seen` for every file below `path`, except build output, dot files and dot folders.
 pub(crate) fn visit(path: &Path, seen: &mut dyn FnMut(&Path)) {
     for entry in std::fs::read_dir(path).expect("a folder is readable") {
         let entry = entry.expect("an entry is readable").path();

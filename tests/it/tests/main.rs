@@ -1,4 +1,4 @@
-//! Every integration test in one binary: the built programs and the crates' boundaries.
+//! All integration tests in one binary: they test the built programs and the crates' boundaries.
 
 mod behaviours;
 mod blob;
@@ -8,6 +8,7 @@ mod cli;
 mod convert;
 mod fields;
 mod formats;
+mod glossary;
 mod how_to_add;
 mod layering;
 mod missions;
@@ -15,4 +16,5 @@ mod opar;
 mod overlays;
 mod qemu;
 mod runs;
+mod wording;
 mod work;

@@ -1,7 +1,7 @@
-//! Whole missions on the campus, on the host: who arrives, who is trapped, who touches what.
+//! Whole missions on the campus, on the host: which robots arrive, are trapped or touch something.
 //!
-//! The runs use everything but a board: the map as a user reads it, the blob as the compiler
-//! writes it, the receiver's bytes, the runtime's tasks and the controller.
+//! The runs use all of the product except a board: the map reader, the compiler's blob, the
+//! receiver's bytes, the runtime's tasks and the controller.
 
 use maps::problem::Source;
 use maps::{Map, Reference};
@@ -22,7 +22,7 @@ mod faults;
 mod receivers;
 mod starts;
 
-/// Everything that the missions on the campus share.
+/// The campus: its map and its true world.
 struct Campus {
     map: Map,
     world: World,
@@ -42,7 +42,7 @@ impl Campus {
         Self { world: World::of_map(&map), map, reference }
     }
 
-    /// The blob of the shipped mission, of which some text is replaced.
+    /// The blob of the shipped mission with some of its text replaced.
     fn blob(&self, replacements: &[(&str, &str)]) -> Vec<u8> {
         let path = it::own_map("campus.mission.toml");
         let (shipped, _) = source::read_text(&path).expect("the mission is readable");
@@ -60,7 +60,7 @@ impl Campus {
     }
 }
 
-/// The campus compiled with the shipped mission, of which some text is replaced.
+/// The blob of the campus and its shipped mission with some text replaced.
 fn blob(replacements: &[(&str, &str)]) -> Vec<u8> {
     campus().blob(replacements)
 }
@@ -120,8 +120,8 @@ fn the_overlay_is_the_same_campus() {
     assert!(routes > 200_000, "{routes} cells were compared");
 }
 
-/// Arrival where the robot believes the goal to be, which its receiver puts up to three sigma
-/// off in almost all cases.
+/// Limits of a run. The robot stops where it believes the goal to be; its receiver is almost always
+/// less than three sigma off.
 fn limits(blob: &Blob<'_>, sigma_m: f64) -> Limits {
     let goal = blob.goal().expect("the mission has a goal");
     let tolerance_m = f64::from(blob.parameters().schemas.goal_tolerance_m);

@@ -11,8 +11,8 @@ fn understood(name: &str) -> Option<Map> {
     map
 }
 
-/// Checks the outlines' first corners against values that were worked out apart from the
-/// reader: differences of degrees times a degree's length on WGS-84 at section 2's latitude.
+/// Checks the outlines' first corners against values computed independently of the reader: the
+/// differences in degrees times a degree's length on WGS-84 at section 2's latitude.
 fn check(map: &Map, expected: &[(Role, f64, usize, [f64; 2])]) {
     assert_eq!(map.features.len(), expected.len());
     for (feature, (role, height, corners, first)) in map.features.iter().zip(expected) {

@@ -1,4 +1,4 @@
-//! MissionLab overlays as their authors wrote them, and the campus of our own.
+//! MissionLab overlays as their authors wrote them, and our own campus.
 
 use maps::formats::{ReadOptions, read};
 use maps::problem::{Problem, Severity, draw};
@@ -82,13 +82,13 @@ fn a_utm_origin_places_the_map_on_the_globe() {
     assert_eq!(map.points[0].name, "start");
     assert!(near(map.points[0].at, [18.4734, 21.9977]), "{:?}", map.points[0].at);
 
-    // The frame that the robot uses brings the same places to the same points: the grid's
-    // north is not true north, and the reference's heading says so.
+    // The robot's map frame gives the same points. North of the UTM grid is not true north; the
+    // reference's heading has the difference.
     let frame = math::MapFrame::new(reference.place, reference.at, reference.heading_rad);
     let place = math::GeoPoint::from_degrees(35.0001, 86.0001).expect("on the globe");
     let local = frame.to_local(place).expect("within range");
     let off = [f64::from(local.x) - 18.4734, f64::from(local.y) - 21.9977];
-    // What remains is the grid's scale, 0.9997 here.
+    // The remaining difference is the scale of the UTM grid, 0.9997 here.
     assert!(off[0].abs() < 0.01 && off[1].abs() < 0.01, "{local:?}");
 }
 
@@ -123,8 +123,8 @@ fn the_campus_is_the_same_drawn_as_overlay_and_as_opar() {
     }
 }
 
-/// The corners of a polygon, or of a closed line, in decimetres: the drawings give no more
-/// digits. Each once, sorted.
+/// The distinct corners of a polygon or closed line, sorted, in decimetres: the drawings have no
+/// more digits.
 fn corners(shape: &Shape) -> Vec<[i64; 2]> {
     let points = match shape {
         Shape::Polyline(points) => points.clone(),

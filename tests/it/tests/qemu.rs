@@ -1,6 +1,6 @@
-//! The firmware in QEMU: the same mission gives the same trace as on the host, and what a tick
-//! costs is held to the instruction. What is missing (QEMU, Rust targets) is installed where that
-//! needs no password; otherwise these tests fail with the one command to run.
+//! The firmware in QEMU: a mission has the same trace as on the host, and the instructions of a tick
+//! equal the golden file. QEMU and Rust targets are installed if they are missing; if that needs a
+//! password, these tests fail with the command to run.
 
 use std::io::{Read, Write};
 use std::sync::mpsc::channel;
@@ -54,7 +54,8 @@ fn n07_a_mission_has_the_same_trace_everywhere() {
     }
 }
 
-/// Twenty starts with the mostly planned mix, as on the host: all arrive, none touches anything.
+/// Twenty starts with the mostly planned mix: all arrive without touching anything, and their traces
+/// are the same as on the host.
 #[test]
 fn twenty_missions_in_qemu_end_as_on_the_host() {
     let scenario = campus(Gains::MOSTLY_PLAN);
@@ -85,7 +86,7 @@ fn n16_a_damaged_blob_is_refused_in_the_firmware() {
     }
 }
 
-/// W13: what a look-up, a tick and a validation cost is counted, bounded and repeatable.
+/// W13: the instructions of a look-up, a tick and a validation are bounded and repeatable.
 #[test]
 fn w13_instruction_counts_are_as_in_the_golden_file() {
     let counted = counts::measure().unwrap_or_else(|error| panic!("{error}"));
@@ -96,7 +97,7 @@ fn w13_instruction_counts_are_as_in_the_golden_file() {
     let golden = std::fs::read_to_string(counts::golden()).unwrap_or_default();
     assert_eq!(
         counted, golden,
-        "the counts have changed; if that is meant, run: cargo instructions --update"
+        "the counts have changed; if that is intended, run: cargo instructions --update"
     );
 }
 
@@ -105,7 +106,8 @@ fn number(counted: &str, name: &str) -> u64 {
     line.and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("no {name} in {counted}"))
 }
 
-/// Validation, look-up and tick cannot panic: an image whose panic handler does not link, links.
+/// Validation, look-up and tick cannot panic: their image links although its panic handler has an
+/// undefined symbol.
 #[test]
 fn no_panic_can_be_reached_from_a_tick() {
     for machine in [Machine::CortexM4F, Machine::CortexM3] {
@@ -114,8 +116,8 @@ fn no_panic_can_be_reached_from_a_tick() {
     }
 }
 
-/// The real peripherals: GPS bytes on an interrupt-driven UART, ticks by a timer's interrupts,
-/// sleep in between, framed telemetry back on the same line.
+/// The real peripherals: GPS bytes on an interrupt-driven UART, ticks by a timer's interrupts with
+/// sleep in between, and telemetry packets back on the same line.
 #[test]
 fn fixes_arrive_and_telemetry_leaves_by_uart() {
     let scenario = campus(Gains::MOSTLY_PLAN);
@@ -139,7 +141,7 @@ fn fixes_arrive_and_telemetry_leaves_by_uart() {
     let frame = *scenario.plan().map_frame().expect("the campus is on the globe");
     let mut seen: Vec<CommandRecord> = Vec::new();
     let has = |seen: &[CommandRecord], reason| seen.iter().any(|r| r.commands.reason == reason);
-    // Drives north along the street at 1 m/s, a solution every fourth record of telemetry.
+    // Simulates a drive north at 1 m/s, with a solution for every fourth telemetry record.
     let deadline = std::time::Instant::now() + Duration::from_secs(30);
     while !has(&seen, Reason::Driving) && std::time::Instant::now() < deadline {
         match records.recv_timeout(Duration::from_secs(5)) {

@@ -1,4 +1,4 @@
-//! `cargo mission` as a user runs it: its outcomes, its exit status, its JSON, its files.
+//! `cargo mission` as a user runs it: outcomes, exit status, JSON output and files.
 
 use harness::setup;
 use serde_json::Value;
@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
-/// A meadow with a wall round a corner that opens to the west and a shut box in the east.
+/// A meadow with a U of walls that opens to the west, and a closed box in the east.
 const MEADOW: &str = "\
 MISSION-AREA 60 40
 ORIGIN 0 0
@@ -39,7 +39,7 @@ fn run(folder: &Path, arguments: &str) -> (i32, String, String) {
     (status.code().expect("no signal"), text(stdout), text(stderr))
 }
 
-/// The object of `--json`, whose outcome and exit status must be these.
+/// Runs with `--json`, checks outcome and exit status, and returns the object.
 fn outcome(folder: &Path, arguments: &str, expected: &str, status: i32) -> Value {
     let (ended, out, err) = run(folder, &format!("{arguments} --perfect --json"));
     let object: Value = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{out}{err}"));
@@ -89,20 +89,20 @@ fn outcomes_have_names_and_exit_statuses() {
 }
 
 #[test]
-fn a_wrong_command_line_and_wrong_input_have_a_status_of_their_own() {
+fn a_wrong_command_line_and_wrong_input_have_different_statuses() {
     let folder = folder(&[
         ("meadow.ovl", MEADOW),
         ("flat.ovl", "MISSION-AREA 9 9\nCONTROL MEASURES:\nPP a 1 1\n"),
     ]);
     let at = folder.path();
     for (arguments, status, part) in [
-        ("meadow.ovl --gains 1:1", 2, "known are"),
+        ("meadow.ovl --gains 1:1", 2, "the presets are"),
         ("meadow.ovl --start 1", 2, "--start"),
         ("meadow.ovl --goal 12,20", 2, "needs a name"),
         ("meadwo.ovl", 3, "did you mean meadow.ovl?"),
         ("meadow.ovl --plan gaet", 3, "did you mean `gate`?"),
         ("meadow.ovl --goal d=99,99", 3, "outside the map"),
-        ("meadow.ovl --start 30,20", 3, "stands in an obstacle; a clear place near it: --start"),
+        ("meadow.ovl --start 30,20", 3, "close to an obstacle; a clear position nearby: --start"),
         ("flat.ovl", 3, "GLOBAL_REF_POINT"),
     ] {
         let (ended, out, err) = run(at, arguments);
@@ -121,18 +121,18 @@ fn a_world_is_found_beside_the_mission_or_the_map() {
         ("long.mission.toml", "map = \"meadow.ovl\"\n"),
     ]);
     let at = folder.path();
-    // No work: at the goal it has reached it.
+    // Without work, the run ends at the goal.
     let far = outcome(at, "meadow.ovl", "reached", 0)["distance_m"].as_f64().unwrap();
     let near = outcome(at, "short.mission.toml", "reached", 0)["distance_m"].as_f64().unwrap();
     let long = outcome(at, "long.mission.toml", "reached", 0)["distance_m"].as_f64().unwrap();
     assert!(near < 3.0 && far > 40.0 && long == far, "{near} {far} {long}");
     fs::write(at.join("meadow.world.toml"), "start = [10, 20]\ntime_limit = 5\n").unwrap();
     outcome(at, "meadow.ovl", "out-of-time", 1);
-    // With work it is not enough to be there.
+    // With work, arriving at the goal is not enough.
     fs::write(at.join("meadow.world.toml"), "start = [48, 30]\ntime_limit = 20\nsignal = 7\n")
         .unwrap();
     outcome(at, "meadow.ovl", "out-of-time", 1);
-    // What is wrong in map, mission and world is said at once.
+    // The mistakes of map, mission and world are reported together.
     fs::write(at.join("meadow.world.toml"), "strat = [1, 2]\nheading = 'east'\n").unwrap();
     fs::write(at.join("meadow.mission.toml"), "resolutoin = 1\n").unwrap();
     let (status, _, err) = run(at, "meadow.ovl");
@@ -150,7 +150,7 @@ fn a_world_is_found_beside_the_mission_or_the_map() {
     }
 }
 
-/// A behaviour for ten minutes that is made of these actions.
+/// A mission with one behaviour that is critical for ten minutes and runs these actions.
 fn behaviour(actions: &str, graph: &str) -> String {
     format!(
         "map = \"meadow.ovl\"\nplan = \"gate\"\n[inputs]\nclock = {{ source = \"time\", universe = [0, 600] }}\n\
@@ -160,7 +160,7 @@ fn behaviour(actions: &str, graph: &str) -> String {
 }
 
 #[test]
-fn a_hold_is_as_long_as_it_likes_and_idling_for_a_moment_is_no_end() {
+fn a_long_hold_and_a_short_idle_time_do_not_end_a_run() {
     let hold =
         behaviour("wait = { do = \"hold 100 s\" }\ndone = { do = \"signal 7\" }\n", "wait -> done");
     let folder = folder(&[
@@ -172,13 +172,13 @@ fn a_hold_is_as_long_as_it_likes_and_idling_for_a_moment_is_no_end() {
     ]);
     let held = outcome(folder.path(), "hold.mission.toml", "done", 0);
     assert!((held["time_s"].as_f64().unwrap() - 100.0).abs() < 2.0, "{held}");
-    // Nothing says what the work is, so that it is not over as soon as nothing is to be done.
+    // Without work, a run does not end as soon as the robot is idle.
     let quiet = outcome(folder.path(), "quiet.mission.toml", "out-of-time", 1);
     assert_eq!(quiet["time_s"], 130.0);
 }
 
 #[test]
-fn a_reader_that_has_had_enough_is_no_failure() {
+fn a_closed_pipe_is_not_a_failure() {
     let folder = folder(&[("meadow.ovl", MEADOW)]);
     let mut child = command(folder.path(), "meadow.ovl --start 48,30 --perfect")
         .stdout(Stdio::piped())
@@ -191,9 +191,9 @@ fn a_reader_that_has_had_enough_is_no_failure() {
     assert_eq!((ended.status.code(), err.as_str()), (Some(0), ""));
 }
 
-/// The field's own missions: a hold longer than a minute, and a patrol that sleeps for a while.
+/// Missions of users: a hold longer than a minute, and a patrol that sleeps for a while.
 #[test]
-fn missions_from_the_field_end_as_they_should() {
+fn missions_of_users_end_as_intended() {
     let Some(data) = it::real_data("field/missions") else { return };
     let folder = tempfile::tempdir().unwrap();
     for entry in fs::read_dir(data).unwrap() {
@@ -207,6 +207,6 @@ fn missions_from_the_field_end_as_they_should() {
     }
     let (_, out, _) = run(folder.path(), "m02.mission.toml --perfect --json");
     let object: Value = serde_json::from_str(&out).unwrap();
-    // At 305 s `charge` is over, and `patrol` sleeps for one tick more.
+    // At 305 s, `charge` ends, and `patrol` sleeps for one more tick.
     assert!(object["time_s"].as_f64().unwrap() > 310.0, "{out}");
 }

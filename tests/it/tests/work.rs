@@ -1,7 +1,7 @@
-//! Missions with work in the simulated world: body, sensors, tanks that drain and strips to be worked.
+//! Missions with work, simulated with body, sensors, tanks that drain and strips to work.
 //!
-//! The paper's ploughing field (Hasemann, tables 4 to 6 and figures 3 and 4), on the host and in
-//! QEMU, and its other examples (table 1): all as they are shipped.
+//! They are the paper's ploughing field (Hasemann, tables 4 to 6 and figures 3 and 4), on the host
+//! and in QEMU, and its other examples (table 1), all as shipped.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ fn plough(replacements: &[(&str, &str)]) -> Scenario {
     Scenario { surroundings: Some(text.parse().expect("the world is sound")), ..scenario }
 }
 
-/// The tank falls to a level after so many metres.
+/// The ploughing field with a tank that falls to level `to` after `after_m` metres.
 fn leaking(after_m: u32, to: f64) -> Scenario {
     let leak = format!("output = 1\nleak = {{ after_m = {after_m}, to = {to} }}");
     plough(&[("output = 1 ", &leak), ("# its tap", "\n# its tap")])
@@ -46,7 +46,7 @@ fn run(scenario: &Scenario, pilot: impl Pilot) -> Outcome {
     robot.run(&scenario.truth).expect("the robot answers")
 }
 
-/// A robot in this process that keeps what it saw.
+/// A robot in this process, with the percepts of all its ticks.
 struct Recorder<'p>(HostPilot<'p>, Vec<Percepts>);
 
 impl Pilot for Recorder<'_> {
@@ -57,7 +57,7 @@ impl Pilot for Recorder<'_> {
     }
 }
 
-/// Drives on the host, to the end.
+/// Runs on the host to the end.
 fn record(scenario: &Scenario) -> (Outcome, Story, Trace) {
     let mut recorder = Recorder(HostPilot::new(scenario.plan()), Vec::new());
     let outcome = run(scenario, &mut recorder);
@@ -86,8 +86,9 @@ fn golden(name: &str, text: &str) {
     settings.bind(|| insta::assert_snapshot!(name, text));
 }
 
-/// H26, figure 4: the tank falls to ZO while a strip is ploughed forward. Refuelling waits for point
-/// 2, after the strip back; no strip is ploughed twice, and the loop ends when the field is ready.
+/// H26, figure 4: the tank falls to ZO while the robot ploughs a strip forward. Refuelling waits for
+/// point 2, after the strip back; no strip is ploughed twice, and the loop ends when the field is
+/// ready.
 #[test]
 fn h26_at_zo_the_tractor_refuels_after_the_strip_back() {
     let (outcome, story, _) = record(&plough(&[]));
@@ -107,7 +108,7 @@ fn h26_at_zo_the_tractor_refuels_after_the_strip_back() {
 }
 
 /// H28, H38: the tank falls to NM or NB in the middle of a strip, forward or back. The switch is at
-/// once, that strip is ploughed again, and no other; what is lost is what the mission says.
+/// once, only that strip is ploughed again, and the lost work is as in the mission.
 #[test]
 fn h28_at_nm_or_nb_the_strip_is_ploughed_again() {
     // Metres driven in the middle of strip 1 and of strip 2.
@@ -126,7 +127,7 @@ fn h28_at_nm_or_nb_the_strip_is_ploughed_again() {
     }
 }
 
-/// N07: a whole field in QEMU, with both kinds of switching, has the trace that it has here.
+/// N07: a whole field, with both kinds of switching, has the same trace in QEMU as on the host.
 #[test]
 fn n07_ploughing_has_the_same_trace_everywhere() {
     for scenario in [plough(&[]), leaking(145, 0.1)] {
@@ -140,7 +141,7 @@ fn n07_ploughing_has_the_same_trace_everywhere() {
     }
 }
 
-/// H45: the other examples of the paper's table 1 come to their ends, and can be drawn.
+/// H45: the other examples of the paper's table 1 reach their ends, and can be drawn.
 #[test]
 fn h45_the_examples_come_to_their_ends() {
     let folder = tempfile::tempdir().expect("there is room");
@@ -154,8 +155,8 @@ fn h45_the_examples_come_to_their_ends() {
         let mut command = Command::new(setup::plan_compiler().expect("the program is built"));
         command.arg("graph").arg(own_map(&format!("{name}.mission.toml"))).arg("-o").arg(&picture);
         let output = command.output().expect("the program runs");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success() && !said.contains("warning"), "{name}: {said}");
+        let messages = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && !messages.contains("warning"), "{name}: {messages}");
         let drawn = std::fs::read_to_string(&picture).expect("there is a picture");
         assert!(drawn.contains("<svg"), "{name}");
     }
@@ -169,10 +170,10 @@ fn explain(trace: &Path, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("it writes text")
 }
 
-/// `explain` says how the behaviours took turns, and all about a tick: the last one that waits for
-/// a point, the switch there, and a switch at once.
+/// `explain` lists the switches between behaviours and explains single ticks: the last one that
+/// waits for a point, the switch there, and a switch at once.
 #[test]
-fn explain_says_why() {
+fn explain_lists_switches_and_explains_ticks() {
     let folder = tempfile::tempdir().expect("there is room");
     let write = |name: &str, trace: &Trace| -> PathBuf {
         let path = folder.path().join(name);

@@ -1,27 +1,27 @@
-//! The robot's body: a disc that drives forward and turns, within limits.
+//! The robot's body: a disc that drives and turns within limits.
 
+use crate::geometry::{distance, wrapped};
 use crate::{Point, World};
 use math::scalar::wide;
 use robot_io::Commands;
-use std::f64::consts::{PI, TAU};
 
-/// What a body can do. SI units.
+/// Size and limits of a body. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chassis {
-    /// The body is a disc of this radius, metres.
+    /// Radius of the disc, metres.
     pub radius_m: f64,
-    /// Never faster than this, ahead or astern, m/s.
+    /// Highest speed ahead or astern, m/s.
     pub max_speed_mps: f64,
-    /// Change of speed, m/s^2, when it grows ...
+    /// Acceleration while the speed grows, m/s^2.
     pub acceleration_mps2: f64,
-    /// ... and when it shrinks.
+    /// Deceleration while the speed falls, m/s^2.
     pub braking_mps2: f64,
-    /// Never turns faster than this, rad/s.
+    /// Highest turn rate in either direction, rad/s.
     pub max_turn_rate_radps: f64,
     /// Change of the turn rate, rad/s^2.
     pub turn_acceleration_radps2: f64,
-    /// Turn rate that unequal wheels add while they roll, rad/s counter-clockwise. No sensor on
-    /// the wheels notices it.
+    /// Turn rate that unequal wheels add while they roll, rad/s counter-clockwise. The odometry
+    /// does not measure it.
     pub drift_radps: f64,
 }
 
@@ -39,29 +39,29 @@ impl Default for Chassis {
     }
 }
 
-/// A body somewhere in the world.
+/// A body in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// What it can do.
+    /// Its size and limits.
     pub chassis: Chassis,
     /// Centre of the disc, metres.
     pub position: Point,
-    /// Radians counter-clockwise from east, in [-pi, pi).
+    /// Heading, radians counter-clockwise from east, in [-pi, pi).
     pub heading_rad: f64,
-    /// What the wheels do, m/s ahead.
+    /// Speed of the wheels, m/s ahead.
     pub speed_mps: f64,
-    /// rad/s counter-clockwise.
+    /// Turn rate of the wheels, rad/s counter-clockwise.
     pub turn_rate_radps: f64,
-    /// How the centre truly moved in the last step, m/s.
+    /// True velocity of the centre in the last step, m/s.
     pub velocity_mps: Point,
 }
 
 /// What happened during one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion {
-    /// Length of the way, metres.
+pub struct StepResult {
+    /// Distance driven, metres.
     pub distance_m: f64,
-    /// Something was in the way, and was touched.
+    /// Whether the body touched an obstacle or another body.
     pub touched: bool,
 }
 
@@ -79,11 +79,11 @@ impl Body {
     }
 
     /// Follows the commands for `seconds`, as far as limits and obstacles allow. Contact is
-    /// inelastic and without friction: what points into an obstacle is removed, the rest
-    /// slides along it.
-    pub fn step(&mut self, commands: &Commands, world: &World, seconds: f64) -> Motion {
+    /// inelastic and without friction: the part of the motion that points into an obstacle is
+    /// removed, and the body slides along its surface.
+    pub fn step(&mut self, commands: &Commands, world: &World, seconds: f64) -> StepResult {
         self.obey(commands, seconds);
-        let mut motion = Motion::default();
+        let mut result = StepResult::default();
         let start = self.position;
         // Pieces shorter than half the radius cannot tunnel through a wall.
         let reach = self.speed_mps.abs() * seconds;
@@ -93,13 +93,13 @@ impl Body {
             let before = self.position;
             self.coast(piece_s);
             if let Some(position) = world.pushed_clear(self.position, self.chassis.radius_m) {
-                motion.touched = true;
+                result.touched = true;
                 self.position = position.unwrap_or(before);
             }
-            motion.distance_m += distance(before, self.position);
+            result.distance_m += distance(before, self.position);
         }
         self.velocity_mps = [0, 1].map(|axis| (self.position[axis] - start[axis]) / seconds);
-        motion
+        result
     }
 
     /// Brings speed and turn rate towards the commands, within the limits.
@@ -117,28 +117,18 @@ impl Body {
         self.turn_rate_radps = approach(self.turn_rate_radps, wanted, change);
     }
 
-    /// Moves along the arc that speed and turn rate make.
+    /// Moves along the arc that speed and turn rate describe.
     fn coast(&mut self, seconds: f64) {
         let drift_radps = if self.speed_mps == 0.0 { 0.0 } else { self.chassis.drift_radps };
         let turn = (self.turn_rate_radps + drift_radps) * seconds;
         // The chord of the arc has the mean heading; its length differs from the arc's by
         // turn^2 / 24, less than a thousandth at these turn rates.
         let heading = self.heading_rad + turn / 2.0;
-        let way = self.speed_mps * seconds;
-        self.position[0] += way * wide::cos(heading);
-        self.position[1] += way * wide::sin(heading);
+        let distance_m = self.speed_mps * seconds;
+        self.position[0] += distance_m * wide::cos(heading);
+        self.position[1] += distance_m * wide::sin(heading);
         self.heading_rad = wrapped(self.heading_rad + turn);
     }
-}
-
-/// Distance between two points, metres.
-pub fn distance(a: Point, b: Point) -> f64 {
-    wide::hypot(a[0] - b[0], a[1] - b[1])
-}
-
-/// The same angle in [-pi, pi).
-pub fn wrapped(radians: f64) -> f64 {
-    radians - TAU * wide::floor((radians + PI) / TAU)
 }
 
 fn approach(from: f64, to: f64, most: f64) -> f64 {
@@ -166,8 +156,8 @@ mod tests {
             assert!(body.speed_mps <= 2.0 && body.turn_rate_radps >= -1.5);
         }
         let stop = Commands::stop(Reason::EmergencyStop);
-        let way: f64 = (0..100).map(|_| body.step(&stop, &world, 0.05).distance_m).sum();
-        assert!((way - 0.62).abs() < 0.06, "braking from 2 m/s at 3 m/s^2 took {way} m");
+        let braked_m: f64 = (0..100).map(|_| body.step(&stop, &world, 0.05).distance_m).sum();
+        assert!((braked_m - 0.62).abs() < 0.06, "2 m/s at 3 m/s^2: stopped after {braked_m} m");
         assert_eq!(body.speed_mps, 0.0);
     }
 
@@ -202,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn a_corner_holds_a_body_still() {
+    fn a_corner_stops_a_body() {
         let corner = Shape::Polyline(vec![[2.0, -5.0], [2.0, 1.0], [-5.0, 1.0]]);
         let world = World::new([&corner]);
         let mut body = Body::new(Chassis::default(), [0.0, 0.0], 0.5);

@@ -1,48 +1,47 @@
-//! What goes wrong between a sensor and the robot: decorators around a source of records.
+//! Sensor faults: decorators that corrupt the records of a source.
 //!
-//! The kinds follow PX4's failure injection (off, stuck, garbage, wrong, slow, delayed,
-//! intermittent): `Drop` with chance 1 is off, with less intermittent; `Freeze` is stuck,
-//! `Garble` garbage, `Jump` wrong, `Delay` delayed. Decorators nest, so faults combine.
+//! The kinds follow PX4's failure injection: `Drop` with chance 1 is its "off" and with a lower
+//! chance "intermittent"; `Freeze` is "stuck", `Garble` "garbage", `Jump` "wrong" and `Delay`
+//! "delayed". Decorators nest, so faults combine.
 
 use crate::{Mode, Random, Scene, Sensors, Stream};
 use robot_io::SensorRecord;
 use std::collections::VecDeque;
 use std::ops::Range;
 
-/// What goes wrong.
+/// A kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fault {
-    /// Each tick's data is lost with this probability.
+    /// The data of a tick is lost.
     Drop {
-        /// 0 to 1.
+        /// Probability in each tick, 0 to 1.
         chance: f64,
     },
-    /// The first data of the fault is repeated: GPS bytes in every tick that has some, so the
-    /// receiver keeps its rate. A line that is too slow for a message a tick repeats a piece
-    /// of one, which is garbage.
+    /// The first data within the fault's window is repeated. GPS bytes are repeated in the ticks
+    /// that have some, so the receiver keeps its rate. If a message takes longer than a tick, only
+    /// a piece of it is repeated, which is garbage.
     Freeze,
-    /// Everything is off by this much: GPS metres along the map's axes; heading, speed and
-    /// ranges by the first number in their own unit.
+    /// Every reading is off by an offset.
     Jump {
-        /// By how much.
+        /// For GPS, metres along the map's axes; for other channels, the first number in the unit
+        /// of the reading.
         offset: [f64; 2],
     },
-    /// Each byte or reading is replaced by a random one, which may be no number at all, with
-    /// this probability.
+    /// Bytes or readings are replaced by random ones, which may be NaN.
     Garble {
-        /// 0 to 1.
+        /// Probability for each byte or reading, 0 to 1.
         chance: f64,
     },
     /// The GPS receiver works in another mode.
     Mode(Mode),
-    /// Data arrives this much later.
+    /// Data arrives later.
     Delay {
-        /// Whole ticks.
+        /// Delay in ticks.
         ticks: usize,
     },
 }
 
-/// Which sensor is concerned.
+/// The sensor that fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// The GPS receiver and its serial line.
@@ -55,7 +54,7 @@ pub enum Channel {
     Ranges,
 }
 
-/// Sensors of which one channel fails during a window of time.
+/// Sensors with a fault in one channel during a window of time.
 #[derive(Debug)]
 pub struct Faulty<S> {
     inner: S,
@@ -63,9 +62,9 @@ pub struct Faulty<S> {
     channel: Channel,
     window_us: Range<u64>,
     random: Random,
-    /// The channel's data of the last ticks, the newest at the back; only this channel is set.
+    /// The delayed data, the newest at the back; in each record only this channel is set.
     past: VecDeque<SensorRecord>,
-    /// The channel's data when it froze.
+    /// The data that a freeze repeats.
     frozen: Option<SensorRecord>,
 }
 
@@ -84,8 +83,8 @@ impl<S: Sensors> Faulty<S> {
         }
     }
 
-    /// What is on its way when the fault ends arrives at once, before what is fresh: nothing
-    /// is lost, as on a congested line.
+    /// Delays the channel's data while the fault lasts. When the fault ends, all delayed data
+    /// arrives at once, before the fresh data: nothing is lost, as on a congested line.
     fn delayed(&mut self, record: &mut SensorRecord, fails: bool, ticks: usize) {
         self.past.push_back(self.channel.taken(record));
         let kept = if fails { ticks } else { 0 };
@@ -94,7 +93,7 @@ impl<S: Sensors> Faulty<S> {
             let Some(late) = self.past.front() else { break };
             let mut gps = arrived.gps.clone();
             if gps.extend_from_slice(&late.gps).is_err() {
-                // One record has no room for more; the rest comes with the next tick.
+                // The record is full; the rest follows in the next tick.
                 break;
             }
             arrived = SensorRecord { gps, ..late.clone() };
@@ -118,7 +117,7 @@ impl<S: Sensors> Sensors for Faulty<S> {
         match self.fault {
             Fault::Delay { ticks } => self.delayed(&mut record, fails, ticks),
             Fault::Freeze if !fails => self.frozen = None,
-            // The receiver was told before it looked.
+            // Already set in the scene above.
             Fault::Mode(_) => {}
             _ if !fails => {}
             Fault::Drop { chance } => {
@@ -159,7 +158,7 @@ impl Channel {
         }
     }
 
-    /// Remembers the first data of the fault and repeats it.
+    /// Keeps the first data of the fault and repeats it.
     fn freeze(self, frozen: &mut Option<SensorRecord>, record: &mut SensorRecord) {
         if self == Self::Gps && record.gps.is_empty() {
             return;
@@ -172,7 +171,7 @@ impl Channel {
     fn shift(self, record: &mut SensorRecord, by: f32) {
         let shifted = |x: Option<f32>| x.map(|x| x + by);
         match self {
-            // The antenna was moved before the receiver looked.
+            // The antenna has already been moved in the scene.
             Self::Gps => {}
             Self::Heading => record.heading_rad = shifted(record.heading_rad),
             Self::Odometry => record.speed_mps = shifted(record.speed_mps),
@@ -183,7 +182,7 @@ impl Channel {
     }
 
     fn garble(self, record: &mut SensorRecord, chance: f64, random: &mut Random) {
-        // Any 32 bits are an f32; some of them are infinite or no number.
+        // Any 32 bits are an f32, perhaps infinite or NaN.
         let mut number = |x: &mut f32| {
             if random.chance(chance) {
                 *x = f32::from_le_bytes([0; 4].map(|_: u8| random.byte()));
@@ -217,7 +216,7 @@ mod tests {
     use super::*;
     use crate::{Body, Chassis, World};
 
-    /// Each tick brings its own number on every channel, and a GPS byte every second tick.
+    /// Reports the number of the tick on every channel, and as a GPS byte every second tick.
     struct Counter(u8);
 
     impl Sensors for Counter {
@@ -233,7 +232,7 @@ mod tests {
         }
     }
 
-    /// Twelve ticks of one second each, of which those from the fourth to the eighth fail.
+    /// Runs twelve ticks of one second each; the fourth to the eighth fail.
     fn check(fault: Fault, channel: Channel, wanted: &str) {
         let world = World::new([]);
         let body = Body::new(Chassis::default(), [0.0; 2], 0.0);

@@ -1,25 +1,26 @@
 //! Simulated robots in a simulated world.
 //!
-//! It decides what is true: where the obstacles are ([`World`]), how a body moves and what it
-//! touches ([`Body`]), what its work changes ([`Surroundings`]), what the sensors report of that
-//! ([`Sensors`]) and what goes wrong on the way ([`Faulty`]). It never decides what a robot does:
-//! that is up to its [`Pilot`], which gets one record of sensor bytes and answers with one record
-//! of commands, so that a robot in this process and a robot in QEMU are simulated by the same code.
+//! The crate models the truth: where the obstacles are ([`World`]), how a body moves and what it
+//! touches ([`Body`]), what its work changes ([`Surroundings`]), what the sensors report
+//! ([`Sensors`]) and which faults corrupt the reports ([`Faulty`]). It never decides what a robot
+//! does: its [`Pilot`] does. A pilot gets one record of sensor bytes and answers with one record of
+//! commands, so the same code simulates a robot in this process and a robot in QEMU.
 //!
-//! A [`Scenario`] is what a robot knows (map and plans) and what is there (the true world). A
-//! [`Simulation`] runs [`Robot`]s in a true world, and an [`Outcome`] is what came of one robot's
-//! run. A mission is a file, or what it makes a robot do.
+//! A [`Scenario`] holds what a robot knows (map and plans) and the true world. A [`Simulation`]
+//! runs [`Robot`]s in a true world. An [`Outcome`] is the result of one robot's run. A mission is
+//! what a robot is to do, as a file or in the blob.
 //!
-//! Invariants: everything is drawn from one seed, and the same seed gives the same bytes on every
-//! machine (all functions come from `math`, all random numbers from ChaCha8); time is counted in
-//! whole ticks and never read from a clock; the order of the robots does not matter; a body that is
-//! clear of obstacles and other bodies never ends a step inside one.
+//! Invariants: everything random is drawn from one seed, and the same seed gives the same bytes on
+//! every machine (all functions come from `math`, all random numbers from ChaCha8); time is counted
+//! in whole ticks and never read from a clock; the order of the robots does not matter; a body that
+//! is clear of obstacles and other bodies never ends a step inside one.
 //!
-//! Deliberately absent: clocks, threads, drawing (but for one small text picture), dynamics of
+//! Deliberately absent: clocks, threads, drawing (except one small text picture), dynamics of
 //! wheels and slopes, moving obstacles that are not robots, radio.
 
 pub mod body;
 pub mod faults;
+pub mod geometry;
 pub mod outcome;
 pub mod picture;
 pub mod pilot;
@@ -32,8 +33,9 @@ pub mod simulation;
 pub mod surroundings;
 pub mod world;
 
-pub use body::{Body, Chassis, Motion};
+pub use body::{Body, Chassis, StepResult};
 pub use faults::{Channel, Fault, Faulty};
+pub use geometry::Point;
 pub use outcome::{Ending, Limits, Outcome};
 pub use pilot::{HostPilot, Pilot, PilotError};
 pub use random::{Random, Stream};
@@ -47,6 +49,3 @@ pub use world::{Nearest, World};
 
 /// Length of a tick, microseconds.
 pub const TICK_US: u64 = 50_000;
-
-/// A point or displacement of the map, metres, x east, y north.
-pub type Point = [f64; 2];

@@ -1,29 +1,29 @@
-//! When a robot's run ends, how, and what came of it.
+//! When and how a robot's run ends, and its result.
 
 use crate::{Point, Surroundings};
 use robot_io::Reason;
 
-/// When a run ends.
+/// The conditions that end a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Longer runs are given up, seconds.
+    /// Time limit, seconds.
     pub time_s: f64,
-    /// Where the robot shall arrive, metres.
+    /// Position of the goal, metres.
     pub goal: Point,
-    /// The robot says that it has arrived, and truly is within this distance, metres.
+    /// Largest true distance from the goal at which a reported arrival counts, metres.
     pub goal_tolerance_m: f64,
-    /// The robot is trapped when it stays this long ...
+    /// A robot that stays this long within `trapped_within_m` of one point is trapped, seconds.
     pub trapped_after_s: f64,
-    /// ... within this distance of one spot, metres.
+    /// Radius of the area that a trapped robot does not leave, metres.
     pub trapped_within_m: f64,
-    /// Whether arriving at the goal ends the run. Where behaviours decide, a goal is one stop
-    /// of several, and work that is to be done ends it instead.
+    /// Whether arriving at the goal ends the run. A mission of behaviours may visit several goals;
+    /// its run ends when its work is done.
     pub ends_at_goal: bool,
-    /// A robot that stands still off the map or without a route for so long will not go on,
+    /// A robot that stands still off the map or without a route for this long ends its run,
     /// seconds.
     pub stranded_after_s: f64,
-    /// Behaviours that have worked and then have nothing to do for so long are done where the
-    /// world names no work, seconds.
+    /// In a world that names no work, behaviours that worked and then stay idle for this long are
+    /// done, seconds.
     pub idle_after_s: f64,
 }
 
@@ -46,22 +46,22 @@ impl Limits {
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Ending {
-    /// The robot is at the goal and knows it.
+    /// The robot is at the goal and reports it.
     Reached,
     /// All work is done, and the robot has nothing left to do.
     Done,
-    /// It stayed at one spot for too long.
+    /// The robot stayed near one point for too long.
     Trapped,
-    /// It stands still outside the map.
+    /// The robot stands still outside the map.
     OffMap,
-    /// It stands still where no layer has a route.
+    /// The robot stands still where no layer has a route.
     NoRoute,
-    /// It went on for too long.
+    /// The time limit was reached.
     OutOfTime,
 }
 
 impl Ending {
-    /// Its name for programs.
+    /// Its name in machine-readable output.
     pub fn name(self) -> &'static str {
         match self {
             Self::Reached => "reached",
@@ -74,32 +74,33 @@ impl Ending {
     }
 }
 
-/// What came of a robot's run, up to its end.
+/// The result of a robot's run so far, or at its end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// How it ended; `None` while it is under way.
+    /// How the run ended; `None` while it is under way.
     pub ending: Option<Ending>,
     /// Ticks so far.
     pub ticks: u64,
     /// Simulated time so far, seconds.
     pub time_s: f64,
-    /// Length of the way, metres.
+    /// Distance driven, metres.
     pub distance_m: f64,
-    /// How far it has turned in all, either way, radians.
+    /// Sum of all turns to either side, radians.
     pub turn_rad: f64,
-    /// Smallest gap between body and obstacle, metres; infinite if none came near.
+    /// Smallest gap between the body and an obstacle or another body, metres; infinite if none came
+    /// within 10 m.
     pub closest_m: f64,
-    /// How often contact with an obstacle began.
+    /// How often contact with an obstacle or another body began.
     pub touches: u32,
-    /// Where the robot was, a point for every half metre.
+    /// The route, a point for every half metre.
     pub route: Vec<Point>,
-    /// How many ticks gave which reason, in the order of their first appearance.
+    /// Number of ticks per reason, in the order of first appearance.
     pub reasons: Vec<(Reason, u64)>,
     /// The trace hash after the last tick.
     pub trace_hash: u64,
-    /// The most instructions that one tick took, where that can be counted.
+    /// Most instructions in one tick; 0 where they are not counted.
     pub most_instructions: u32,
-    /// What the robot's work has made of its surroundings, where there are any.
+    /// The surroundings as the robot's work has left them, if the scenario has any.
     pub surroundings: Option<Surroundings>,
 }
 

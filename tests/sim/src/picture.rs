@@ -1,9 +1,9 @@
-//! A robot's route as text, for the message of a test that fails.
+//! A robot's route as text, for the message of a failing test.
 
 use crate::{Point, World};
 
-/// Obstacles `#`, route `.`, start `S`, end `E`, goal `G`; north is up, and one character is
-/// `metres` wide and two times as high.
+/// Draws obstacles as `#`, the route as `.`, its start `S`, its end `E` and the goal `G`. North is
+/// up; one character covers `metres` from west to east and twice that from south to north.
 pub fn text(world: &World, route: &[Point], goal: Point, metres: f64) -> String {
     let Some([low, high]) = world.bounds() else { return String::new() };
     let columns = ((high[0] - low[0]) / metres) as usize + 1;
@@ -21,8 +21,8 @@ pub fn text(world: &World, route: &[Point], goal: Point, metres: f64) -> String 
     let mut put = |at: Point, character: char| {
         let column = ((at[0] - low[0]) / metres) as usize;
         let row = ((at[1] - low[1]) / (2.0 * metres)) as usize;
-        if let Some(place) = canvas.get_mut(row).and_then(|line| line.get_mut(column)) {
-            *place = character;
+        if let Some(cell) = canvas.get_mut(row).and_then(|line| line.get_mut(column)) {
+            *cell = character;
         }
     };
     route.iter().for_each(|&at| put(at, '.'));

@@ -1,4 +1,4 @@
-//! Who drives: whatever answers a record of sensors with a record of commands.
+//! The interface to a robot's controller: it answers a sensor record with a command record.
 
 use plan_format::Blob;
 use robot_io::{CommandRecord, Commands, Percepts, SensorRecord};
@@ -8,22 +8,22 @@ use std::fmt;
 use std::pin::Pin;
 use std::rc::Rc;
 
-/// A robot's controller in lockstep with the world: one exchange is one tick.
+/// A robot's controller in lockstep with the simulation: one exchange is one tick.
 pub trait Pilot {
-    /// Hands over what the sensors brought since the last tick and runs one tick.
+    /// Hands over the sensor data since the last tick and runs one tick.
     fn exchange(&mut self, sensors: &SensorRecord) -> Result<CommandRecord, PilotError>;
 }
 
-/// The robot did not answer.
+/// The robot did not answer, or not with a command record.
 #[derive(Debug, thiserror::Error)]
 pub enum PilotError {
-    /// The connection to it broke.
+    /// The connection to the robot broke.
     #[error("the robot's connection broke: {0}")]
     Connection(#[from] std::io::Error),
-    /// It answered with something that is no command record.
-    #[error("the robot's answer is no command record: {0}")]
+    /// The answer is not a command record.
+    #[error("the robot's answer is not a command record: {0}")]
     Answer(String),
-    /// It went away.
+    /// The robot ended.
     #[error("the robot ended: {0}")]
     Ended(String),
 }
@@ -40,7 +40,7 @@ impl<P: Pilot + ?Sized> Pilot for Box<P> {
     }
 }
 
-/// The robot in this process: the runtime of a board, fed by hand.
+/// The robot in this process: a board's runtime whose records come from the simulation.
 pub struct HostPilot<'p> {
     mailbox: Rc<Mailbox>,
     robot: Pin<Box<dyn Future<Output = ()> + 'p>>,
@@ -55,7 +55,7 @@ impl<'p> HostPilot<'p> {
         Self { mailbox, robot }
     }
 
-    /// What the tick of the last exchange saw: the percepts of a trace.
+    /// The percepts of the last exchange's tick, as a trace records them.
     pub fn take_percepts(&self) -> Option<Percepts> {
         self.mailbox.take_percepts()
     }
@@ -74,7 +74,7 @@ impl fmt::Debug for HostPilot<'_> {
     }
 }
 
-/// A mailbox that the robot and its owner both hold.
+/// A mailbox that the robot and its owner share.
 struct Shared(Rc<Mailbox>);
 
 impl Observer for Shared {

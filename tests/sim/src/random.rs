@@ -1,17 +1,17 @@
-//! Chance from one seed, the same on every machine.
+//! Random numbers from one seed, the same on every machine.
 
 use math::scalar::wide;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// What a stream of chance is for. Streams of one seed are independent, so that a sensor
-/// that draws more often does not change what another one sees.
+/// The purpose of a random stream. The streams of one seed are independent: a sensor that draws
+/// more often does not change the readings of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Stream {
-    /// Where robots start.
+    /// Start positions.
     Start,
-    /// Noise of the position.
+    /// Noise of the GPS position and velocity.
     Gps,
     /// Noise of the compass.
     Compass,
@@ -19,11 +19,11 @@ pub enum Stream {
     Odometry,
     /// Noise of the range readings.
     Ranges,
-    /// Faults; the outer decorator's seed is added to tell several apart.
+    /// Faults; several faults of one run get different seeds.
     Fault,
 }
 
-/// A generator of chance.
+/// A random number generator.
 #[derive(Clone, Debug)]
 pub struct Random(ChaCha8Rng);
 

@@ -1,7 +1,7 @@
-//! A GPS receiver: from the true position to the bytes on its serial line.
+//! A GPS receiver: turns the true position into bytes on a serial line.
 //!
-//! Noise, rate, delay and baud rate are the receiver's; the messages are real UBX NAV-PVT
-//! frames or NMEA 0183 sentences, so that the robot's own drivers are under test.
+//! It models noise, rate, delay and baud rate. The messages are real UBX NAV-PVT messages or NMEA
+//! 0183 sentences, so a simulation tests the robot's own drivers.
 
 use crate::{Point, Random, Stream};
 use maps::Reference;
@@ -13,20 +13,20 @@ mod encode;
 
 pub use encode::{Dialect, Mode, Solution, sentence, ubx};
 
-/// How a receiver works.
+/// Rate, delay and errors of a receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReceiverSettings {
-    /// The language of its messages.
+    /// The protocol of its messages.
     pub dialect: Dialect,
-    /// Solutions a second; 0: silent.
+    /// Solutions per second; 0 for a silent receiver.
     pub rate_hz: f64,
-    /// From the instant of a solution to the first byte of its message, seconds.
+    /// Delay from the time of a solution to the first byte of its message, seconds.
     pub delay_s: f64,
-    /// Speed of the serial line, bits a second, ten bits a byte.
+    /// Speed of the serial line, bits per second; a byte takes ten bits.
     pub baud: u32,
     /// Standard deviation of the position along each axis, metres.
     pub sigma_m: f64,
-    /// Time after which the error is another one, seconds; 0: each fix has its own (white noise).
+    /// Correlation time of the position error, seconds; 0 for white noise.
     pub correlation_s: f64,
     /// Standard deviation of the velocity along each axis, m/s.
     pub velocity_sigma_mps: f64,
@@ -61,21 +61,23 @@ impl ReceiverSettings {
 pub struct Receiver {
     settings: ReceiverSettings,
     frame: MapFrame,
-    /// Of the map's y axis, clockwise from true north.
+    /// Heading of the map's y axis, clockwise from true north.
     heading_rad: f64,
     random: Random,
     error_m: Point,
     mode: Mode,
+    /// Number of solutions due so far.
     solved: u64,
-    /// Messages that are not yet on the line, with the time when they get there.
+    /// Messages not yet on the line, each with the time when it gets there, microseconds.
     waiting: VecDeque<(u64, Vec<u8>)>,
-    /// Bytes on the line, and the part of a byte that the last tick had room for.
+    /// Bytes on the line.
     line: VecDeque<u8>,
+    /// Capacity of the line that is left, bytes; a fraction is kept for the next tick.
     room: f64,
 }
 
 impl Receiver {
-    /// A receiver on a map whose place on the globe is known.
+    /// A receiver on a map with a reference to the globe.
     pub fn new(settings: ReceiverSettings, reference: &Reference, seed: u64) -> Self {
         let mut random = Random::new(seed, Stream::Gps);
         let error_m = [0, 1].map(|_| settings.sigma_m * random.normal());
@@ -93,14 +95,15 @@ impl Receiver {
         }
     }
 
-    /// The same in this mode from now on.
+    /// Sets the mode.
     pub fn in_mode(&mut self, mode: Mode) -> &mut Self {
         self.mode = mode;
         self
     }
 
-    /// The bytes that arrive by `time_us`, at most `most`, when the antenna is at a point of
-    /// the map and moves with a velocity along the map's axes. To be called with growing times.
+    /// The bytes that arrive in the tick of `tick_us` microseconds that ends at `time_us`, at most
+    /// `most`. `antenna` is a point of the map, and `velocity` is along the map's axes, m/s. Call
+    /// it with increasing times.
     pub fn bytes(
         &mut self,
         time_us: u64,
@@ -119,12 +122,12 @@ impl Receiver {
         }
         self.room += f64::from(self.settings.baud) / 10.0 * tick_us as f64 * 1e-6;
         let count = self.line.len().min(self.room as usize).min(most);
-        // An idle line saves nothing up.
+        // An idle line saves no capacity for later.
         self.room = if self.line.len() == count { 0.0 } else { self.room - count as f64 };
         self.line.drain(..count).collect()
     }
 
-    /// Whether a solution falls into the tick that ends now; at most one does.
+    /// Whether a solution is due in the tick that ends now; at most one is.
     fn is_due(&mut self, time_us: u64) -> bool {
         let due = (time_us as f64 * 1e-6 * self.settings.rate_hz) as u64 + 1;
         let is_due = due > self.solved && self.settings.rate_hz > 0.0;
@@ -148,7 +151,8 @@ impl Receiver {
         }
     }
 
-    /// The next error: first-order Gauss-Markov, with the same spread at any correlation.
+    /// Draws the next error: a first-order Gauss-Markov process with the same standard deviation at
+    /// any correlation.
     fn wander(&mut self) {
         let correlation = self.settings.correlation_s;
         let kept = if correlation > 0.0 {

@@ -1,19 +1,19 @@
-//! A robot in a simulation: body, sensors and pilot, and what has come of its run so far.
+//! A robot in a simulation: body, sensors, pilot and the outcome of its run so far.
 //!
-//! Its three acts in a tick (sense, exchange, move) are steps of their own, so that a simulation
-//! can let all robots do each of them before any does the next.
+//! Sense, exchange and move are separate functions, so that all robots finish one phase of a tick
+//! before any begins the next.
 
-use crate::body::distance;
+use crate::geometry::distance;
 use crate::{
-    Body, Ending, Limits, Mode, Motion, Outcome, Pilot, PilotError, Point, Scene, Sensors,
+    Body, Ending, Limits, Mode, Outcome, Pilot, PilotError, Point, Scene, Sensors, StepResult,
     Surroundings, TICK_US, World,
 };
 use math::scalar::wrap_angle;
 use robot_io::{CommandRecord, Commands, Reason, SensorRecord};
 
-/// Obstacles farther from the body than this do not matter for the closest approach, metres.
+/// Obstacles farther from the body than this do not count for the closest approach, metres.
 const LOOK_M: f64 = 10.0;
-/// The route keeps a point for every piece of this length, metres.
+/// Distance between two points of the recorded route, metres.
 const ROUTE_STEP_M: f64 = 0.5;
 /// Length of a tick, seconds.
 const TICK_S: f64 = TICK_US as f64 * 1e-6;
@@ -28,11 +28,11 @@ pub struct Robot<S, P> {
     commands: Commands,
     outcome: Outcome,
     is_touching: bool,
-    /// The spot that the robot may be trapped at, and since when.
+    /// The point that the robot has stayed near, and the tick since when.
     spot: (Point, u64),
-    /// Why the robot stands still, and since when; `None` while it moves.
+    /// Why the robot stands still, and the tick since when; `None` while it moves.
     standing: Option<(Reason, u64)>,
-    /// Whether it has had anything to do.
+    /// Whether the robot has driven or held since the start.
     has_worked: bool,
 }
 
@@ -54,24 +54,24 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         }
     }
 
-    /// The same with surroundings that its work changes; its run ends when that work is done.
+    /// Adds surroundings that the robot's work changes. The run ends when that work is done.
     pub fn within(mut self, surroundings: Surroundings) -> Self {
         self.limits.time_s = surroundings.time_limit;
         self.outcome.surroundings = Some(surroundings);
         self
     }
 
-    /// The body as it truly is.
+    /// The true state of the body.
     pub fn body(&self) -> &Body {
         &self.body
     }
 
-    /// What the pilot commanded in the last tick; before the first, to stand still.
+    /// The pilot's commands of the last tick; before the first tick, a stop.
     pub fn commands(&self) -> &Commands {
         &self.commands
     }
 
-    /// What has come of its run so far; it no longer changes once the run has ended.
+    /// The outcome of the run so far; it no longer changes once the run has ended.
     pub fn outcome(&self) -> &Outcome {
         &self.outcome
     }
@@ -93,16 +93,16 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         record
     }
 
-    /// What the pilot answers.
+    /// The pilot's answer to a sensor record.
     pub(crate) fn exchange(&mut self, record: &SensorRecord) -> Result<CommandRecord, PilotError> {
         self.pilot.exchange(record)
     }
 
-    /// Takes the body to where it came in this tick, and keeps account of that.
+    /// Takes over the body's new state at the end of a tick, and updates the outcome.
     pub(crate) fn arrive(
         &mut self,
         answer: &CommandRecord,
-        (body, motion): (Body, Motion),
+        (body, result): (Body, StepResult),
         truth: &World,
         others: &[Body],
     ) {
@@ -115,15 +115,15 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         }
         outcome.ticks += 1;
         outcome.time_s = (outcome.ticks * TICK_US) as f64 * 1e-6;
-        outcome.distance_m += motion.distance_m;
+        outcome.distance_m += result.distance_m;
         outcome.turn_rad += f64::from(wrap_angle(turned_rad as f32)).abs();
         if let Some(surroundings) = &mut outcome.surroundings {
-            surroundings.step(body.position, motion.distance_m, &answer.commands, TICK_S);
+            surroundings.step(body.position, result.distance_m, &answer.commands, TICK_S);
         }
-        outcome.touches += u32::from(motion.touched && !self.is_touching);
+        outcome.touches += u32::from(result.touched && !self.is_touching);
         outcome.trace_hash = answer.trace_hash;
         outcome.most_instructions = outcome.most_instructions.max(answer.instructions);
-        self.is_touching = motion.touched;
+        self.is_touching = result.touched;
         let standing = truth.nearest(body.position, LOOK_M).map(|nearest| nearest.distance_m);
         let moving = others
             .iter()
@@ -154,7 +154,7 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         let limits = &self.limits;
         let now = self.outcome.ticks;
         let seconds_since = |tick: u64| ((now - tick) * TICK_US) as f64 * 1e-6;
-        // A robot that waits on purpose is not trapped.
+        // A robot that holds or has nothing to do is not trapped.
         let waits = matches!(reason, Reason::Holding | Reason::Idle);
         if waits || distance(self.spot.0, self.body.position) > limits.trapped_within_m {
             self.spot = (self.body.position, now);
@@ -239,11 +239,11 @@ mod tests {
         assert!(there.reached() && there.touches == 0, "{there:?}");
         // Ten seconds at 1 m/s, a third of a metre lost while speeding up.
         assert!((there.distance_m - 9.67).abs() < 0.05, "{there:?}");
-        assert_eq!(there.closest_m, f64::INFINITY, "the wall is beyond the look");
+        assert_eq!(there.closest_m, f64::INFINITY, "the wall is farther than LOOK_M");
         assert_eq!(there.reasons, [(Reason::Driving, 199), (Reason::AtGoal, 1)]);
     }
 
-    /// Stands still and gives these reasons, each for a number of ticks, the last one to the end.
+    /// Stands still and reports each reason for its number of ticks, the last one to the end.
     struct Still(Vec<(u64, Reason)>);
 
     impl Pilot for Still {
@@ -265,11 +265,12 @@ mod tests {
         for (reasons, work, expected) in [
             (&[(1, NoFix), (1, OffMap)][..], "", (Ending::OffMap, 10)),
             (&[(100, NoFix), (1, NoRoute)], "", (Ending::NoRoute, 15)),
-            // For a moment only.
+            // Less than 10 s off the map.
             (&[(190, OffMap), (1, NoFix)], "", (Ending::Trapped, 60)),
-            // A hold of 100 s is not trapped; what follows may be.
+            // A robot that holds for 100 s is not trapped; after the hold it may be.
             (&[(2_000, Holding), (1, NoFix)], "", (Ending::Trapped, 160)),
-            // Nothing to do between two things is not done, and nothing at all neither.
+            // A robot is done if it worked and then stayed idle, not if it is idle in between or
+            // never worked.
             (&[(20, Driving), (1, Idle), (600, Holding), (1, Idle)], "", (Ending::Done, 91)),
             (&[(1, Idle)], "", (Ending::OutOfTime, 200)),
             (&[(20, Driving), (1, Idle)], "signal = 7\n", (Ending::OutOfTime, 200)),

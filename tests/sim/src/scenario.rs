@@ -1,4 +1,4 @@
-//! A scenario: plans, the map that they were compiled from, and the world as it truly is.
+//! A scenario: plans, the map that they were compiled from, and the true world.
 
 use crate::{
     Body, Chassis, Limits, Pilot, Point, Random, ReceiverSettings, Robot, SensorSettings,
@@ -9,44 +9,44 @@ use math::Vec2;
 use plan_format::grid::cost_metres;
 use plan_format::{Answer, Blob, Layer, ParallelPlan};
 
-/// How a robot's run begins.
+/// The start of a robot's run.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
     /// Position of the body's centre, metres.
     pub position: Point,
-    /// Radians counter-clockwise from east.
+    /// Heading, radians counter-clockwise from east.
     pub heading_rad: f64,
     /// Seed for every random draw.
     pub seed: u64,
-    /// How good the sensors are.
+    /// The sensors and their errors.
     pub sensors: SensorSettings,
 }
 
-/// What a robot knows, and what is there.
+/// What a robot knows, and the true world.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// The known map: what the plans were compiled from.
+    /// The known map, the source of the plans.
     pub map: Map,
-    /// The true world, which may hold more or less than the map. The robot perceives it by its
-    /// sensors only.
+    /// The true world. It may have more or fewer obstacles than the map, and the robot perceives it
+    /// by its sensors only.
     pub truth: World,
-    /// The plans, as a robot gets them.
+    /// The blob with the robot's plans.
     pub blob: Vec<u8>,
-    /// What the robot's work changes, where there is any.
+    /// Tanks and fields that the robot's work changes, if there are any.
     pub surroundings: Option<Surroundings>,
 }
 
 impl Scenario {
-    /// A scenario in which the map is true. Panics where the blob is damaged.
+    /// A scenario in which the world is as in the map. Panics if the blob is damaged.
     pub fn new(map: Map, blob: Vec<u8>, surroundings: Option<Surroundings>) -> Self {
         let scenario = Self { truth: World::of_map(&map), map, blob, surroundings };
         scenario.plan();
         scenario
     }
 
-    /// The plans as a robot sees them.
+    /// The parsed blob.
     pub fn plan(&self) -> Blob<'_> {
-        Blob::parse_exact(&self.blob).expect("the blob is whole")
+        Blob::parse_exact(&self.blob).expect("the blob is sound")
     }
 
     /// The parallel plan that the robot follows.
@@ -55,17 +55,17 @@ impl Scenario {
         plan.parallel_plan(plan.parameters().plan.into()).expect("a blob has plans")
     }
 
-    /// The layer that the robot follows from a place: the most constrained one that has a
-    /// route from there; `None` where none has.
-    pub fn layer_from(&self, place: Point) -> Option<Layer<'_>> {
+    /// The layer that the robot follows from a position: the most constrained one with a route
+    /// from there; `None` if no layer has one.
+    pub fn layer_from(&self, position: Point) -> Option<Layer<'_>> {
         let (plan, parallel) = (self.plan(), self.parallel_plan());
         let mut layers =
             (0..parallel.layer_count()).rev().filter_map(|index| parallel.layer(index));
-        layers.find(|layer| way_m(&plan, layer, place).is_some())
+        layers.find(|layer| route_m(&plan, layer, position).is_some())
     }
 
-    /// A place with a route where the body is clear of obstacles, drawn by chance; `None`
-    /// where many draws find none.
+    /// Draws a random position that has a route and where the body is clear of obstacles; `None`
+    /// if many draws find none.
     pub fn draw_start(&self, seed: u64) -> Option<Point> {
         const DRAWS: usize = 100_000;
         let (plan, mut random) = (self.plan(), Random::new(seed, Stream::Start));
@@ -80,8 +80,8 @@ impl Scenario {
             .find(|&point| self.layer_from(point).is_some() && self.truth.is_clear(point, radius_m))
     }
 
-    /// When a run ends: it has arrived where the robot believes the goal to be, which its
-    /// receiver puts up to three sigma off in almost all cases.
+    /// The limits of a run. The robot stops where it believes the goal to be; its receiver is
+    /// almost always less than three sigma off.
     fn limits(&self, start: &Start) -> Limits {
         let sigma_m = start.sensors.gps.map_or(0.0, |gps| gps.sigma_m);
         let tolerance_m = f64::from(self.plan().parameters().schemas.goal_tolerance_m);
@@ -102,7 +102,8 @@ impl Scenario {
         SensorSettings { gps, ..usual }
     }
 
-    /// A robot before its first tick; the error says why it cannot start.
+    /// A robot before its first tick. The error is a message for the user: the map has no reference
+    /// to the globe, or an obstacle is at the start.
     pub fn robot<P: Pilot>(
         &self,
         start: &Start,
@@ -110,20 +111,20 @@ impl Scenario {
     ) -> Result<Robot<SensorSuite, P>, String> {
         let reference = self.map.reference.as_ref();
         let reference = reference.ok_or(
-            "the map does not say where on the globe it lies, and the robot drives by GPS; give \
-             it a reference: GLOBAL_REF_POINT LAT LON in an overlay",
+            "the map does not say where on the globe it lies, but the robot drives by GPS; add a \
+             reference to the map: GLOBAL_REF_POINT LAT LON in an overlay",
         )?;
         let vehicle = self.plan().parameters().vehicle;
         let chassis = Chassis { radius_m: vehicle.radius_m.into(), ..Chassis::default() };
         if !self.truth.is_clear(start.position, chassis.radius_m) {
             let nearest = near_clear(&self.truth, start.position, chassis.radius_m);
             let elsewhere = nearest.map_or_else(
-                || "start elsewhere: --start X,Y".to_owned(),
-                |at| format!("a clear place near it: --start {:.2},{:.2}", at[0], at[1]),
+                || "choose another start: --start X,Y".to_owned(),
+                |at| format!("a clear position nearby: --start {:.2},{:.2}", at[0], at[1]),
             );
             let [x, y] = start.position;
             return Err(format!(
-                "at the start ({x:.2}, {y:.2}) the body stands in an obstacle; {elsewhere}"
+                "the start ({x:.2}, {y:.2}) is too close to an obstacle; {elsewhere}"
             ));
         }
         let sensors = SensorSuite::new(start.sensors, reference, start.seed);
@@ -136,22 +137,22 @@ impl Scenario {
     }
 }
 
-/// A place near another one where a body is clear of obstacles, of those on rings about it.
-fn near_clear(world: &World, about: Point, radius_m: f64) -> Option<Point> {
+/// A position near `from` where a body is clear of obstacles, searched on growing rings.
+fn near_clear(world: &World, from: Point, radius_m: f64) -> Option<Point> {
     const RINGS: u32 = 200;
     const RING_M: f64 = 0.25;
     let steps = [-1.0, 0.0, 1.0];
     let directions = steps.iter().flat_map(|x| steps.iter().map(move |y| [*x, *y]));
     (1..=RINGS).find_map(|ring| {
         let reach_m = f64::from(ring) * RING_M;
-        let mut places =
-            directions.clone().map(|step| [0, 1].map(|axis| about[axis] + reach_m * step[axis]));
-        places.find(|&place| world.is_clear(place, radius_m))
+        let mut positions =
+            directions.clone().map(|step| [0, 1].map(|axis| from[axis] + reach_m * step[axis]));
+        positions.find(|&position| world.is_clear(position, radius_m))
     })
 }
 
-/// Length of a layer's route from a place to the goal, metres; `None` where there is none.
-pub fn way_m(blob: &Blob<'_>, layer: &Layer<'_>, from: Point) -> Option<f64> {
+/// Length of a layer's route from a position to the goal, metres; `None` if there is none.
+pub fn route_m(blob: &Blob<'_>, layer: &Layer<'_>, from: Point) -> Option<f64> {
     let cell = blob.cell_at(Vec2::new(from[0] as f32, from[1] as f32))?;
     match layer.look_up(cell) {
         Answer::Move { cost, .. } => Some(cost_metres(cost, blob.grid().resolution_m)),

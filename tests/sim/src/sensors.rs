@@ -1,5 +1,6 @@
-//! The robot's sensors: what they report of the true state of things.
+//! The robot's sensors: they turn the true state of the simulation into sensor records.
 
+use crate::geometry::wrapped;
 use crate::{Body, Mode, Point, Random, Receiver, ReceiverSettings, Stream, World, world};
 use maps::Reference;
 use robot_io::limits::{MAX_GPS_BYTES, MAX_RANGES};
@@ -9,29 +10,28 @@ use std::f64::consts::TAU;
 /// Range readings as a record holds them.
 type Ranges = heapless::Vec<RangeReading, MAX_RANGES>;
 
-/// The truth that sensors look at.
+/// The true state that sensors measure in one tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'w> {
-    /// What stands around.
+    /// The true obstacles.
     pub world: &'w World,
     /// The bodies of the other robots.
     pub others: &'w [Body],
     /// The robot's body.
     pub body: Body,
-    /// Where the satellites' signals put the antenna: at the body's centre, unless a fault
-    /// moves it.
+    /// Position of the antenna, metres: the body's centre, unless a fault moves it.
     pub antenna: Point,
-    /// How the GPS receiver works: as it should, unless a fault changes that.
+    /// Mode of the GPS receiver: autonomous, unless a fault changes it.
     pub mode: Mode,
-    /// Since the start of the simulation.
+    /// Time since the start of the simulation, microseconds.
     pub time_us: u64,
-    /// Since the last look.
+    /// Length of this tick, microseconds.
     pub tick_us: u64,
 }
 
 impl Scene<'_> {
-    /// Distance from the body's centre to the first surface in a direction, another robot's or
-    /// an obstacle's, metres; `None` if none is nearer than `most_m`.
+    /// Distance from the body's centre to the first surface of an obstacle or another robot in a
+    /// direction, metres; `None` if none is nearer than `most_m`.
     fn range(&self, heading_rad: f64, most_m: f64) -> Option<f64> {
         let from = self.body.position;
         let others = self.others.iter().filter_map(|other| {
@@ -42,9 +42,9 @@ impl Scene<'_> {
     }
 }
 
-/// Turns the truth into what the robot perceives.
+/// A source of sensor records.
 pub trait Sensors {
-    /// What arrives in the tick that ends at the scene's time. Called once a tick.
+    /// The sensor data of the tick that ends at the scene's time. Called once a tick.
     fn sense(&mut self, scene: &Scene<'_>) -> SensorRecord;
 }
 
@@ -60,7 +60,7 @@ impl<S: Sensors + ?Sized> Sensors for Box<S> {
     }
 }
 
-/// How good the sensors are; `None` where the robot has no such sensor.
+/// The errors of the sensors; `None` where the robot has no such sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorSettings {
     /// GPS receiver.
@@ -71,19 +71,19 @@ pub struct SensorSettings {
     pub odometry_sigma: Option<(f64, f64)>,
     /// Range readings around the body.
     pub ring: Option<RingSettings>,
-    /// What the human in charge says all along.
+    /// The operator's commands, the same in every tick.
     pub operator: Operator,
 }
 
-/// A ring of range readings: a scanner whose beams are grouped into sectors, of which each
-/// reports its nearest return, as sonars and reduced laser scans do.
+/// A ring of range readings: a scanner with its beams grouped into sectors. Each sector reports its
+/// nearest return, as sonars and reduced laser scans do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RingSettings {
-    /// Sectors, the first one centred ahead; at most [`MAX_RANGES`].
+    /// Number of sectors, the first one centred ahead; at most [`MAX_RANGES`].
     pub sectors: usize,
-    /// Beams in a sector.
+    /// Number of beams in a sector.
     pub beams: usize,
-    /// Surfaces farther away than this are not seen, metres.
+    /// Range within which surfaces are seen, metres.
     pub range_m: f64,
     /// Standard deviation of a distance, metres.
     pub sigma_m: f64,
@@ -114,7 +114,7 @@ impl SensorSettings {
 pub struct SensorSuite {
     settings: SensorSettings,
     receiver: Option<Receiver>,
-    /// Of the map's y axis, clockwise from true north.
+    /// Heading of the map's y axis, clockwise from true north.
     map_heading_rad: f64,
     compass: Random,
     odometry: Random,
@@ -122,7 +122,7 @@ pub struct SensorSuite {
 }
 
 impl SensorSuite {
-    /// Sensors on a map with this place on the globe.
+    /// Sensors of a robot on a map with this reference to the globe.
     pub fn new(settings: SensorSettings, reference: &Reference, seed: u64) -> Self {
         Self {
             settings,
@@ -149,9 +149,9 @@ impl SensorSuite {
             let seen = beams.filter_map(|(bearing, range)| Some((bearing, range?)));
             if let Some((bearing_rad, range)) = seen.reduce(|a, b| if b.1 < a.1 { b } else { a }) {
                 let distance = (range + ring.sigma_m * self.ranges.normal()).max(0.0);
-                // Cannot be full: there are no more sectors than places.
+                // Never full: there are at most `MAX_RANGES` sectors.
                 let _ = readings.push(RangeReading {
-                    bearing_rad: crate::body::wrapped(bearing_rad) as f32,
+                    bearing_rad: wrapped(bearing_rad) as f32,
                     distance_m: distance as f32,
                 });
             }
@@ -180,7 +180,7 @@ impl Sensors for SensorSuite {
         });
         let heading_rad = self.settings.compass_sigma_rad.map(|sigma| {
             let heading = body.heading_rad - self.map_heading_rad + sigma * self.compass.normal();
-            crate::body::wrapped(heading) as f32
+            wrapped(heading) as f32
         });
         SensorRecord {
             gps: gps.unwrap_or_default().into_iter().collect(),

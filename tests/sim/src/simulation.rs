@@ -1,18 +1,17 @@
 //! Robots in one true world, tick by tick.
 //!
-//! A tick has phases: all robots sense, then all exchange records with their pilots, then all
-//! move. Each phase reads only what the phase before has left, so it does not matter in which
-//! order the robots stand in the simulation. Robots see each other by their range sensors, and
-//! their bodies never overlap.
+//! A tick has three phases: all robots sense, then all exchange records with their pilots, then
+//! all move. Each phase reads only the results of the phase before, so the order of the robots
+//! does not matter. Robots see each other by their range sensors, and their bodies never overlap.
 
-use crate::body::distance;
-use crate::{Body, Motion, Outcome, Pilot, PilotError, Robot, Sensors, TICK_US, World};
+use crate::geometry::distance;
+use crate::{Body, Outcome, Pilot, PilotError, Robot, Sensors, StepResult, TICK_US, World};
 use robot_io::{CommandRecord, SensorRecord};
 
 /// A simulation under way.
 #[derive(Debug)]
 pub struct Simulation<'w, S, P> {
-    /// What truly stands around, whatever the robots' maps say.
+    /// The true obstacles; the robots' maps may differ.
     truth: &'w World,
     robots: Vec<Robot<S, P>>,
     ticks: u64,
@@ -24,7 +23,7 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
         Self { truth, robots: robots.into_iter().collect(), ticks: 0 }
     }
 
-    /// The robots, in the order in which they were given.
+    /// The robots in the order given to [`Simulation::new`].
     pub fn robots(&self) -> &[Robot<S, P>] {
         &self.robots
     }
@@ -34,7 +33,7 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
         self.robots.iter().all(|robot| robot.outcome().ending.is_some())
     }
 
-    /// One tick of all robots. One whose run has ended stays in the world and goes on.
+    /// Runs one tick of all robots. A robot whose run has ended stays in the world and drives on.
     pub fn step(&mut self) -> Result<(), PilotError> {
         let records = self.sense();
         let answers = self.exchange(&records)?;
@@ -43,7 +42,8 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
         Ok(())
     }
 
-    /// Runs until all robots' runs have ended; what came of them, in the order of the robots.
+    /// Runs until the runs of all robots have ended, and returns their outcomes in the order of
+    /// the robots.
     pub fn finish(mut self) -> Result<Vec<Outcome>, PilotError> {
         while !self.is_over() {
             self.step()?;
@@ -69,15 +69,15 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
         let seconds = TICK_US as f64 * 1e-6;
         let before = self.bodies();
         let mut after = before.clone();
-        let mut motions: Vec<Motion> = after
+        let mut results: Vec<StepResult> = after
             .iter_mut()
             .zip(answers)
             .map(|(body, answer)| body.step(&answer.commands, self.truth, seconds))
             .collect();
-        keep_apart(&before, &mut after, &mut motions);
+        keep_apart(&before, &mut after, &mut results);
         for (index, robot) in self.robots.iter_mut().enumerate() {
-            let place = (after[index], motions[index]);
-            robot.arrive(&answers[index], place, self.truth, &others(&after, index));
+            let moved = (after[index], results[index]);
+            robot.arrive(&answers[index], moved, self.truth, &others(&after, index));
         }
     }
 
@@ -100,9 +100,10 @@ fn others(bodies: &[Body], index: usize) -> Vec<Body> {
     before.chain(&bodies[index + 1..]).copied().collect()
 }
 
-/// Bodies that would overlap touch instead, and stay where they were: all of them, so that none
-/// has precedence. That may put one into the way of a further body, which then stays, too.
-fn keep_apart(before: &[Body], after: &mut [Body], motions: &mut [Motion]) {
+/// Puts bodies that would overlap back to where they were before the tick, and counts that as a
+/// touch. All of them go back, so that none has precedence. A body that goes back may block
+/// another one, which then goes back too.
+fn keep_apart(before: &[Body], after: &mut [Body], results: &mut [StepResult]) {
     let mut has_stayed = vec![false; after.len()];
     loop {
         let clash = |index: usize| {
@@ -121,7 +122,7 @@ fn keep_apart(before: &[Body], after: &mut [Body], motions: &mut [Motion]) {
             has_stayed[index] = true;
             after[index].position = before[index].position;
             after[index].velocity_mps = [0.0; 2];
-            motions[index] = Motion { distance_m: 0.0, touched: true };
+            results[index] = StepResult { distance_m: 0.0, touched: true };
         }
     }
 }
@@ -134,14 +135,14 @@ mod tests {
     use math::GeoPoint;
     use robot_io::{Commands, Reason, Receiver};
 
-    /// Drives ahead until a range reading ahead is nearer than a distance, then turns away. Hashes
-    /// every byte that its sensors bring.
-    struct Shy {
+    /// Drives ahead until a range reading ahead is nearer than `distance_m`, then turns away.
+    /// Hashes every byte of its sensor records.
+    struct TurnsAway {
         distance_m: f32,
         hash: u64,
     }
 
-    impl Pilot for Shy {
+    impl Pilot for TurnsAway {
         fn exchange(&mut self, sensors: &SensorRecord) -> Result<CommandRecord, PilotError> {
             for byte in sensors.to_bytes().expect("it fits").into_iter() {
                 self.hash = (self.hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
@@ -163,7 +164,7 @@ mod tests {
         }
     }
 
-    /// A robot that starts somewhere, with a heading and a distance that it keeps.
+    /// Position, heading in radians and the distance of [`TurnsAway`] in metres.
     type Start = (Point, f64, f32);
 
     fn outcomes(starts: &[Start]) -> Vec<Outcome> {
@@ -171,17 +172,17 @@ mod tests {
         let place = GeoPoint::from_degrees(1.0, 2.0).expect("on the globe");
         let reference = Reference { place, at: [0.0, 0.0], heading_rad: 0.0 };
         let robots = starts.iter().map(|&(position, heading_rad, distance_m)| {
-            // The seed belongs to the robot, not to its place in the list.
+            // The seed depends on the robot, not on its index in the list.
             let seed = position[0].to_bits();
             let sensors = SensorSuite::new(SensorSettings::USUAL, &reference, seed);
             let body = Body::new(Chassis::default(), position, heading_rad);
             let limits = Limits { time_s: 20.0, ..Limits::to_goal([99.0, 99.0]) };
-            Robot::new(body, sensors, Shy { distance_m, hash: 0 }, limits)
+            Robot::new(body, sensors, TurnsAway { distance_m, hash: 0 }, limits)
         });
         Simulation::new(&world, robots).finish().expect("these pilots always answer")
     }
 
-    /// Two that meet and make way, two that collide, and three of which one is hit while it turns.
+    /// Two robots that avoid each other, two that collide, and three with one hit while it turns.
     #[test]
     fn the_order_of_the_robots_does_not_matter() {
         use std::f64::consts::PI;
@@ -214,16 +215,16 @@ mod tests {
         assert!((both[0].distance_m - both[1].distance_m).abs() < 1e-9, "{both:?}");
     }
 
-    /// The middle one of a row is stopped by the first, and the last by the middle one.
+    /// In a row of three, the first body stops the second, and the second stops the third.
     #[test]
-    fn a_body_that_stays_is_in_the_way_of_the_next() {
+    fn a_body_that_goes_back_blocks_the_next() {
         let at = |x: f64| Body::new(Chassis::default(), [x, 0.0], 0.0);
         let before = [at(0.0), at(0.7), at(1.4)];
         let mut after = [at(0.0), at(0.5), at(1.2)];
-        let moved = Motion { distance_m: 0.2, touched: false };
-        let mut motions = [Motion::default(), moved, moved];
-        keep_apart(&before, &mut after, &mut motions);
+        let moved = StepResult { distance_m: 0.2, touched: false };
+        let mut results = [StepResult::default(), moved, moved];
+        keep_apart(&before, &mut after, &mut results);
         assert_eq!(after.map(|body| body.position), before.map(|body| body.position));
-        assert!(motions.iter().all(|motion| motion.touched && motion.distance_m == 0.0));
+        assert!(results.iter().all(|result| result.touched && result.distance_m == 0.0));
     }
 }

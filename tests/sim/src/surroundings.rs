@@ -1,48 +1,48 @@
-//! What of the surroundings changes by the robot's work: tanks that it drains and fills, fields that
-//! it works strip by strip. The robot hears of them as inputs of its percepts.
+//! The surroundings that the robot's work changes: tanks that it drains and fills, and fields that
+//! it works strip by strip. Each is an input of the robot's percepts.
 //!
-//! They are described in a TOML file beside the map or the mission, `yard.world.toml` for
-//! `yard.ovl` and `yard.mission.toml`; `plan-compiler/WORLD.md` is about it, [`read`] reads it.
+//! A TOML file beside the map or the mission describes them: `yard.world.toml` for `yard.ovl` and
+//! `yard.mission.toml`. `plan-compiler/WORLD.md` documents the file, and [`read`] reads it.
 //!
 //! A strip is done when the robot has followed it from its start to its end without leaving it. A
-//! run with work ends when all strips are done and the robot has given the signal, or where none
-//! is asked for has nothing left to do.
+//! run with work ends when all strips are done and the robot has given the signal, or, if the file
+//! asks for no signal, has nothing left to do.
 
 mod read;
 
 use crate::Point;
-use crate::body::distance;
+use crate::geometry::distance;
 use maps::problem::{self, Problem, Source};
 use robot_io::limits::MAX_CHANNELS;
 use robot_io::{Commands, Reason};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What a file beside the map says.
+/// The contents of a world file, changed by the robot's work.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surroundings {
-    /// Where the robot starts, metres.
+    /// Start position of the robot, metres.
     pub start: Point,
-    /// Radians counter-clockwise from east.
+    /// Heading at the start, radians counter-clockwise from east.
     pub heading: f64,
-    /// Longer runs are given up, seconds.
+    /// Time limit of a run, seconds.
     pub time_limit: f64,
     /// Standard deviation of a fix east and north, metres; `None` for the usual one.
     pub gps_sigma: Option<f64>,
-    /// What the robot signals when it has done its work.
+    /// The signal that the robot gives when its work is done.
     pub signal: Option<u16>,
     is_signalled: bool,
-    /// By their names.
+    /// The tanks by name.
     pub tanks: BTreeMap<String, Tank>,
-    /// By their names.
+    /// The fields by name.
     pub fields: BTreeMap<String, Field>,
 }
 
-/// Something that the robot uses up.
+/// A supply that the robot uses up as it drives, such as fuel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tank {
     channel: usize,
-    /// How full it is, 0 to 1.
+    /// Level, 0 (empty) to 1 (full).
     pub level: f64,
     use_per_m: f64,
     fill_per_s: f64,
@@ -52,12 +52,12 @@ pub struct Tank {
     leak: Option<Leak>,
     /// How often filling began.
     pub fills: u32,
-    /// The way so far, metres.
-    way_m: f64,
+    /// Distance driven so far, metres.
+    driven_m: f64,
     is_filling: bool,
 }
 
-/// A mishap: once, after a way, a tank falls to a level.
+/// A leak: once, after `after_m` metres, the level falls to `to`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Leak {
     after_m: f64,
@@ -71,40 +71,40 @@ pub struct Field {
     within: f64,
     output: Option<u16>,
     strips: Vec<[Point; 2]>,
-    /// What was done to each strip.
+    /// The work done on each strip.
     pub work: Vec<Work>,
 }
 
-/// What was done to a strip.
+/// The work done on a strip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// How often the robot drove into it from its start.
+    /// How often the robot began it at its start.
     pub begun: u32,
-    /// How often it came to the end.
+    /// How often the robot finished it.
     pub done: u32,
     at: Along,
 }
 
-/// Where on a strip the robot is.
+/// The robot's position relative to a strip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Along {
-    /// Not on it, or not from its start.
+    /// Beside the strip, or on it without having begun at its start.
     #[default]
     Off,
-    /// Within reach of its start.
+    /// At its start.
     Start,
-    /// On it.
+    /// On the strip, begun at its start.
     Under,
 }
 
 impl Surroundings {
-    /// Reads the file beside a map or a mission; none if there is none. All that is wrong in it is
-    /// added to the problems.
+    /// Reads the world file beside a map or a mission; `None` if there is none or it has a mistake.
+    /// All its mistakes are added to `problems`.
     pub fn beside(path: &Path, problems: &mut Vec<Problem>) -> Option<Self> {
         read::beside(path, problems)
     }
 
-    /// What the percepts' inputs are.
+    /// The inputs of the percepts, by channel.
     pub fn inputs(&self) -> [Option<f32>; MAX_CHANNELS] {
         let mut inputs = [None; MAX_CHANNELS];
         let tanks = self.tanks.values().map(|tank| (tank.channel, tank.level));
@@ -115,12 +115,12 @@ impl Surroundings {
         inputs
     }
 
-    /// The robot has driven `way_m` metres to a place in some time, by these commands.
-    pub fn step(&mut self, at: Point, way_m: f64, commands: &Commands, seconds: f64) {
+    /// Accounts for a step in which the robot drove `driven_m` metres to `at` by these commands.
+    pub fn step(&mut self, at: Point, driven_m: f64, commands: &Commands, seconds: f64) {
         let outputs = commands.outputs;
         self.is_signalled |= self.signal == Some(commands.signal);
         for tank in self.tanks.values_mut() {
-            tank.step(at, way_m, outputs, seconds);
+            tank.step(at, driven_m, outputs, seconds);
         }
         for field in self.fields.values_mut() {
             if is_on(outputs, field.output) {
@@ -129,12 +129,12 @@ impl Surroundings {
         }
     }
 
-    /// Whether there is work to be done, whose end is the run's.
+    /// Whether there is work; if so, its end is the end of the run.
     pub fn has_work(&self) -> bool {
         self.signal.is_some() || !self.fields.is_empty()
     }
 
-    /// Whether all work is done, for a robot that gives this reason for what it does.
+    /// Whether all work is done; `reason` is that of the robot's commands in this tick.
     pub fn is_done(&self, reason: Reason) -> bool {
         let is_over =
             if self.signal.is_some() { self.is_signalled } else { reason == Reason::Idle };
@@ -172,10 +172,10 @@ impl std::str::FromStr for Surroundings {
 }
 
 impl Tank {
-    fn step(&mut self, at: Point, way_m: f64, outputs: u16, seconds: f64) {
-        self.level -= way_m * self.use_per_m;
-        self.way_m += way_m;
-        if let Some(leak) = self.leak.take_if(|leak| leak.after_m <= self.way_m) {
+    fn step(&mut self, at: Point, driven_m: f64, outputs: u16, seconds: f64) {
+        self.level -= driven_m * self.use_per_m;
+        self.driven_m += driven_m;
+        if let Some(leak) = self.leak.take_if(|leak| leak.after_m <= self.driven_m) {
             self.level = self.level.min(leak.to);
         }
         let is_filling = is_on(outputs, self.output) && distance(at, self.at) <= self.within;
@@ -218,7 +218,7 @@ impl Field {
     }
 }
 
-/// Whether an output is on; what asks for none counts as on.
+/// Whether an output is on; `None` counts as on.
 fn is_on(outputs: u16, output: Option<u16>) -> bool {
     output.is_none_or(|output| outputs.checked_shr(output.into()).is_some_and(|rest| rest & 1 == 1))
 }
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tank_drains_with_the_way_and_fills_in_its_place_only() {
+    fn a_tank_drains_with_the_distance_and_fills_at_its_station_only() {
         let mut yard = yard();
         yard.step([5.0, 0.0], 10.0, &with(0), 1.0);
         assert!((yard.tanks["fuel"].level - 0.4).abs() < 1e-9);
@@ -262,17 +262,17 @@ mod tests {
     fn a_leak_happens_once() {
         let text = YARD.replace("output = 3", "output = 3\nleak = { after_m = 3, to = 0.2 }");
         let mut yard: Surroundings = text.parse().expect("it is sound");
-        let levels = [2.0, 2.0, 0.0, 5.0].map(|way_m| {
-            let outputs = if way_m == 0.0 { 0b1000 } else { 0 };
-            yard.step([0.0; 2], way_m, &with(outputs), 3.0);
+        let levels = [2.0, 2.0, 0.0, 5.0].map(|driven_m| {
+            let outputs = if driven_m == 0.0 { 0b1000 } else { 0 };
+            yard.step([0.0; 2], driven_m, &with(outputs), 3.0);
             (yard.tanks["fuel"].level * 100.0).round()
         });
         assert_eq!(levels, [48.0, 20.0, 50.0, 45.0]);
     }
 
-    /// Drives along a way in steps of half a metre.
-    fn drive(yard: &mut Surroundings, way: &[Point]) -> Vec<(u32, u32)> {
-        for pair in way.windows(2) {
+    /// Follows a route in steps of half a metre.
+    fn follow(yard: &mut Surroundings, route: &[Point]) -> Vec<(u32, u32)> {
+        for pair in route.windows(2) {
             let steps = (distance(pair[0], pair[1]) * 2.0).ceil();
             for step in 0..=steps as u32 {
                 let t = f64::from(step) / steps;
@@ -285,12 +285,12 @@ mod tests {
 
     #[test]
     fn a_strip_is_done_from_its_start_to_its_end_or_not_at_all() {
-        for (way, expected) in [
+        for (route, expected) in [
             // From start to end, a little beside it.
             (&[[0.0, 0.0], [10.0, 0.5]][..], (1, 1)),
             // Backwards.
             (&[[10.0, 0.0], [0.0, 0.0]], (0, 0)),
-            // From the middle on.
+            // From the middle to the end.
             (&[[5.0, 3.0], [5.0, 0.0], [10.0, 0.0]], (0, 0)),
             // Left in the middle, and from there to the end.
             (&[[0.0, 0.0], [5.0, 0.0], [5.0, 2.0], [5.0, 0.0], [10.0, 0.0]], (1, 0)),
@@ -298,11 +298,11 @@ mod tests {
             (&[[0.0, 0.0], [5.0, 0.0], [5.0, 2.0], [0.0, 2.0], [0.0, 0.0], [10.0, 0.0]], (2, 1)),
         ] {
             let mut yard = yard();
-            assert_eq!(drive(&mut yard, way), [expected, (0, 0)], "{way:?}");
+            assert_eq!(follow(&mut yard, route), [expected, (0, 0)], "{route:?}");
             assert!(!yard.is_done(Reason::Idle));
         }
         let mut yard = yard();
-        drive(&mut yard, &[[0.0, 0.0], [10.0, 0.0], [0.0, 5.0], [0.0, 9.0]]);
+        follow(&mut yard, &[[0.0, 0.0], [10.0, 0.0], [0.0, 5.0], [0.0, 9.0]]);
         assert!(yard.is_done(Reason::Idle) && !yard.is_done(Reason::Driving));
         yard.signal = Some(7);
         assert!(!yard.is_done(Reason::Idle));

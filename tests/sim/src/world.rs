@@ -1,24 +1,24 @@
-//! The obstacles as they truly are: exact shapes, asked for rays, nearest points and contact.
+//! The true obstacles: exact shapes that answer for rays, nearest points and contact.
 
 use crate::Point;
-use crate::body::distance;
+use crate::geometry::distance;
 use maps::{Map, Role, Shape};
 use math::scalar::wide;
 
-/// Side of an index cell, metres: a few cells within the reach of a range sensor.
+/// Smallest side of an index cell, metres. A range sensor reaches over a few such cells.
 const CELL_M: f64 = 4.0;
-/// The index is never finer than this many cells along one side.
+/// Most index cells along the longer side; a larger world gets larger cells.
 const MAX_SIDE_CELLS: f64 = 1024.0;
-/// Rounds of pushing a disc out of obstacles; two walls of a corner need two or three.
+/// Most pushes of a disc out of obstacles; two walls of a corner need two or three.
 const MAX_PUSHES: usize = 8;
 
-/// Obstacles without cells and without inflation.
+/// Obstacles as exact shapes, neither rasterised nor inflated.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// Outlines and discs.
+    /// Segments of all outlines, and discs.
     parts: Vec<Part>,
-    /// Rings of each filled polygon, for the question whether a point is inside.
-    fillings: Vec<Vec<Vec<Point>>>,
+    /// Rings of each filled polygon, to test whether a point is inside.
+    filled: Vec<Vec<Vec<Point>>>,
     index: Index,
 }
 
@@ -32,9 +32,9 @@ enum Part {
 /// The nearest point of any obstacle's surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// How far, metres; negative within a disc.
+    /// Its distance, metres; negative within a disc.
     pub distance_m: f64,
-    /// Where.
+    /// Its position, metres.
     pub at: Point,
 }
 
@@ -52,7 +52,7 @@ impl World {
     /// A world of these obstacles.
     pub fn new<'s>(obstacles: impl IntoIterator<Item = &'s Shape>) -> Self {
         let mut parts = Vec::new();
-        let mut fillings = Vec::new();
+        let mut filled = Vec::new();
         for shape in obstacles {
             match shape {
                 Shape::Circle { centre, radius } => {
@@ -61,16 +61,16 @@ impl World {
                 Shape::Polyline(points) => parts.extend(segments(points, false)),
                 Shape::Polygon(rings) => {
                     parts.extend(rings.iter().flat_map(|ring| segments(ring, true)));
-                    fillings.push(rings.clone());
+                    filled.push(rings.clone());
                 }
             }
         }
         let index = Index::new(&parts);
-        Self { parts, fillings, index }
+        Self { parts, filled, index }
     }
 
-    /// The obstacles of a map. Attenuating areas and zones are no obstacles, and outside the
-    /// map's boundary nothing stands either: those are rules, not walls.
+    /// The obstacles of a map. Attenuating areas, zones and the map's boundary are rules, not
+    /// walls, so they are left out.
     pub fn of_map(map: &Map) -> Self {
         let features = map.features.iter().filter(|feature| feature.role == Role::Obstacle);
         Self::new(features.map(|feature| &feature.shape))
@@ -92,7 +92,7 @@ impl World {
                     best = best.min(hit);
                 }
             }
-            // What the next cells hold is farther away than where this one ends.
+            // Every hit in a later cell is farther away than the end of this one.
             best > left_at
         });
         (best < most_m).then_some(best)
@@ -111,7 +111,7 @@ impl World {
         best
     }
 
-    /// Whether a disc is clear of all obstacles and not enclosed in a filled one.
+    /// Whether a disc touches no obstacle and its centre is not inside a filled one.
     pub fn is_clear(&self, centre: Point, radius: f64) -> bool {
         self.nearest(centre, radius).is_none() && !self.is_inside(centre)
     }
@@ -122,11 +122,12 @@ impl World {
             let crossed = rings.iter().flat_map(|ring| segments(ring, true));
             crossed.filter(|part| part.crosses_ray_east_of(point)).count() % 2 == 1
         };
-        self.nearest(point, 0.0).is_some() || self.fillings.iter().any(within)
+        self.nearest(point, 0.0).is_some() || self.filled.iter().any(within)
     }
 
-    /// Where a disc that overlaps an obstacle comes to lie when it is pushed out along the
-    /// surface's normal. `None`: it overlaps nothing. `Some(None)`: there is no room nearby.
+    /// Pushes a disc that overlaps an obstacle out along the surface's normal. `None`: the disc
+    /// overlaps nothing. `Some(Some(point))`: its centre after the push. `Some(None)`: no clear
+    /// position was found nearby.
     pub fn pushed_clear(&self, centre: Point, radius: f64) -> Option<Option<Point>> {
         let mut at = centre;
         for push in 0..MAX_PUSHES {
@@ -138,9 +139,9 @@ impl World {
             if length <= 0.0 {
                 return Some(None);
             }
-            // Inside a disc the way out leads through its surface, along the same normal.
+            // From inside a disc, `away` points inwards.
             let outward = if nearest.distance_m < 0.0 { -1.0 } else { 1.0 };
-            // A touch more than the radius, so that the next look finds nothing.
+            // Slightly more than the radius, so that the next query finds no overlap.
             let scale = (radius + 1e-9) / length * outward;
             at = [nearest.at[0] + away[0] * scale, nearest.at[1] + away[1] * scale];
         }
@@ -197,7 +198,7 @@ impl Part {
             Self::Disc { centre, radius } => {
                 let gap = [point[0] - centre[0], point[1] - centre[1]];
                 let length = wide::hypot(gap[0], gap[1]);
-                // From its very centre every way out is as good; east is defined.
+                // At the centre all directions are equal; east is the convention.
                 let out =
                     if length > 0.0 { [gap[0] / length, gap[1] / length] } else { [1.0, 0.0] };
                 let at = [centre[0] + out[0] * radius, centre[1] + out[1] * radius];
@@ -228,7 +229,7 @@ impl Part {
     }
 }
 
-/// The segments through points, back to the first if closed.
+/// The segments between successive points, and back to the first if `closed`.
 fn segments(points: &[Point], closed: bool) -> impl Iterator<Item = Part> + '_ {
     let back = if closed { points.last().zip(points.first()) } else { None };
     let open = points.windows(2).map(|pair| Part::Segment { from: pair[0], to: pair[1] });
@@ -253,7 +254,7 @@ impl Index {
             Self { corner: low, cell_m, columns, rows, cells: vec![Vec::new(); columns * rows] };
         for (number, part) in parts.iter().enumerate() {
             for cell in index.cells_of(part.bounds()) {
-                // A long slanted segment misses most cells of its box.
+                // A long slanted segment misses most cells of its bounding box.
                 if part.nearest(index.centre(cell)).distance_m <= cell_m {
                     index.cells[cell].push(number as u32);
                 }
@@ -275,7 +276,7 @@ impl Index {
         [at(0, cell % self.columns), at(1, cell / self.columns)]
     }
 
-    /// Cells that a box overlaps, cut to the index.
+    /// The index cells that a box overlaps.
     fn cells_of(&self, [low, high]: [Point; 2]) -> impl Iterator<Item = usize> + use<> {
         let span = |from: f64, to: f64, count: usize| {
             (from.max(0.0) as usize)..((to + 1.0).clamp(0.0, count as f64) as usize)
@@ -286,7 +287,8 @@ impl Index {
         rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
     }
 
-    /// Every part near a point; some twice, some farther away than `within_m`.
+    /// Calls `seen` for every part within `within_m` of a point, for some parts twice and for some
+    /// that are farther away.
     fn around(&self, point: Point, within_m: f64, seen: &mut dyn FnMut(u32)) {
         let low = [point[0] - within_m, point[1] - within_m];
         let high = [point[0] + within_m, point[1] + within_m];
@@ -295,8 +297,8 @@ impl Index {
         }
     }
 
-    /// Walks the cells along a ray (Amanatides and Woo 1987). `seen` gets the parts of a cell
-    /// and how far along the ray the cell ends, and says whether to go on.
+    /// Walks the cells along a ray (Amanatides and Woo 1987). `seen` gets the parts of a cell and
+    /// the distance along the ray where the cell ends, and returns whether to continue.
     fn walk(
         &self,
         from: Point,
@@ -374,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn the_index_finds_what_a_look_at_every_part_finds() {
+    fn the_index_finds_what_a_scan_of_all_parts_finds() {
         let shapes = shapes();
         let world = World::new(&shapes);
         let mut random = Random::new(1, Stream::Start);
@@ -394,7 +396,7 @@ mod tests {
     }
 
     #[test]
-    fn inside_is_inside_the_filling_only() {
+    fn only_filled_shapes_have_an_inside() {
         let shapes = shapes();
         let world = World::new(&shapes);
         assert!(world.is_inside([12.0, 20.0]) && world.is_inside([-20.0, 7.9]));

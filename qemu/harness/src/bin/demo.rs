@@ -1,4 +1,4 @@
-//! `cargo demo`: a map in, a robot driven by its plan, in QEMU, and a picture of it.
+//! `cargo demo`: compiles a map, runs a robot with its plan in QEMU, and draws a picture.
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -10,18 +10,18 @@ use harness::mission::{self, Changes};
 use harness::{Build, Machine, QemuPilot, picture, setup};
 use indicatif::{ProgressBar, ProgressStyle};
 use plan_compiler::{output, render};
-use sim::scenario::way_m;
+use sim::scenario::route_m;
 use sim::{
     HostPilot, Outcome, Pilot, Point, Robot, Scenario, SensorSettings, SensorSuite, Simulation,
     Start,
 };
 
-/// Compiles a map of a campus, boots the robot's firmware in QEMU, drives it to its goal and
-/// draws what happened. Sets up what is missing: Rust targets and QEMU.
+/// Compiles a map of a campus, boots the robot's firmware in QEMU, drives to the goal and draws
+/// the route. Installs Rust targets and QEMU if they are missing.
 #[derive(Parser)]
 #[command(name = "cargo demo")]
 struct Arguments {
-    /// How much faster than real the drive is shown on a terminal; 0: as fast as it goes
+    /// Speed of the display on a terminal relative to real time; 0 for as fast as possible
     #[arg(long, default_value_t = 20.0, value_name = "FACTOR")]
     pace: f64,
     /// Seed of the sensors' noise
@@ -29,8 +29,9 @@ struct Arguments {
     seed: u64,
 }
 
-/// In the south-east, behind the workshop, turned west.
+/// In the south-east, behind the workshop.
 const START: Point = [200.5, 20.5];
+/// West.
 const HEADING_RAD: f64 = 3.0;
 
 fn main() -> ExitCode {
@@ -52,7 +53,7 @@ fn demonstrate(arguments: &Arguments) -> Result<bool, String> {
     let took_ms = started.elapsed().as_millis();
     println!("compiled   campus.opar: {} bytes of plans in {took_ms} ms", scenario.blob.len());
 
-    println!("setting up QEMU and compiling the firmware, which the first time takes minutes");
+    println!("setting up QEMU and compiling the firmware; the first time, this takes minutes");
     let pilot = QemuPilot::boot(Machine::CortexM4F, Build::Release, &scenario.blob);
     let mut pilot = pilot.map_err(|error| say(&error))?;
     println!("booted     the firmware on an emulated Cortex-M4F");
@@ -72,15 +73,15 @@ fn demonstrate(arguments: &Arguments) -> Result<bool, String> {
     Ok(outcome.reached() && outcome.touches == 0 && is_same)
 }
 
-/// Runs to the end, and shows on a terminal how far it is.
+/// Runs to the end, and shows the progress on a terminal.
 fn run<P: Pilot>(
     robot: Robot<SensorSuite, P>,
     scenario: &Scenario,
     pace: f64,
 ) -> Result<Outcome, sim::PilotError> {
     let (plan, layer) = (scenario.plan(), scenario.layer_from(START));
-    // None where a gust of noise has pushed the robot into a cell without a route.
-    let left_m = |at: Point| layer.and_then(|layer| way_m(&plan, &layer, at));
+    // `None` if noise has pushed the robot into a cell without a route.
+    let left_m = |at: Point| layer.and_then(|layer| route_m(&plan, &layer, at));
     let whole_m = left_m(START).unwrap_or_default();
     let mut to_go_m = whole_m;
     let bar = ProgressBar::new(whole_m as u64);
@@ -111,7 +112,7 @@ fn run<P: Pilot>(
 fn summarise(outcome: &Outcome, is_same: bool) {
     let ending = outcome.ending.map_or_else(|| "unfinished".to_owned(), |e| format!("{e:?}"));
     println!(
-        "drove      {ending}: {:.1} m in {:.1} s of its own time, {} ticks",
+        "drove      {ending}: {:.1} m in {:.1} s of simulated time, {} ticks",
         outcome.distance_m, outcome.time_s, outcome.ticks
     );
     println!("closest    {:.2} m to an obstacle, {} contacts", outcome.closest_m, outcome.touches);
@@ -121,7 +122,7 @@ fn summarise(outcome: &Outcome, is_same: bool) {
     println!("trace hash {:016x}, {verdict}", outcome.trace_hash);
 }
 
-/// Draws map, the field that was followed, and the way, as SVG and PNG; returns the path of the PNG.
+/// Draws the map, the advice and the route as SVG and PNG, and returns the path of the PNG.
 fn draw(scenario: &Scenario, outcome: &Outcome) -> Result<PathBuf, String> {
     let routes = [render::Piece { name: "driven route", style: 0, points: &outcome.route }];
     let mut marks = vec![(render::Mark::Start, START, "start")];

@@ -1,4 +1,4 @@
-//! `cargo instructions`: what a look-up and a tick cost on a Cortex-M4F, counted in QEMU.
+//! `cargo instructions`: counts the instructions of a look-up and a tick on a Cortex-M4F in QEMU.
 
 use std::process::ExitCode;
 
@@ -10,7 +10,7 @@ use harness::counts::{LIMITS, golden, measure};
 #[derive(Parser)]
 #[command(name = "cargo instructions")]
 struct Arguments {
-    /// Write what was counted to the golden file
+    /// Write the counts to the golden file
     #[arg(long)]
     update: bool,
 }
@@ -26,7 +26,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Whether the counts are those of the golden file.
+/// Prints the counts, and returns whether they equal those of the golden file.
 fn count(arguments: &Arguments) -> Result<bool, String> {
     let counted = measure()?;
     for line in counted.lines() {
@@ -35,18 +35,18 @@ fn count(arguments: &Arguments) -> Result<bool, String> {
         println!("{line}{limit}");
     }
     let path = golden();
-    let said = |error: std::io::Error| format!("{}: {error}", path.display());
     if arguments.update {
-        std::fs::write(&path, &counted).map_err(said)?;
+        let written = std::fs::write(&path, &counted);
+        written.map_err(|error| format!("{}: {error}", path.display()))?;
         return Ok(true);
     }
-    // A file that is not there yet knows no count.
+    // A missing golden file counts as empty.
     let kept = std::fs::read_to_string(&path).unwrap_or_default();
     for line in kept.lines().filter(|line| !counted.lines().any(|new| new == *line)) {
-        eprintln!("the golden file says: {line}");
+        eprintln!("the golden file has: {line}");
     }
     if kept != counted {
-        eprintln!("If the new counts are meant, run: cargo instructions --update");
+        eprintln!("If the new counts are intended, run: cargo instructions --update");
     }
     Ok(kept == counted)
 }

@@ -1,4 +1,4 @@
-//! `cargo mission MAP`: one simulated mission, its outcome, its picture and its trace hash.
+//! `cargo mission MAP`: runs one simulated mission and prints its outcome and trace hash.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -20,52 +20,52 @@ use sim::{
     Start,
 };
 
-/// The mission was driven, and its end is neither the goal nor the end of its work; or the robot
-/// could not be asked at all.
+/// Exit status: the run ended neither at the goal nor with its work done, or it failed.
 const NOT_REACHED: u8 = 1;
-/// Map, mission, world or start are wrong.
+/// Exit status: map, mission, world or start are wrong.
 const WRONG_INPUT: u8 = 3;
 
 const ENDINGS: &str = "\
-Outcomes: reached, done (its work), trapped (a minute at one spot), off-map, no-route (it stands
-still there), out-of-time. A NAME.world.toml beside the map or the mission says where the robot
-starts and what work there is: see plan-compiler/WORLD.md.
+Outcomes: reached (the goal), done (all work), trapped (a minute near one point), off-map and
+no-route (stands still there), out-of-time. The file NAME.world.toml beside the map or the mission
+defines the robot's start and its work: see plan-compiler/WORLD.md.
 
-Exit status: 0 reached or done, 1 not, 2 the command line is wrong, 3 the input is wrong.";
+Exit status: 0 reached or done, 1 another outcome, 2 the command line is wrong, 3 the input is
+wrong.";
 
-/// Drives one simulated mission and prints its outcome and trace hash.
+/// Runs one simulated mission and prints its outcome and trace hash.
 #[derive(Parser)]
 #[command(name = "cargo mission", after_help = ENDINGS)]
 struct Arguments {
-    /// A map (its mission and its world are found beside it) or a mission that names its map
+    /// A map, with its mission and world files beside it, or a mission that names its map
     #[arg(value_name = "MAP|MISSION")]
     map: PathBuf,
-    /// Where the robot's software runs
+    /// Machine that runs the robot's software
     #[arg(long, value_enum, default_value = "host")]
     pilot: PilotName,
-    /// Seed of the start, the sensors' noise and everything else that is drawn by chance
+    /// Seed for every random draw: the start, the sensors' noise
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Where to start, metres; else where the world's file says, else drawn by chance
+    /// Start position, metres; by default that of the world file, else a random one
     #[arg(long, value_name = "X,Y", value_parser = words::pair, allow_hyphen_values = true)]
     start: Option<Point>,
-    /// A goal in the map's metres, or on the globe as NAME=geo:LAT,LON; repeatable. Replaces all
-    /// other goals; the robot drives to the first one or to that of --plan
+    /// A goal in the map's metres, or on the globe as NAME=geo:LAT,LON; repeatable. Replaces the
+    /// goals of map and mission; the robot drives to the first one, or to that of --plan
     #[arg(long = "goal", value_name = "NAME=X,Y", value_parser = words::goal, allow_hyphen_values = true)]
     goals: Vec<Goal>,
     /// The parallel plan to follow instead of the mission's
     #[arg(long)]
     plan: Option<String>,
-    /// Weights of reactive schemas and plan: 100:0, 66:34, 34:66 or 0:100
+    /// Gains of reactive schemas and plan: 100:0, 66:34, 34:66 or 0:100
     #[arg(long, value_name = "PRESET", value_parser = gains)]
     gains: Option<Gains>,
-    /// Write what every tick saw to a file that `plan-compiler explain` reads; on the host only
+    /// Write the percepts of every tick to a file for `plan-compiler explain`; on the host only
     #[arg(long, value_name = "FILE", conflicts_with = "pilot")]
     trace: Option<PathBuf>,
-    /// Draw map and way to a file, .svg or .png; on the host only
+    /// Draw map and route to a file, .svg or .png; on the host only
     #[arg(long, value_name = "FILE", conflicts_with = "pilot")]
     picture: Option<PathBuf>,
-    /// Sensors without error instead of the usual ones (a GPS sigma of 1 m)
+    /// Use sensors without error instead of the usual ones (a GPS sigma of 1 m)
     #[arg(long)]
     perfect: bool,
     /// Print the outcome as one JSON object, and nothing else
@@ -83,7 +83,7 @@ enum PilotName {
     QemuM3,
 }
 
-/// Why there is no outcome.
+/// Why the run has no outcome.
 enum Failure {
     /// The arguments or their files are wrong.
     Input(String),
@@ -112,7 +112,7 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
     let drawn = || scenario.draw_start(arguments.seed);
     let position = arguments.start.or(given).or_else(drawn);
     let position = position.ok_or_else(|| {
-        Failure::Input("there is no clear place with a route to start from".to_owned())
+        Failure::Input("no start position is clear of obstacles and has a route".to_owned())
     })?;
     let heading_rad = scenario.surroundings.as_ref().map_or(0.0, |world| world.heading);
     let sensors = if arguments.perfect { SensorSettings::PERFECT } else { scenario.sensors() };
@@ -140,12 +140,13 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
         // Writing to a string does not fail.
         let _ = write_outcome(&mut text, &start, &outcome, report.as_ref());
     }
-    // A reader that has had enough changes nothing about the outcome.
+    // A closed pipe does not change the exit status.
     let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(outcome.reached())
 }
 
-/// Drives in this process, and keeps what was asked for.
+/// Runs the mission in this process, and writes the picture and the trace that the arguments ask
+/// for.
 fn on_the_host(
     scenario: &Scenario,
     start: &Start,
@@ -162,7 +163,7 @@ fn on_the_host(
         simulation.step().map_err(failed)?;
     }
     let outcome = simulation.robots()[0].outcome().clone();
-    // The recorder is the simulation's until here.
+    // Ends the simulation's borrow of the recorder.
     drop(simulation);
     let percepts = recorder.percepts;
     let story = story::of(&scenario.plan(), &percepts);
@@ -179,7 +180,7 @@ fn on_the_host(
     Ok(outcome)
 }
 
-/// The one object of `--json`. Programs rely on these names.
+/// The object of `--json`. Programs rely on its names.
 fn json(outcome: &Outcome) -> String {
     let reasons = outcome.reasons.iter();
     let reasons: serde_json::Map<String, serde_json::Value> =
@@ -188,7 +189,7 @@ fn json(outcome: &Outcome) -> String {
         "outcome": outcome.ending.map(Ending::name),
         "time_s": outcome.time_s,
         "distance_m": outcome.distance_m,
-        // Infinite where nothing came near, for which JSON has no number.
+        // Infinite if nothing came near; JSON has no infinity.
         "closest_m": outcome.closest_m.is_finite().then_some(outcome.closest_m),
         "contacts": outcome.touches,
         "turn_rad": outcome.turn_rad,
@@ -202,7 +203,7 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     output::write_file(path, |out| out.write_all(bytes)).map_err(|problem| problem.message)
 }
 
-/// Keeps what every tick of a robot in this process saw.
+/// Records the percepts of every tick of a robot in this process.
 struct Recorder<'p> {
     pilot: HostPilot<'p>,
     percepts: Vec<Percepts>,
@@ -253,5 +254,5 @@ fn write_outcome(
 fn gains(text: &str) -> Result<Gains, String> {
     let names = || PRESETS.map(|(name, _)| name).join(", ");
     let known = PRESETS.iter().find(|(name, _)| *name == text);
-    known.map(|&(_, gains)| gains).ok_or_else(|| format!("known are {}", names()))
+    known.map(|&(_, gains)| gains).ok_or_else(|| format!("the presets are {}", names()))
 }

@@ -1,4 +1,4 @@
-//! What is said of missions that can be read and would go wrong.
+//! Messages about missions that compile but would fail.
 
 use super::{check, compiled};
 
@@ -121,7 +121,7 @@ criticality = { fuel = "PS PS PS PM PM PM PM", battery = "PS PS PS PM PM PM PM" 
     );
 }
 
-/// While `watch` sleeps inside its interval, `chat` has the robot and `flee` is kept out.
+/// While `watch` sleeps inside its interval, `chat` runs and `flee` is excluded.
 const SHUT_OUT: &str = r#"
 [facts]
 camera = false
@@ -177,8 +177,8 @@ criticality = { battery = "PM PM NB NB NB NB NB" }
     );
 }
 
-/// The bound against the sum worked out by hand: 10 s of driving that may time out, each end of an
-/// action half a second, and a dwell of a second.
+/// The bound equals the sum computed by hand: 10 s until driving times out, half a second for the end
+/// of each action, and a dwell of a second.
 #[test]
 fn h36_a_bound_worked_out_by_hand() {
     let text = format!(
@@ -255,7 +255,7 @@ criticality = { fuel = "PS PS PS PS PS PS PS" }
     );
 }
 
-/// Eight inputs have too many combinations of labels; that is said, and no more than that.
+/// Eight inputs have too many combinations of labels; the only message is that they are too many.
 #[test]
 fn what_is_too_much_to_look_through_is_said() {
     let mut text = WORLD.to_owned();

@@ -1,4 +1,4 @@
-//! What is said of texts that mean nothing.
+//! Messages about texts that cannot be compiled.
 
 use super::check;
 

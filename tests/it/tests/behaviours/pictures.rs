@@ -1,10 +1,10 @@
-//! `plan-compiler graph`, run as a user would.
+//! `plan-compiler graph` as a user runs it.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// The exit status of `plan-compiler` with these arguments in a folder, and what it says.
+/// Runs `plan-compiler` in a folder, and returns its exit status and messages.
 fn run(folder: &Path, arguments: &[&str]) -> (i32, String) {
     let compiler = harness::setup::plan_compiler().expect("the compiler builds");
     let output = Command::new(compiler).args(arguments).current_dir(folder).output();
@@ -31,7 +31,7 @@ fn h41_missions_and_blobs_are_drawn_alike() {
             done(&["-q", "graph", of, "-o", &format!("{ending}.{kind}")]);
         }
     }
-    // Only a blob knows the names of the plans that are followed.
+    // Only a blob has the names of the plans that actions follow.
     let text = |name: &str| String::from_utf8(read(name)).expect("UTF-8");
     for kind in ["dot", "svg"] {
         let from_mission = text(&format!("mission.{kind}"));

@@ -1,4 +1,4 @@
-//! The paper's ploughing field as it is shipped: its tables, its graph, and how it decides.
+//! The paper's ploughing field as shipped: its tables, its graph and its decisions.
 
 use super::compiled;
 use maps::problem::{Severity, Source as File};
@@ -25,7 +25,7 @@ pub(super) fn section() -> Vec<u8> {
     draft.unwrap_or_else(|| panic!("{problems:?}")).write().expect("the robot takes it")
 }
 
-/// H39: the tables of the paper, and the bytes that they become.
+/// H39: the tables of the paper, and their bytes in the blob.
 #[test]
 fn h39_the_papers_tables_compile_to_the_golden_bytes() {
     const TABLE_4: [Label; 7] = [PS, PS, PS, PS, PS, PS, NB];
@@ -53,7 +53,7 @@ fn h39_the_papers_tables_compile_to_the_golden_bytes() {
     }
 }
 
-/// The recursive production, its interval, and what the compiler makes of them.
+/// The recursive production and its interval, and their compiled form.
 #[test]
 fn h12_the_interval_is_where_the_paper_has_it() {
     let section = section();
@@ -101,7 +101,7 @@ fn the_shipped_mission_compiles_with_its_map() {
     assert!(problems.iter().all(|problem| problem.severity == Severity::Note), "{problems:?}");
     let plan = Blob::parse(&blob).expect("a good blob");
     assert_eq!(plan.mission().behaviours().len(), 2);
-    // From every strip's ends there is a way to the gallon.
+    // There is a route to the gallon from both ends of every strip.
     let layer: Layer<'_> = plan.find("gallon").and_then(|plan| plan.layer(0)).expect("a plan");
     for action in plan.mission().actions().iter() {
         if let plan_format::mission::ActionKind::GoTo { x_m, y_m } = action.kind {
@@ -150,7 +150,7 @@ fn sources_and_missing_values_are_as_written() {
     assert_eq!(rule_bases.len(), 3);
 }
 
-/// H12: derived where one component alone brings about what one alone needs.
+/// H12: an interval is derived if exactly one component produces a fact and exactly one needs it.
 #[test]
 fn h12_derived_intervals() {
     let derived = |actions: &str, graph: &str| -> Vec<(u8, u8, u64, u64)> {
@@ -179,9 +179,9 @@ fn h12_derived_intervals() {
     assert_eq!(derived(&all([make, beep, need]), graph), [(1, 2, 1, 0)]);
     // Needed throughout: protected until it ends.
     assert_eq!(derived(&all([make, beep, keep]), graph), [(1, 3, 1, 0)]);
-    // The absence of a fact is brought about and needed in the same way.
+    // The absence of a fact can be produced and needed, too.
     assert_eq!(derived(&all([unmake, beep, lack]), graph), [(1, 2, 0, 1)]);
-    // Nothing lies between.
+    // No component is between them.
     assert_eq!(derived(&all([make, beep, need]), "entry -> beep -> make -> need -> exit"), []);
     // Two producers, two consumers, or one that destroys it in between.
     assert_eq!(
@@ -199,7 +199,7 @@ fn h12_derived_intervals() {
     assert_eq!(derived(&wait, after), [(1, 2, 1, 0)]);
 }
 
-/// What the documentation shows compiles, and without a warning.
+/// The example in the documentation compiles without a warning.
 #[test]
 fn the_documented_example_compiles() {
     let documentation = std::fs::read_to_string(it::root().join("plan-compiler/BEHAVIOURS.md"));

@@ -1,8 +1,8 @@
-//! The shipped ploughing mission carried out by the robot's behaviour crate in the simplest world
-//! there is: a point that drives straight, a tank, and six strips.
+//! The shipped ploughing mission, run by the robot's behaviour crate in the simplest world: a point
+//! that drives straight, a tank, and six strips.
 //!
-//! Shows that the mission itself is sound (H26, H28, figure 4); how it drives in a real world is
-//! shown elsewhere.
+//! Shows that the mission itself is sound (H26, H28, figure 4); `work` simulates it with body and
+//! sensors.
 
 use super::plough::section;
 use behaviour::{Behaviours, Decision, Observations, Phase, Report, World};
@@ -18,7 +18,7 @@ const FIELD: Vec2 = Vec2::new(60.25, 40.25);
 struct Point {
     at: Vec2,
     fuel: f32,
-    /// For each strip how often it was begun at its start, and how often it was ended.
+    /// For each strip, how often it was begun at its start and how often it was finished.
     begun: [u32; 6],
     ended: [u32; 6],
 }
@@ -47,12 +47,12 @@ impl Point {
     }
 }
 
-/// What happened, for a reader: `interrupted plough by refuel after strip 2`.
+/// The events as text: `interrupted plough by refuel after strip 2`.
 #[derive(Debug, Default)]
 struct Log(Vec<String>);
 
-/// Runs until ploughing is finished. `fuel_per_m` is burnt; `thirst` may change the tank, given how
-/// many strips are ended and the position.
+/// Runs until ploughing is finished. The robot burns `fuel_per_m`. `thirst` may change the tank; it
+/// gets the number of finished strips and the position.
 fn run(fuel_per_m: f32, mut thirst: impl FnMut(&mut Point)) -> (Point, Log) {
     let section = section();
     let mission = Mission::parse(&section).expect("a good mission");
@@ -93,7 +93,7 @@ fn run(fuel_per_m: f32, mut thirst: impl FnMut(&mut Point)) -> (Point, Log) {
         }
         let strip = running.iter().find_map(|part| strip_of(part.action.into()));
         if strip != last_strip {
-            // Ended only if it came to its end, and not where it was left.
+            // A strip counts as finished only if the robot is at its end.
             if let Some(ended) = last_strip
                 && is_at_end(&mission, &point, ended)
             {
@@ -120,7 +120,7 @@ fn run(fuel_per_m: f32, mut thirst: impl FnMut(&mut Point)) -> (Point, Log) {
         if behaviours.outputs() & 2 != 0 && point.is_at(GALLON) {
             point.fuel = (point.fuel + 0.05 * TICK_S).min(1.0);
         }
-        // What was interrupted at the last point sleeps on: there is nothing left to plough.
+        // A behaviour that was interrupted at the last point stays asleep: nothing is left to plough.
         let is_over = matches!(behaviours.phase(0), Phase::Idle | Phase::Sleeping);
         if is_over && point.ready() >= 1.0 && behaviours.phase(1) == Phase::Idle {
             return (point, log);
@@ -129,7 +129,7 @@ fn run(fuel_per_m: f32, mut thirst: impl FnMut(&mut Point)) -> (Point, Log) {
     panic!("ploughing never ended: {log:#?}, {:?} {:?} {}", point.ended, point.at, point.fuel);
 }
 
-/// Where a strip begins: the fact that its action needs.
+/// The start of a strip, from the fact that its action needs.
 fn start_of(mission: &Mission<'_>, strip: usize) -> (Vec2, f32) {
     let name = format!("at strip {strip}");
     let fact = mission.facts().iter().find(|fact| mission.name(fact.name) == name);
@@ -144,13 +144,13 @@ fn is_at_start(mission: &Mission<'_>, point: &Point, strip: usize) -> bool {
     vector::length(point.at - at) <= radius_m
 }
 
-/// A strip runs from north to south, or from south to north: its end is at the field's other side.
+/// Strips lead from north to south or from south to north: the end is at the field's other side.
 fn is_at_end(mission: &Mission<'_>, point: &Point, strip: usize) -> bool {
     let (at, _) = start_of(mission, strip);
     point.is_at(Vec2::new(at.x, 80.0 - at.y))
 }
 
-/// With fuel for all of it nobody is interrupted.
+/// With enough fuel, no behaviour is interrupted.
 #[test]
 fn six_strips_are_ploughed_one_after_the_other() {
     let (point, log) = run(0.0, |_| {});
@@ -158,7 +158,7 @@ fn six_strips_are_ploughed_one_after_the_other() {
     assert_eq!(log.0, ["0 finished"]);
 }
 
-/// H26, figure 4: fuel falls below what plough is worth while a strip is driven forward. The switch
+/// H26, figure 4: refuelling becomes more critical than ploughing during a strip forward. The switch
 /// waits for the point after `back`, and no strip is ploughed twice.
 #[test]
 fn h26_conditional_switching_waits_for_point_2() {
@@ -169,7 +169,7 @@ fn h26_conditional_switching_waits_for_point_2() {
     assert!(!interrupted.is_empty(), "{log:#?}");
     for line in interrupted {
         assert!(line.starts_with("0 interrupted by 1 at a point"), "{log:#?}");
-        // An even number of strips is ended: forward and back.
+        // An even number of strips is finished: forward and back.
         let ended = line.matches('1').count() - "0 interrupted by 1 ".matches('1').count();
         assert_eq!(ended % 2, 0, "{line}");
     }
@@ -179,8 +179,8 @@ fn h26_conditional_switching_waits_for_point_2() {
     );
 }
 
-/// H28: the tank is all but empty in the middle of a strip, forward or back. The switch is at once,
-/// and that strip, and no other, is ploughed again from its start.
+/// H28: the tank is almost empty in the middle of a strip, forward or back. The switch is at once,
+/// and only that strip is ploughed again from its start.
 #[test]
 fn h28_unconditional_switching_has_the_strip_ploughed_again() {
     for strip in [1_usize, 4] {

@@ -1,4 +1,4 @@
-//! H36: nobody waits longer for the robot than the compiler has said.
+//! H36: no behaviour waits longer for the robot than the bound that the compiler reports.
 
 use super::compiled;
 use behaviour::{Behaviours, Decision, Observations, Phase, Report, World};
@@ -8,10 +8,10 @@ use plan_format::mission::Mission;
 use std::fmt::Write;
 
 const TICK_US: u64 = 50_000;
-/// Ends of actions are seen at the next tick, and so is a claim.
+/// The end of an action takes effect in the next tick, and so does a claim.
 const SEEN_MS: u64 = 2 * TICK_US / 1_000;
 
-/// The missions below ask for no place and no plan.
+/// The missions below use neither positions nor plans.
 struct Nowhere;
 
 impl World for Nowhere {
@@ -29,8 +29,8 @@ impl World for Nowhere {
     }
 }
 
-/// Behaviours for one robot, as critical as the eight channels say, from the ninth on the other way
-/// round, and their steps of different length.
+/// Behaviours with steps of different lengths. The first eight are as critical as their input
+/// channels; the others have the inverse criticality of these.
 fn mission(count: usize, plan: impl Fn(usize) -> String) -> String {
     let mut text = String::from("[facts]\nready = false\n[inputs]\n");
     for channel in 0..8 {
@@ -59,7 +59,7 @@ fn mission(count: usize, plan: impl Fn(usize) -> String) -> String {
     text
 }
 
-/// As many as there may be; a component is all that each has room for besides its root.
+/// The largest number of behaviours; each has one component besides its root.
 fn sixteen() -> String {
     let dwell = |index| String::from(if index % 5 == 2 { "dwell_s = 1" } else { "" });
     let mut text = mission(16, dwell);
@@ -90,7 +90,7 @@ fn five() -> String {
     text
 }
 
-/// What the compiler says of each behaviour's longest wait, milliseconds.
+/// The bound that the compiler reports for each behaviour's wait, milliseconds.
 fn bounds(problems: &[Problem], count: usize) -> Vec<u64> {
     let said: Vec<String> = problems.iter().map(ToString::to_string).collect();
     let note = said
@@ -118,7 +118,7 @@ fn check(text: &str, count: usize) {
     let mut behaviours = Behaviours::new(&mission);
     let (mut waits, mut longest, mut changes) = ([0_u64; 16], [0_u64; 16], 0);
     for tick in 1..=40_000_u64 {
-        // Triangles of eight lengths: places change within seconds.
+        // Triangle waves of eight periods: the most critical behaviour changes within seconds.
         let wave = |channel: u64| {
             let half = 13 + 9 * channel;
             let phase = tick % (2 * half);
@@ -154,7 +154,7 @@ fn check(text: &str, count: usize) {
 }
 
 #[test]
-fn h36_nobody_waits_longer_than_the_compiler_said() {
+fn h36_no_behaviour_waits_longer_than_its_bound() {
     check(&sixteen(), 16);
     check(&five(), 5);
 }

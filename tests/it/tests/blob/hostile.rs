@@ -1,5 +1,5 @@
-//! Blobs behind a true checksum that were made to hurt: what they may cost is bounded, and what is
-//! not refused answers.
+//! Malicious blobs with a correct checksum: the work to check them is bounded, and every blob that
+//! is not refused gives answers.
 
 use super::{draft, resealed, tiny};
 use controller::State;
@@ -10,32 +10,33 @@ use robot_io::{Fix, Operator, Percepts};
 
 /// Cells along a side of the maps that repeat.
 const SIDE: u32 = 512;
-/// Cells that a word of a table stands for.
+/// Cells per word of a table.
 const SUPERBLOCK_CELLS: u32 = 32 * 32;
-/// Bytes of a blob's header, and of the record of a layer.
+/// Size of a blob's header, bytes.
 const HEADER_BYTES: usize = 28;
+/// Size of the record of a layer, bytes.
 const LAYER_BYTES: usize = 33;
-/// Where in the record stand the words that name the tables of its planes.
+/// Offsets in the record of the words that point to the tables of its planes.
 const TABLES_AT: [usize; 2] = [3, 7];
-/// Where in it the number of free cells stands; those of blocked ones and of cells without a route
-/// follow.
+/// Offset in the record of the number of free cells; the numbers of blocked cells and of cells
+/// without a route follow.
 const FREE_AT: usize = 21;
 
-/// The beats of checking a blob, which measure the work without a clock.
+/// Checks a blob and counts the beats, which measure the work without a clock.
 fn beats(blob: &[u8]) -> (Result<(), BlobError>, usize) {
     let mut beats = 0;
     let parsed = Blob::parse_paced(blob, || beats += 1);
     (parsed.map(|_| ()), beats)
 }
 
-/// The most beats that a blob of so many bytes may take.
+/// The most beats that checking a blob of `bytes` bytes may take.
 fn most_beats(bytes: usize) -> usize {
     let checks = bytes / 4 * limits::MAX_CHECKS_PER_WORD as usize;
     checks / limits::CHECKS_PER_BEAT as usize + bytes / limits::CHECKSUM_BYTES_PER_BEAT + 3
 }
 
-/// A layer of a map that repeats in squares of 32 cells, so that its tables are long and lead to
-/// few words. No two costs in a square fit together, so there are no roots.
+/// A layer that repeats in squares of 32 cells, so that its tables are long and point to few words.
+/// No two costs in a square differ by a step, so there are no roots.
 fn repeated() -> Field {
     let cell = |index: u32| {
         let (x, y) = (index % SIDE % 32, index / SIDE % 32);
@@ -50,7 +51,7 @@ fn repeated() -> Field {
     Field { columns: SIDE, rows: SIDE, code: cells().map(code).collect(), cost: cells().collect() }
 }
 
-/// A blob of plans and layers, all of which say the same.
+/// A blob with `plans` plans of `layers` layers each, all with the same content.
 fn shared(plans: usize, layers: usize) -> Vec<u8> {
     let packed = pack(&repeated());
     let layer = |number| LayerDraft { name: format!("{number}"), packed: packed.clone() };
@@ -70,16 +71,16 @@ fn layers_that_share_their_tables_are_checked_once() {
     let (one, all) = (shared(1, 1), shared(limits::MAX_PLANS, limits::MAX_LAYERS));
     let ((alone, beats_alone), (together, beats_together)) = (beats(&one), beats(&all));
     assert_eq!((alone, together), (Ok(()), Ok(())));
-    // Checking the tables for each of the 512 would take hundreds.
+    // Checking the tables for each of the 512 layers would take hundreds of beats.
     assert!(beats_together <= beats_alone + 1, "{beats_together} beats, alone {beats_alone}");
 }
 
-/// A table of 256 words serves a map of half the rows as 129 tables, each a word after the other.
-/// All of them are sound, and the layers of the blob use them all.
+/// For a map with half the rows, a table of 256 words contains 129 overlapping tables, each a word
+/// after the other. All of them are sound, and the layers of the blob use them all.
 #[test]
-fn tables_that_lie_on_one_another_are_refused_for_the_work() {
+fn overlapping_tables_are_refused_for_the_work() {
     let mut blob = shared(limits::MAX_PLANS, limits::MAX_LAYERS);
-    // The grid stands first in the directory, as two numbers of two bytes.
+    // The directory begins with the size of the cell grid, as two numbers of two bytes.
     assert_eq!(blob[HEADER_BYTES..][..4], [0x80, 0x04, 0x80, 0x04]);
     blob[HEADER_BYTES + 3] = 0x02;
     let layers = layers_at(&blob);
@@ -98,25 +99,25 @@ fn tables_that_lie_on_one_another_are_refused_for_the_work() {
     assert!(beats <= most_beats(blob.len()), "{beats} beats for {} bytes", blob.len());
 }
 
-/// Where the records of 512 layers begin in a blob: behind the length of their section.
+/// The offset of the records of 512 layers in a blob: after the length of their section.
 fn layers_at(blob: &[u8]) -> usize {
     let bytes = limits::MAX_BLOB_LAYERS * LAYER_BYTES;
     let length = [bytes as u8 | 128, (bytes >> 7) as u8 | 128, (bytes >> 14) as u8];
-    let place = blob.windows(length.len()).position(|window| window == length);
-    place.expect("the section's length stands in the blob") + length.len()
+    let at = blob.windows(length.len()).position(|window| window == length);
+    at.expect("the blob contains the section's length") + length.len()
 }
 
-/// Adds to a number of four bytes.
+/// Adds to a little-endian number of four bytes.
 fn add(bytes: &mut [u8], more: u32) {
     let word = u32::from_le_bytes(bytes[..4].try_into().unwrap()).wrapping_add(more);
     bytes[..4].copy_from_slice(&word.to_le_bytes());
 }
 
-/// Asks a plan for all that it can be asked for and ticks by it; how many cells were asked for.
-fn ask(blob: &Blob<'_>) -> usize {
+/// Queries a blob and runs some ticks with it; returns the number of cells that were queried.
+fn query(blob: &Blob<'_>) -> usize {
     const MAX_CELLS: u32 = 64;
     let (columns, rows) = (blob.grid().columns, blob.grid().rows);
-    let mut asked = 0;
+    let mut queried = 0;
     for parallel in blob.parallel_plans() {
         assert!(blob.find(parallel.name()).is_some());
         for layer in parallel.layers() {
@@ -125,7 +126,7 @@ fn ask(blob: &Blob<'_>) -> usize {
                 .flat_map(|row| (0..=columns.min(MAX_CELLS)).map(move |column| (row, column)))
             {
                 let _ = (layer.look_up(Cell::new(column, row)), layer.step(Cell::new(column, row)));
-                asked += 1;
+                queried += 1;
             }
         }
     }
@@ -134,10 +135,10 @@ fn ask(blob: &Blob<'_>) -> usize {
         let commands = controller::tick(blob, &mut state, &percepts(blob, tick));
         assert!(commands.speed_mps.is_finite() && commands.turn_rate_radps.is_finite());
     }
-    asked
+    queried
 }
 
-/// A robot that is armed and moves over the middle of the map.
+/// Percepts of an armed robot that moves east from the map's corner.
 fn percepts(blob: &Blob<'_>, tick: u64) -> Percepts {
     let time_us = tick * 50_000;
     let corner = blob.grid().corner_m;
@@ -154,35 +155,35 @@ fn percepts(blob: &Blob<'_>, tick: u64) -> Percepts {
     Percepts { time_us, fix, heading_rad: Some(0.5), inputs, operator, ..Percepts::default() }
 }
 
-/// Blobs with every kind of section in few bytes: an origin, two layers, and behaviours.
+/// Small blobs that together have every kind of section.
 fn small() -> Vec<Vec<u8>> {
     let with_behaviours = Draft { mission: soak::fixtures::endless_loop(), ..tiny() };
     vec![write(&tiny()).unwrap(), write(&with_behaviours).unwrap()]
 }
 
-/// Each byte of a small blob becomes each other byte, and the checksum is mended.
+/// Each byte of a small blob becomes each other byte, and the checksum is corrected.
 #[test]
-fn every_byte_behind_a_mended_checksum_is_refused_or_answered() {
+fn every_changed_byte_with_a_correct_checksum_is_refused_or_answered() {
     for blob in small() {
         let (mut answered, mut refused) = (0, 0);
         for at in (0..blob.len()).filter(|at| !(24..28).contains(at)) {
             for other in (0..=u8::MAX).filter(|&other| other != blob[at]) {
-                let mut spoilt = blob.clone();
-                spoilt[at] = other;
-                match Blob::parse(&resealed(spoilt)) {
-                    Ok(plan) => answered += usize::from(ask(&plan) < usize::MAX),
+                let mut changed = blob.clone();
+                changed[at] = other;
+                match Blob::parse(&resealed(changed)) {
+                    Ok(plan) => answered += usize::from(query(&plan) < usize::MAX),
                     Err(_) => refused += 1,
                 }
             }
         }
-        eprintln!("{} bytes: {refused} spoilt blobs refused, {answered} answered", blob.len());
+        eprintln!("{} bytes: {refused} changed blobs refused, {answered} answered", blob.len());
         assert!(refused > 10_000 && answered > 1_000, "{refused} and {answered}");
     }
 }
 
-/// A small blob cut off anywhere, with the length in its header and the checksum mended.
+/// A small blob truncated anywhere, with the length in its header and the checksum corrected.
 #[test]
-fn every_truncation_behind_a_mended_checksum_is_refused() {
+fn every_truncation_with_a_correct_checksum_is_refused() {
     for blob in small() {
         for length in HEADER_BYTES..blob.len() {
             let mut cut = blob[..length].to_vec();

@@ -1,4 +1,4 @@
-//! What layers take, on maps of every kind.
+//! Sizes of layers on maps of every kind.
 
 use super::draft;
 use maps::Bitmap;
@@ -7,13 +7,15 @@ use plan_compiler::search::{Corners, Query, Solver};
 use plan_compiler::terrain::Terrain;
 use plan_format::{Blob, Cell, write};
 
-/// Cells along a side of the cities.
+/// Cells along a side of a city.
 const CITY: u32 = 1024;
 
-/// Bytes per cell of a whole blob with one layer, and of a layer to another goal on the same map.
+/// Sizes on one map, bytes per cell.
 #[derive(Clone, Copy)]
 struct Size {
+    /// Of a whole blob with one layer.
     first: f64,
+    /// Of a further layer with another goal.
     further: f64,
 }
 
@@ -43,8 +45,8 @@ fn rectangles_fit_their_budget() {
     }
 }
 
-/// The look-up has a price where nothing repeats: roots, palettes and descriptors for nothing. Each
-/// block may fall back to what its cells say by themselves.
+/// On maps without repetition, roots, palettes and descriptors save nothing. Each block can fall
+/// back to plain cells.
 #[test]
 fn noise_and_mazes_take_less_than_plain_arrays() {
     for percent in [1, 5, 20, 40] {
@@ -56,7 +58,7 @@ fn noise_and_mazes_take_less_than_plain_arrays() {
     assert!(size("nothing", &Bitmap::new(512, 512)).first < 0.01);
 }
 
-/// Prints a line of the table.
+/// Builds the blobs of a map and prints their sizes as a line of the table.
 fn size(name: &str, map: &Bitmap) -> Size {
     let (columns, rows) = (map.columns(), map.rows());
     let goals = [(columns / 2, rows / 2), (columns / 5, rows * 7 / 10)];
@@ -86,7 +88,7 @@ fn size(name: &str, map: &Bitmap) -> Size {
     size
 }
 
-/// Numbers that are the same in every run.
+/// Random numbers that are the same in every run.
 struct Random(u64);
 
 impl Random {
@@ -127,8 +129,8 @@ fn rectangles(
     map
 }
 
-/// Blocks between streets: parks with trees, buildings around courtyards, houses; and avenues across
-/// it all. It has about twice the walls of the real city.
+/// A city of blocks between streets: parks with trees, buildings around courtyards, and houses, with
+/// avenues across them. It has about twice as many walls as the real city.
 fn city(seed: u64) -> Bitmap {
     let random = &mut Random(seed);
     let mut map = Bitmap::new(CITY, CITY);

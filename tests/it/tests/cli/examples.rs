@@ -1,10 +1,9 @@
-//! Every command that the README and `--help` show works as it is written, from the project's
-//! folder.
+//! Every command in the README and in `--help` works as written, from the project's folder.
 
 use super::Run;
 use std::fs;
 
-/// An empty folder with the maps that ship where the commands look for them.
+/// A folder with the shipped maps where the commands look for them.
 fn clone() -> Run {
     let run = Run::new(&[]);
     let maps = run.path("tests/maps");
@@ -16,7 +15,7 @@ fn clone() -> Run {
     run
 }
 
-/// Runs the commands of a text that begin with a prompt, and returns how many there were.
+/// Runs the commands of a text, which follow a prompt, and returns their number.
 fn run_all(run: &Run, text: &str, prompt: &str) -> usize {
     let commands =
         text.lines().filter_map(|line| line.strip_prefix(prompt)?.strip_prefix("plan-compiler "));
@@ -33,7 +32,7 @@ fn run_all(run: &Run, text: &str, prompt: &str) -> usize {
 fn the_readme_shows_commands_that_work() {
     let run = clone();
     let readme = fs::read_to_string(it::root().join("README.md")).unwrap();
-    // A trace is recorded by a command that takes minutes in a debug build; see `runs`.
+    // Recording a trace takes minutes in a debug build, so `runs` tests it.
     let readme: String =
         readme.lines().filter(|line| !line.contains(".trace")).map(|l| format!("{l}\n")).collect();
     assert!(run_all(&run, &readme, "$ ") >= 6);

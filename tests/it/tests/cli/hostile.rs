@@ -1,4 +1,4 @@
-//! What comes from elsewhere and means no good, or is what users have instead of a map.
+//! Malicious input, and files that users take for a map.
 
 use super::{Run, YARD};
 use std::ffi::OsString;
@@ -6,7 +6,8 @@ use std::fs;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// No control character but line ends and tabs, and nothing that turns the writing about.
+/// Checks that a text has no control characters except line ends and tabs, and no characters that
+/// change the direction of the text.
 #[track_caller]
 fn check_safe(text: &str) {
     let is_bad = |c: char| {
@@ -20,7 +21,7 @@ const EVIL: &str = "\u{1b}]0;owned\u{7}\u{9b}31m\u{202e}";
 
 #[test]
 fn nothing_reaches_the_terminal_as_a_control() {
-    // Comments keep the share of controls below what a binary file has.
+    // With comments, so that the share of control characters is below that of a binary file.
     let comments = "-- comment comment comment comment comment comment\n".repeat(40);
     let overlay = format!("{comments}{YARD}PP g{EVIL} 7 7\nFOO {EVIL}red 1 2\n");
     let run = Run::new(&[
@@ -75,7 +76,7 @@ fn warnings_are_told_when_quiet_and_notes_are_not() {
     assert_eq!((ended.status, ended.err.as_str()), (0, ""));
 }
 
-/// Runs a command that must end within a while, whatever it is given.
+/// Runs a command that must end within a time limit.
 fn ends(command: &mut Command) -> (i32, String) {
     let limit = Duration::from_secs(60);
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();

@@ -1,8 +1,8 @@
-//! Mistakes in GeoJSON and OpenStreetMap as their users see them.
+//! Messages about mistakes in GeoJSON and OpenStreetMap files.
 
 use super::{Run, check, golden};
 
-/// A feature collection of features, a line each.
+/// A feature collection with one feature per line.
 fn collection(features: &[&str]) -> String {
     format!("{{\"type\": \"FeatureCollection\", \"features\": [\n{}\n]}}\n", features.join(",\n"))
 }
@@ -40,7 +40,7 @@ fn geojson_with_mistakes() {
     check_geojson("geojson_of_another_system", &text);
     let stray = GATE.replace("Gate", "Stray").replace("51.0005", "15.0005");
     check_geojson("geojson_stray_point", &collection(&[GATE, &stray]));
-    // Programs write all of it in one line; an excerpt shows the part that matters.
+    // Many programs write the whole file in one line; an excerpt shows only the relevant part.
     let many = vec![GATE; 200].join(",");
     let one_line = collection(&[&many, open]).replace('\n', " ");
     check_geojson("geojson_in_one_line", &one_line);

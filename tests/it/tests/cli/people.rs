@@ -1,4 +1,4 @@
-//! What the compiler does for those who flash, look, complete and wait.
+//! The compiler's help with flashing, inspecting and completing commands, and with large maps.
 
 use super::{Run, YARD, check, check_yard, golden};
 use serde_json::Value;
@@ -24,11 +24,11 @@ fn files_for_flashing_hold_the_blob_at_the_boards_address() {
     let payload: Vec<u8> = uf2.chunks(512).flat_map(|block| &block[32..288]).copied().collect();
     assert!(payload.starts_with(&blob) && payload.len() - blob.len() < 256);
     assert_eq!(uf2[12..16], 0x1020_0000_u32.to_le_bytes());
-    // The robot reads it with the filling behind it.
+    // The robot reads the blob with the padding after it.
     assert!(plan_format::Blob::parse(&payload).is_ok());
 }
 
-/// The address and the bytes of Intel HEX without gaps.
+/// The address and the bytes of an Intel HEX file without gaps.
 fn of_hex(text: &str) -> (u32, Vec<u8>) {
     let (mut segment, mut start, mut bytes) = (0, None, Vec::new());
     for line in text.lines() {
@@ -53,7 +53,7 @@ fn of_hex(text: &str) -> (u32, Vec<u8>) {
 
 #[test]
 fn plans_that_no_board_holds_are_refused() {
-    // Nothing packs noise: a wall within each of some cells, but not in the west.
+    // Noise does not pack: many cells have a wall, except in the west.
     let mut seed = 1u64;
     let mut walls = String::new();
     for _ in 0..70_000 {
@@ -66,7 +66,7 @@ fn plans_that_no_board_holds_are_refused() {
     let build = "build noise.ovl --goal a=0.5,0.5 --board nrf52840-dk";
     let ended = run.run(build, "");
     assert_eq!((ended.status, run.names()), (1, vec!["noise.ovl".to_owned()]), "{}", ended.err);
-    // How well the packer packs is not this test's business.
+    // This test does not depend on the packed size.
     let without_numbers = |word: &str| {
         let is_number = word.trim_start_matches('(').starts_with(|c: char| c.is_ascii_digit());
         if is_number { word.replace(|c: char| c.is_ascii_digit(), "#") } else { word.to_owned() }

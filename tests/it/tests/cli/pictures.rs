@@ -1,4 +1,4 @@
-//! `plan-compiler render`, as somebody who looks at a plan before driving it.
+//! `plan-compiler render` as a user runs it.
 
 use super::{Run, YARD};
 use std::fs;

@@ -1,5 +1,5 @@
-//! Small files of every format, cut off after every byte and with every byte changed: whatever is
-//! left is read, compiled and looked through, or refused; nothing panics.
+//! Small files of every format, truncated after every byte and with every byte changed. Each result
+//! is read, compiled and checked, or it is refused; nothing panics.
 
 use maps::formats::{self, ReadOptions};
 use maps::problem::{Source, draw};
@@ -27,7 +27,7 @@ const MISSION: &str = "resolution = 0.5\nplan = 'g\u{fc}'\n[goals]\n'g\u{fc}' = 
     'gate', layers = ['physical'] }\n[layers]\nnight = ['NoFlyZone1']\n[masks]\nspeed = 'a'\n[vehicle]\n\
     max_speed = 2\n";
 
-/// Every cut and, of every byte, a few changes.
+/// Every truncation, and a few changes of every byte.
 fn damaged(good: &[u8]) -> impl Iterator<Item = Vec<u8>> + '_ {
     let cut = (0..=good.len()).map(|end| good[..end].to_vec());
     let changed = (0..good.len()).flat_map(|at| {
@@ -40,7 +40,7 @@ fn damaged(good: &[u8]) -> impl Iterator<Item = Vec<u8>> + '_ {
     cut.chain(changed)
 }
 
-/// Reads, compiles and draws what is wrong; the blob, if there is one, is whole.
+/// Reads and compiles a map, draws the problems, and checks the blob if there is one.
 fn build(path: &Path, bytes: Vec<u8>, mission: &Mission, at: [f64; 2]) -> bool {
     let loaded = formats::load_bytes(path, bytes, &ReadOptions::default());
     let mut problems = loaded.problems;
@@ -99,7 +99,7 @@ fn maps_that_are_damaged_are_read_or_refused() {
 fn images_that_are_damaged_are_read_or_refused() {
     let folder = tempfile::tempdir().unwrap();
     let yaml = folder.path().join("yard.yaml");
-    // With alpha, which a PGM has not.
+    // With an alpha channel, which a PGM does not have.
     let mut pam =
         b"P7\nWIDTH 2\nHEIGHT 2\nDEPTH 2\nMAXVAL 255\nTUPLTYPE GRAYSCALE_ALPHA\nENDHDR\n".to_vec();
     pam.extend_from_slice(&[0, 255, 254, 255, 254, 0, 254, 255]);

@@ -1,15 +1,15 @@
-//! Inputs that people sent and that failed: GeoJSON and OpenStreetMap, through the built binary.
+//! GeoJSON and OpenStreetMap files of users that once failed, read by the built binary.
 //!
-//! The files lie beside the project and are read in place, each against its line of a table; twins
-//! of them, drawn anew, are among the readers' own tests.
+//! The files lie beside the project. Each is compared with its line of a table. The readers' own
+//! tests have similar files, drawn anew.
 
 use super::inspected;
 use crate::cli::Run;
 
-/// A corner that is free in each of these maps, which lie about the same place.
+/// A corner that is free in each of these maps; all are of about the same area.
 const GOAL: &str = "g=-19,-11";
 
-/// What a build gave: exit status, words, and blocked cells of the first layer.
+/// The result of a build: exit status, messages, and blocked cells of the first layer.
 struct Built {
     status: i32,
     said: String,
@@ -24,7 +24,7 @@ fn build(name: &str, bytes: &[u8], options: &str) -> Built {
     Built { status: ended.status, said: ended.err, blocked }
 }
 
-/// Whether a build is as one of the table's alternatives says.
+/// Whether a build matches one of the table's alternatives.
 fn holds(built: &Built, alternative: &str) -> bool {
     // Which of the words are printed with --quiet is for the tests of the command line.
     let alternative = alternative.trim().trim_start_matches("quiet:");

@@ -1,10 +1,11 @@
-//! Inputs of others that once failed, ROS and MovingAI, as their table says; and twins of our own.
+//! ROS and MovingAI files of users that once failed, compared with their table, and similar files of
+//! our own.
 
 use super::inspected;
 use crate::cli::Run;
 use std::path::Path;
 
-/// What a build must show, as the table has it: alternatives of `blocked=N`, `blocked=A..B`,
+/// Checks a build against an entry of the table: alternatives of `blocked=N`, `blocked=A..B`,
 /// `says=WORD`, `quiet:says=WORD` and `refused`.
 fn holds(expected: &str, map: &Path, goal: &str) -> Result<(), String> {
     let run = Run::new(&[]);
@@ -57,10 +58,10 @@ fn inputs_that_once_failed_are_as_their_table_says() {
     assert!(compared >= 6, "{compared} rows");
 }
 
-/// A yard of 8 by 6 cells: a fence with a gate, a hut, and a corner nobody has seen.
+/// A yard of 8 by 6 cells: a fence with a gate, a hut, and a corner of unknown cells.
 const YARD: [&str; 6] = ["########", "#.....??", "#.##..??", "#.##...#", "......##", "########"];
 
-/// The yard as grey and alpha, a row after the other from the north.
+/// The yard as pixels of grey and alpha, row by row from the north.
 fn pixels(hole: u8) -> Vec<[u8; 2]> {
     let symbols = YARD.iter().flat_map(|row| row.bytes());
     let pixel = |symbol| match symbol {
@@ -78,7 +79,7 @@ fn settings(image: &str, free_thresh: &str) -> String {
     )
 }
 
-/// The yard's PGM, the corner grey as savers write it.
+/// The yard's PGM, with the unknown corner in the grey that ROS map savers write.
 fn pgm(line_end: &str) -> Vec<u8> {
     let mut bytes = format!("P5{line_end}8 6{line_end}255{line_end}").into_bytes();
     bytes.extend(pixels(0).iter().map(|[grey, alpha]| if *alpha == 0 { 205 } else { *grey }));

@@ -1,4 +1,4 @@
-//! One yard in three encodings: GeoJSON, OpenStreetMap's XML, and its PBF, which osmium wrote.
+//! One yard in three encodings: GeoJSON, OpenStreetMap XML, and OpenStreetMap PBF as osmium writes it.
 
 use super::{inspected, picture};
 use crate::cli::Run;
@@ -106,11 +106,11 @@ fn places_on_the_globe_are_places_of_the_map() {
             serde_json::from_str(&line).expect("JSON")
         };
         assert_eq!(ask("Gate/physical", "51.00004,7.0009")["direction"], "goal");
-        // The courtyard is free, and shut.
+        // The courtyard is free, but closed.
         let inside = ask("Gate/physical", "51.00025,7.00033");
         assert_eq!((&inside["cell"], inside["cost_m"].is_null()), (&"free".into(), true));
         assert_eq!(ask("Gate/physical", "51.00012,7.00020")["cell"], "blocked");
-        // The wood blocks in the one layer only; what is ruined does not block at all.
+        // The wood blocks in one layer only; the ruin does not block.
         assert_eq!(ask("Gate/physical", "51.00035,7.0009")["cell"], "free");
         assert_eq!(ask("Gate/comms", "51.00035,7.0009")["cell"], "blocked");
         assert_eq!(ask("Gate/physical", "51.00005,7.00007")["cell"], "free");
@@ -127,15 +127,15 @@ fn the_content_decides_what_a_file_is() {
         run.done("build yard");
         assert_eq!(inspected(&run)["columns"], 71, "{file}");
     }
-    // As `--format` says, whatever the content: an error, and no map by chance.
+    // `--format` outranks the content: the result is an error, not an accidental map.
     let bytes = std::fs::read(it::own_map("courtyard.osm")).expect("a map of our own");
     let run = Run::new(&[("yard.osm", &bytes)]);
     assert_eq!(run.run("build yard.osm --format geojson", "").status, 1);
     run.done("build yard.osm --format osm");
 }
 
-/// What tags mean to the robot and where 0,0 is are part of how the map was made into cells, so a
-/// comparison needs no options, and one with others finds the difference.
+/// The blob records the meaning of the tags and the origin, so a comparison needs no options, and a
+/// comparison with other options finds the difference.
 #[test]
 fn a_blob_knows_what_its_tags_meant() {
     let options = "--block natural=wood --free barrier=hedge --open-gates --origin 51.0002,7.0004";

@@ -1,4 +1,4 @@
-//! Maps that are cells already: ROS and MovingAI.
+//! Maps that consist of cells: ROS and MovingAI.
 
 use super::{inspected, picture};
 use crate::cli::Run;
@@ -36,7 +36,7 @@ fn unknown_cells_are_what_the_user_says() {
         assert_eq!(picture(&run, "a/physical"), expected, "{option}");
         run.done(&format!("verify plans.bin --map yard.yaml {option}"));
     }
-    // The blob knows how its map was read.
+    // The blob records how its map was read.
     let run = built("0", "--goal a=0.5,0.5 --unknown free");
     run.done("verify plans.bin --map yard.yaml");
     assert_eq!(run.run("verify plans.bin --map yard.yaml --robot-radius 1", "").status, 1);
@@ -47,7 +47,7 @@ fn unknown_cells_are_what_the_user_says() {
 
 #[test]
 fn an_image_is_turned_by_its_yaw() {
-    // A quarter turn about the south-west corner, as files write it, is exact.
+    // A quarter turn about the south-west corner is exact, although files round the angle.
     let run = built("1.5708", "--goal a=-0.5,0.5");
     assert_eq!(inspected(&run)["corner_m"], serde_json::json!([-4.0, 0.0]));
     assert_snapshot!(picture(&run, "a/physical"), @"
@@ -58,7 +58,7 @@ fn an_image_is_turned_by_its_yaw() {
     .##.
     ....
     ");
-    // What is counted is what the file has.
+    // The counts are those of the file.
     let ended = run.run("build yard.yaml --robot-radius 0 --goal a=-0.5,0.5", "");
     let counted = "6 x 4 cells of 1 m: 19 free, 3 occupied, 2 unknown";
     assert!(ended.err.contains(counted), "{}", ended.err);
@@ -93,7 +93,8 @@ fn an_image_is_turned_by_its_yaw() {
     run.done("verify plans.bin --map yard.yaml --resolution 0.5 --unknown free");
 }
 
-/// Real maps: the cells of the blob are those that the trinary rule gives, either way.
+/// Real maps: the cells of the blob are those of the trinary rule, for both treatments of unknown
+/// cells.
 #[test]
 fn real_images_have_the_counted_cells() {
     let Some(folder) = it::real_data("ros") else { return };
@@ -126,7 +127,7 @@ fn real_images_have_the_counted_cells() {
             let said = inspected(&run);
             let layer = &said["plans"][0]["layers"][0];
             let count = |name: &str| layer[name].as_f64().expect("a count");
-            // Free cells that are walled in are counted apart.
+            // Enclosed free cells are counted separately.
             let free = count("free") + count("unreachable");
             assert_eq!((free, count("blocked")), (expected, cells - expected), "{yaml} {option}");
             compared += 1;
@@ -135,7 +136,7 @@ fn real_images_have_the_counted_cells() {
     assert_eq!(compared, 6);
 }
 
-/// The longest entry of every scenario, from the map to the answer of `query`.
+/// The longest path of every scenario, compared with the answer of `query`.
 #[test]
 fn real_scenarios_have_their_lengths() {
     let Some(folder) = it::real_data("movingai") else { return };

@@ -1,4 +1,4 @@
-//! Keep-out masks: further maps of cells that a mission names.
+//! Keep-out masks: additional maps of cells that a mission names.
 
 use super::picture;
 use crate::cli::Run;
@@ -80,7 +80,7 @@ fn what_a_mask_cannot_do_is_told() {
         let run = yard(mission, origin);
         let ended = run.run("build yard.ovl", "");
         assert!(ended.err.contains(words), "{mission}: {}", ended.err);
-        // A goal that only the map names and that a mask covers leaves no goal at all.
+        // The mask covers the only goal, so there is none.
         let status = if origin == "6.75, 0, 0" { 1 } else { status };
         assert_eq!(ended.status, status, "{mission}: {}", ended.err);
     }

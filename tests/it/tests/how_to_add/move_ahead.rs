@@ -1,4 +1,4 @@
-//! A fixed heading, whatever the map says.
+//! A fixed heading, independent of the map.
 
 use math::{Vec2, scalar};
 

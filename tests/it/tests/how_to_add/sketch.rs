@@ -1,4 +1,4 @@
-//! Sketches: a line `sketch`, then rows from the north, `#` an obstacle, 1 m a cell.
+//! Sketches: a line `sketch`, then rows from the north; `#` is an obstacle, and a cell is 1 m.
 
 use super::lines::Lines;
 use crate::bitmap::Bitmap;
@@ -7,16 +7,16 @@ use crate::problem::{Problem, Source};
 use math::Cell;
 use std::sync::Arc;
 
-/// What `--help` says of this format.
+/// The help on this format.
 pub const CONVENTIONS: &str = "\
-Sketch   (.sketch) Cells of 1 m, the south-west corner at 0,0; rows come from the north.";
+Sketch   (.sketch) Cells of 1 m, the south-west corner at 0,0; rows from the north.";
 
-/// Whether a text is a sketch: its first line says so.
+/// Whether a text is a sketch, by its first line.
 pub fn recognises(text: &str) -> bool {
     text.starts_with("sketch\n")
 }
 
-/// Reads a sketch, and every row that is shorter than the first.
+/// Reads a sketch, and reports every row with another length than the first.
 pub fn read(source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     let lines: Vec<_> = Lines::of(&source.text).skip(1).collect();
     let rows = u32::try_from(lines.len()).unwrap_or(0);
@@ -28,7 +28,7 @@ pub fn read(source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     let mut occupied = Bitmap::new(columns, rows);
     for (row, line) in (0..rows).rev().zip(lines) {
         if line.len() as u32 != columns {
-            let problem = Problem::error(format!("a row is not of {columns} cells"));
+            let problem = Problem::error(format!("a row does not have {columns} cells"));
             problems.push(problem.at(source, line.clone(), "this one"));
         }
         for (column, symbol) in (0..columns).zip(source.text[line].bytes()) {

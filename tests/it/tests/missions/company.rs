@@ -1,4 +1,4 @@
-//! What is truly there and not on the map: a crate on the route, another robot.
+//! Obstacles that the map does not have: a crate on the route, another robot.
 
 use super::*;
 use harness::mission::{self, Changes};
@@ -18,9 +18,9 @@ fn start(position: Point, seed: u64) -> Start {
     Start { position, heading_rad: 0.0, seed, sensors: SensorSettings::USUAL }
 }
 
-/// The plans know nothing of the crate, so only the sensors keep the robot off it.
+/// The plans do not contain the crate, so only the sensors keep the robot off it.
 #[test]
-fn what_is_there_and_not_on_the_map_is_driven_around() {
+fn an_obstacle_that_is_not_on_the_map_is_driven_around() {
     let known = scenario();
     let run = |scenario: &Scenario| {
         let robot = scenario.robot(&start(SOUTH, 1), HostPilot::new(scenario.plan()));
@@ -41,8 +41,8 @@ fn what_is_there_and_not_on_the_map_is_driven_around() {
     assert_ne!(around.trace_hash, free.trace_hash);
 }
 
-/// Two controllers that meet see each other, and which of them comes first in the simulation
-/// changes not one bit of their traces.
+/// Two robots that meet see each other, and their order in the simulation does not change their
+/// traces.
 #[test]
 fn two_robots_that_meet_have_the_same_traces_in_both_orders() {
     let scenario = scenario();

@@ -1,4 +1,4 @@
-//! Missions in trouble: what the robot does, says and never touches.
+//! Missions with faults: the robot stops or drives on for the right reason, and touches nothing.
 
 use super::*;
 use robot_io::Reason;
@@ -8,10 +8,10 @@ use std::ops::Range;
 
 /// South of the street, with nothing nearby.
 const START: Point = [70.5, 15.5];
-/// When sensors fail, seconds: on the way, past the first kiosk.
+/// Time window of the sensor faults, seconds: on the route, past the first kiosk.
 const FAILURE_S: Range<f64> = 20.0..30.0;
 
-/// What the robot did in one tick.
+/// The robot's state in one tick.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moment {
     pub(super) time_s: f64,
@@ -20,7 +20,7 @@ pub(super) struct Moment {
     pub(super) at: Point,
 }
 
-/// Runs a robot alone in a world, to its end or to `until_s`.
+/// Runs a robot alone in a world to the end or until `until_s` seconds.
 pub(super) fn watch<S: Sensors, P: Pilot>(
     world: &World,
     robot: Robot<S, P>,
@@ -47,7 +47,7 @@ pub(super) fn within(
     moments.iter().filter(move |moment| window_s.contains(&moment.time_s))
 }
 
-/// Drives with a failing channel; whatever happens, nothing is touched and the robot arrives.
+/// Runs with a failing channel, and checks that the robot arrives and touches nothing.
 fn fail(fault: Fault, channel: Channel) -> Vec<Moment> {
     let blob = blob(&[]);
     let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
@@ -92,7 +92,7 @@ fn a_garbled_receiver_is_a_lost_one() {
 }
 
 #[test]
-fn a_receiver_with_some_bad_bytes_goes_on() {
+fn a_receiver_with_some_bad_bytes_does_not_stop_the_robot() {
     let moments = fail(Fault::Garble { chance: 0.005 }, Channel::Gps);
     assert!(within(&moments, FAILURE_S).all(|moment| moment.reason == Reason::Driving));
 }
@@ -104,7 +104,7 @@ fn fixes_that_no_motion_explains_stop_the_robot_until_they_are_back() {
 }
 
 #[test]
-fn a_jump_that_lasts_is_believed_and_then_the_way_back_is_one_too() {
+fn a_jump_that_lasts_is_believed_and_its_end_is_another_jump() {
     let moments = fail(Fault::Jump { offset: [-100.0, 0.0] }, Channel::Gps);
     let window = within(&moments, FAILURE_S.start..FAILURE_S.end + 10.0);
     let mut reasons: Vec<Reason> = window.clone().map(|moment| moment.reason).collect();
@@ -131,14 +131,14 @@ fn a_short_jump_is_ridden_out_by_dead_reckoning() {
 }
 
 #[test]
-fn a_frozen_receiver_leads_nowhere_but_hurts_nobody() {
+fn a_frozen_receiver_does_no_harm() {
     let moments = fail(Fault::Freeze, Channel::Gps);
     let back = within(&moments, FAILURE_S.end + 2.6..FAILURE_S.end + 6.0);
-    assert!(back.clone().any(|moment| moment.speed_mps > 0.5), "it goes on");
+    assert!(back.clone().any(|moment| moment.speed_mps > 0.5), "the robot drives on");
 }
 
 #[test]
-fn fixes_that_come_late_are_driven_by_and_nothing_is_touched() {
+fn late_fixes_are_used_and_nothing_is_touched() {
     let moments = fail(Fault::Delay { ticks: 60 }, Channel::Gps);
     let Range { start, .. } = FAILURE_S;
     // The first late fix arrives three seconds after the last timely one.
@@ -193,7 +193,7 @@ fn a_robot_without_a_receiver_stands_still() {
 fn a_robot_beside_a_wall_escapes_and_arrives() {
     let blob = blob(&[]);
     let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
-    // 0.6 m south of the library's western arm, where no blob would lead.
+    // 0.6 m south of the library's western arm, closer than any advice leads.
     let beside = [45.0, 59.4];
     let (moments, outcome) =
         watch(&campus().world, robot(blob, beside, 0.0, SensorSettings::PERFECT, 1), f64::INFINITY);
@@ -223,7 +223,7 @@ fn outside_the_map_the_robot_stops_or_reacts_as_its_mission_says() {
 }
 
 #[test]
-fn with_a_damaged_blob_the_robot_reacts_if_it_was_told_how_and_else_stands_still() {
+fn with_a_damaged_blob_the_robot_uses_its_fallback_or_stands_still() {
     let mut bytes = blob(&[]);
     let blob = Blob::parse(&bytes).expect("the compiler writes what the robot reads");
     let (parameters, origin, limits) = (*blob.parameters(), blob.origin(), limits(&blob, 0.0));
@@ -250,7 +250,7 @@ fn with_a_damaged_blob_the_robot_reacts_if_it_was_told_how_and_else_stands_still
 }
 
 #[test]
-fn a_receiver_that_speaks_nmea_serves_as_well() {
+fn a_receiver_with_nmea_works_as_well() {
     let blob = blob(&[]);
     let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
     let gps = ReceiverSettings { dialect: Dialect::Nmea, ..ReceiverSettings::ONE_METRE };

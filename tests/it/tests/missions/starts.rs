@@ -1,4 +1,4 @@
-//! Missions from random starts: the paper's mixes of reactive behaviours and advice.
+//! Missions from random starts with the paper's mixes of reactive schemas and advice.
 
 use super::*;
 use sim::{Ending, picture};
@@ -11,8 +11,8 @@ const STARTS: usize = 20;
 /// Seed of the starts; the sensors of start `i` have the seed `SEED + i`.
 const SEED: u64 = 2005;
 
-/// Hollows of buildings, south-west and north-east corners: a robot that only looks at the
-/// goal drives in and stays.
+/// Hollows of buildings, as south-west and north-east corners. A robot without advice drives into
+/// them and is trapped.
 const HOLLOWS: [[Point; 2]; 5] = [
     [[50.0, 60.0], [68.0, 96.0]],
     [[44.0, 154.0], [78.0, 212.0]],
@@ -41,17 +41,17 @@ fn plans_lead_from_everywhere_to_the_goal() {
         let blob = blob(&[("\"34:66\"", &format!("\"{gains}\""))]);
         let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
         for (receiver, sensors) in receivers {
-            // Advice alone is followed to the cell, and does not look where it goes.
+            // With advice alone, a GPS error may lead into an obstacle: no schema avoids it.
             if gains != "0:100" || receiver == "perfect" {
                 rows.push(Row { gains, receiver, outcomes: run(blob, sensors) });
             }
         }
     }
     let table = table(&rows);
-    // Seen if one of the promises below is broken.
+    // Shown if one of the checks below fails.
     println!("{table}");
     for row in &rows {
-        row.assert_promises();
+        row.check();
     }
     insta::assert_snapshot!(table, @r"
     gains  GPS           outside  hollow  trapped  late  touches  closest m  time s   way m
@@ -69,7 +69,7 @@ fn plans_lead_from_everywhere_to_the_goal() {
 }
 
 #[test]
-fn a_hollow_holds_the_reactive_robot_and_not_the_advised_one() {
+fn a_hollow_traps_the_reactive_robot_and_not_the_advised_one() {
     for (gains, wanted) in [("100:0", Ending::Trapped), ("34:66", Ending::Reached)] {
         let blob = blob(&[("\"34:66\"", &format!("\"{gains}\""))]);
         let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
@@ -81,7 +81,7 @@ fn a_hollow_holds_the_reactive_robot_and_not_the_advised_one() {
     }
 }
 
-/// One run from each start, on all cores.
+/// Runs once from each start, on all cores.
 fn run(blob: Blob<'_>, sensors: SensorSettings) -> Vec<(Point, Outcome)> {
     let starts = starts(&blob);
     let next = AtomicUsize::new(0);
@@ -103,7 +103,7 @@ fn run(blob: Blob<'_>, sensors: SensorSettings) -> Vec<(Point, Outcome)> {
     outcomes.into_iter().map(|(number, outcome)| (starts[number].0, outcome)).collect()
 }
 
-/// Random places and headings with a route to the goal and a metre of room around the body.
+/// Random positions and headings with a route to the goal and a metre of free space around the body.
 fn starts(blob: &Blob<'_>) -> Vec<(Point, f64)> {
     let mut random = Random::new(SEED, Stream::Start);
     let advice = blob.parallel_plan(0).and_then(|plan| plan.layer(0)).expect("layer `physical`");
@@ -129,10 +129,11 @@ fn is_in_a_hollow(at: Point) -> bool {
 }
 
 impl Row {
-    fn assert_promises(&self) {
+    /// A robot with mostly advice arrives, and no robot touches anything.
+    fn check(&self) {
         for (start, outcome) in &self.outcomes {
             let Row { gains, receiver, .. } = self;
-            let told = || {
+            let described = || {
                 let Campus { world, .. } = campus();
                 let picture = picture::text(world, &outcome.route, [125.5, 240.5], 2.0);
                 let Outcome { ending, closest_m, touches, reasons, .. } = outcome;
@@ -142,15 +143,15 @@ impl Row {
                 )
             };
             if matches!(*gains, "34:66" | "0:100") {
-                assert!(outcome.reached(), "{}", told());
+                assert!(outcome.reached(), "{}", described());
             }
-            assert_eq!(outcome.touches, 0, "{}", told());
+            assert_eq!(outcome.touches, 0, "{}", described());
         }
     }
 }
 
-/// What came of it, row by row. Hollows are counted apart: from there, a robot that mostly
-/// reacts is not expected to get out.
+/// The outcomes as a table. Starts in hollows are counted separately: a mostly reactive robot is not
+/// expected to leave a hollow.
 fn table(rows: &[Row]) -> String {
     let mut text = String::from(
         "gains  GPS           outside  hollow  trapped  late  touches  closest m  time s   way m\n",

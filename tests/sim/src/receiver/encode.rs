@@ -1,49 +1,48 @@
-//! Messages of GPS receivers, as they stand in the interface descriptions: u-blox UBX
-//! NAV-PVT, and NMEA 0183 RMC with GGA.
+//! Messages of GPS receivers as in the interface descriptions: u-blox UBX NAV-PVT, and NMEA 0183
+//! RMC with GGA.
 
 use math::GeoPoint;
 use math::scalar::wide;
 
-/// The language that a receiver speaks.
+/// The protocol of a receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dialect {
-    /// UBX NAV-PVT: binary, 100 bytes a solution.
+    /// UBX NAV-PVT: binary, 100 bytes for each solution.
     Ubx,
     /// NMEA 0183: an RMC and a GGA sentence for each solution.
     Nmea,
 }
 
-/// What a receiver has worked out.
+/// One solution of a receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
-    /// Since the start of the simulation, which is noon of the 1st of June 2026, UTC.
+    /// Microseconds since the start of the simulation, at noon of 1 June 2026, UTC.
     pub time_us: u64,
-    /// Where.
+    /// Latitude and longitude.
     pub place: GeoPoint,
-    /// East and north, m/s.
+    /// Velocity east and north, m/s.
     pub velocity_mps: [f64; 2],
-    /// What the receiver says of its horizontal accuracy, metres.
+    /// The horizontal accuracy that the receiver reports, metres.
     pub accuracy_m: f64,
-    /// What kind of solution it is.
+    /// The kind of solution.
     pub mode: Mode,
 }
 
-/// What kind of solution a receiver has worked out.
+/// The kind of a solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// A fix by satellites alone.
     Autonomous,
-    /// A fix by the phase of the carrier and a reference station, to centimetres (RTK).
+    /// A fix by carrier phase and a reference station, to centimetres (RTK).
     Fixed,
-    /// A place that the receiver does not vouch for: RMC says void, while GGA goes on as if
-    /// nothing was.
+    /// A position marked invalid in RMC but valid in GGA.
     Void,
-    /// No place at all.
+    /// No position.
     NoFix,
 }
 
 impl Mode {
-    /// What is left of the error of a fix by satellites alone.
+    /// The error relative to that of a fix by satellites alone.
     pub(super) fn share_of_error(self) -> f64 {
         if self == Self::Fixed { 0.02 } else { 1.0 }
     }
@@ -52,7 +51,7 @@ impl Mode {
         matches!(self, Self::Autonomous | Self::Fixed)
     }
 
-    /// Status of RMC, and its mode with the nav status where version 4.1 has one.
+    /// The RMC status, and the RMC mode with the navigation status of version 4.1.
     fn of_rmc(self) -> (&'static str, &'static str) {
         match self {
             Self::Autonomous => ("A", "A"),
@@ -61,8 +60,8 @@ impl Mode {
         }
     }
 
-    /// Quality of GGA, and the error that it means for an HDOP of 1, metres: for a fix by
-    /// satellites alone the standard positioning service's. Both as the robot's driver assumes.
+    /// The GGA quality, and the error at an HDOP of 1, metres, as the robot's driver assumes them.
+    /// The error of a fix by satellites alone is that of the standard positioning service.
     fn of_gga(self) -> (u8, f64) {
         match self {
             Self::Autonomous | Self::Void => (1, 4.0),
@@ -82,18 +81,18 @@ impl Dialect {
     }
 }
 
-/// Slower than this the receiver leaves the course out, knots.
+/// Below this speed the receiver omits the course, knots.
 const LEAST_SPEED_KN: f64 = 0.2;
-/// Knots in a metre a second.
+/// Knots per m/s.
 const KNOTS_PER_MPS: f64 = 3600.0 / 1852.0;
-/// Bytes of the payload of NAV-PVT.
+/// Length of the NAV-PVT payload, bytes.
 const PAYLOAD: usize = 92;
 
 fn ubx_nav_pvt(solution: &Solution) -> Vec<u8> {
     let mut payload = [0; PAYLOAD];
     let mut put = |at: usize, bytes: &[u8]| payload[at..at + bytes.len()].copy_from_slice(bytes);
     let (hour, minute, second) = clock(solution);
-    // The 1st of June 2026 is a Monday, the second day of the GPS week.
+    // 1 June 2026 is a Monday, the second day of the GPS week.
     let week_ms = (86_400 + 43_200) * 1_000 + solution.time_us / 1_000;
     put(0, &((week_ms % 604_800_000) as u32).to_le_bytes());
     put(4, &2026_u16.to_le_bytes());
@@ -158,7 +157,7 @@ pub fn sentence(body: &str) -> String {
     format!("${body}*{checksum:02X}\r\n")
 }
 
-/// `ddmm.mmmmm,N,dddmm.mmmmm,E`; the last digit is worth 2 cm.
+/// Latitude and longitude as `ddmm.mmmmm,N,dddmm.mmmmm,E`; the last digit is worth 2 cm.
 fn coordinates(place: GeoPoint) -> String {
     let parts = |degrees_e7: i32| {
         let minutes_e5 = (u64::from(degrees_e7.unsigned_abs()) * 60 + 50) / 100;
@@ -173,7 +172,7 @@ fn coordinates(place: GeoPoint) -> String {
     format!("{lat},{degrees:03}{minutes:02}.{fraction:05},{half}")
 }
 
-/// `hhmmss.ss`.
+/// Time of day as `hhmmss.ss`.
 fn utc(solution: &Solution) -> String {
     let (hour, minute, second) = clock(solution);
     format!("{hour:02}{minute:02}{second:02}.{:02}", solution.time_us / 10_000 % 100)
@@ -184,7 +183,7 @@ fn clock(solution: &Solution) -> (u8, u8, u8) {
     ((seconds / 3_600 % 24) as u8, (seconds / 60 % 60) as u8, (seconds % 60) as u8)
 }
 
-/// Clockwise from north, 0 to 360.
+/// Course clockwise from north, 0 to 360 degrees.
 fn course_deg(solution: &Solution) -> f64 {
     let [east, north] = solution.velocity_mps;
     let degrees = wide::atan2(east, north).to_degrees();
@@ -210,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn sentences_read_as_the_standard_writes_them() {
+    fn sentences_are_as_in_the_standard() {
         let text = String::from_utf8(Dialect::Nmea.message(&solution())).expect("ASCII");
         assert_eq!(
             text,
@@ -220,15 +219,15 @@ mod tests {
     }
 
     #[test]
-    fn a_receiver_that_stands_still_leaves_the_course_out() {
+    fn a_receiver_that_stands_still_omits_the_course() {
         let solution = Solution { velocity_mps: [0.05, 0.05], ..solution() };
         let text = String::from_utf8(Dialect::Nmea.message(&solution)).expect("ASCII");
         assert!(text.contains(",W,0.137,,010626,,,A*"), "{text}");
     }
 
     #[test]
-    fn each_mode_is_said_in_both_sentences_and_in_the_frame() {
-        for (mode, sentences, frame) in [
+    fn each_mode_is_reported_in_both_sentences_and_in_nav_pvt() {
+        for (mode, sentences, fix_type_and_flags) in [
             (Mode::Autonomous, [",A,3346.53600,", ",A*", ",W,1,12,0.38,"], [3, 1]),
             (Mode::Fixed, [",A,3346.53600,", ",R,V*", ",W,4,12,30.00,"], [3, 1]),
             (Mode::Void, [",V,3346.53600,", ",N*", ",W,1,12,0.38,"], [3, 0]),
@@ -237,12 +236,13 @@ mod tests {
             let solution = Solution { mode, ..solution() };
             let text = String::from_utf8(Dialect::Nmea.message(&solution)).expect("ASCII");
             assert!(sentences.iter().all(|part| text.contains(part)), "{mode:?}: {text}");
-            assert_eq!(Dialect::Ubx.message(&solution)[6 + 20..6 + 22], frame, "{mode:?}");
+            let message = Dialect::Ubx.message(&solution);
+            assert_eq!(message[6 + 20..6 + 22], fix_type_and_flags, "{mode:?}");
         }
     }
 
     #[test]
-    fn a_frame_has_its_fields_where_the_protocol_says() {
+    fn nav_pvt_has_its_fields_at_the_offsets_of_the_protocol() {
         let bytes = Dialect::Ubx.message(&solution());
         assert_eq!(bytes.len(), 100);
         assert_eq!(bytes[..6], [0xb5, 0x62, 1, 7, 92, 0]);

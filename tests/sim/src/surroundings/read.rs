@@ -1,8 +1,8 @@
-//! Reads a world file: what was understood, and every mistake with its place and how to fix it.
+//! Reads a world file, and reports every mistake with its place and how to fix it.
 
 use super::{Field, Leak, Surroundings, Tank, Work};
 use crate::Point;
-use crate::body::distance;
+use crate::geometry::distance;
 use maps::names::nearest;
 use maps::problem::has_errors;
 use maps::problem::{Problem, Source};
@@ -14,13 +14,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml_edit::{Document, Item, TableLike, Value};
 
-/// No place of a world lies farther from its origin, metres.
+/// Largest coordinate of a point, metres.
 const FARTHEST_M: f64 = 1e6;
-/// No run lasts longer, seconds: a week.
+/// Longest time limit, seconds: a week.
 const LONGEST_S: f64 = 604_800.0;
+/// Time limit of a world that sets none, seconds.
 const AN_HOUR_S: f64 = 3_600.0;
 
-/// Where the world of a map or a mission is looked for.
+/// The path of the world file beside a map or a mission.
 fn path_beside(path: &Path) -> PathBuf {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     match name.strip_suffix(".mission.toml") {
@@ -29,7 +30,7 @@ fn path_beside(path: &Path) -> PathBuf {
     }
 }
 
-/// The world beside a map or a mission; none if there is none.
+/// The world beside a map or a mission; `None` if there is none or it has a mistake.
 pub(super) fn beside(path: &Path, problems: &mut Vec<Problem>) -> Option<Surroundings> {
     let path = path_beside(path);
     if !path.exists() {
@@ -47,7 +48,7 @@ pub(super) fn beside(path: &Path, problems: &mut Vec<Problem>) -> Option<Surroun
     }
 }
 
-/// The world in a text; `None` after a mistake, all of which are added to the problems.
+/// The world in a text; `None` if it has a mistake. All mistakes are added to `problems`.
 pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option<Surroundings> {
     let mut reader = Reader { source, problems: Vec::new() };
     let world = match Document::parse(source.text.as_str()) {
@@ -69,7 +70,7 @@ struct Reader<'s> {
     problems: Vec<Problem>,
 }
 
-/// One table of the file, with its path for messages and the place of its name.
+/// One table of the file, with its path for messages and the span of its name.
 #[derive(Clone, Copy)]
 struct Section<'t> {
     table: &'t dyn TableLike,
@@ -82,7 +83,7 @@ impl Section<'_> {
         if self.path.is_empty() { format!("`{key}`") } else { format!("`{}.{key}`", self.path) }
     }
 
-    /// The value of a key, and where it stands.
+    /// The value of a key, and its span.
     fn get(&self, key: &str) -> Option<(&Item, Range<usize>)> {
         let item = self.table.get(key)?;
         Some((item, item.span().unwrap_or_else(|| self.at.clone())))
@@ -130,7 +131,7 @@ impl Reader<'_> {
         let Some((item, at)) = top.get(key) else { return found };
         let Some(tables) = item.as_table_like() else {
             let help = format!("write [{key}.NAME] and its keys below it");
-            self.error(format!("`{key}` must be tables"), at, "this is none", &help);
+            self.error(format!("`{key}` must be tables"), at, "not a table", &help);
             return found;
         };
         for (name, item) in tables.iter() {
@@ -143,7 +144,7 @@ impl Reader<'_> {
                 }
                 None => {
                     let help = format!("write [{path}] and its keys below it");
-                    self.error(format!("`{path}` must be a table"), at, "this is none", &help);
+                    self.error(format!("`{path}` must be a table"), at, "not a table", &help);
                 }
             }
         }
@@ -173,7 +174,7 @@ impl Reader<'_> {
             output,
             leak,
             fills: 0,
-            way_m: 0.0,
+            driven_m: 0.0,
             is_filling: false,
         })
     }
@@ -182,7 +183,7 @@ impl Reader<'_> {
         let path = format!("{}.leak", tank.path);
         let Some(table) = item.as_table_like() else {
             let help = "write leak = { after_m = 180, to = 0.1 }";
-            self.error(format!("`{path}` must be a table"), at, "this is none", help);
+            self.error(format!("`{path}` must be a table"), at, "not a table", help);
             return None;
         };
         let leak = Section { table, path: &path, at: &at };
@@ -212,7 +213,7 @@ impl Reader<'_> {
         let list = item.as_array().filter(|list| !list.is_empty());
         let Some(list) = list else {
             let message = format!("{} must be a list of strips", field.key("strips"));
-            self.error(message, at, "this is none", HELP);
+            self.error(message, at, "not a list of strips", HELP);
             return None;
         };
         let mut strips = Vec::new();
@@ -224,7 +225,7 @@ impl Reader<'_> {
                 _ => {
                     let here = strip.span().unwrap_or_else(|| at.clone());
                     let message = format!("a strip of {} is wrong", field.key("strips"));
-                    self.error(message, here, "not from one point to another", HELP);
+                    self.error(message, here, "not two points that differ", HELP);
                 }
             }
         }
@@ -233,7 +234,7 @@ impl Reader<'_> {
 
     fn channel(&mut self, section: &Section<'_>) -> Option<usize> {
         if section.get("channel").is_none() {
-            self.missing(section, "channel", "write channel = 1: which input says how full it is");
+            self.missing(section, "channel", "write channel = 1, the input that reports it");
         }
         self.whole(section, "channel", 0, MAX_CHANNELS as i64 - 1).map(|channel| channel as usize)
     }
@@ -242,7 +243,7 @@ impl Reader<'_> {
         self.whole(section, "output", 0, MAX_OUTPUTS as i64 - 1).map(|output| output as u16)
     }
 
-    /// An input has one source.
+    /// Reports channels that two tanks or fields use.
     fn check_channels(&mut self, top: &Section<'_>) {
         let mut taken = BTreeMap::new();
         for kind in ["tanks", "fields"] {
@@ -252,8 +253,9 @@ impl Reader<'_> {
                 let Some(number) = channel.and_then(Item::as_integer) else { continue };
                 if let Some(other) = taken.insert(number, name) {
                     let at = channel.and_then(Item::span).unwrap_or(0..0);
-                    let message = format!("`{kind}.{name}` has the channel of `{other}`, {number}");
-                    self.error(message, at, "given twice", "give each a channel of its own");
+                    let message =
+                        format!("`{kind}.{name}` and `{other}` both use channel {number}");
+                    self.error(message, at, "already used", "give each a channel of its own");
                 }
             }
         }
@@ -263,7 +265,7 @@ impl Reader<'_> {
         for (key, _) in section.table.iter().filter(|(key, _)| !known.contains(key)) {
             let help = match nearest(key, known.iter().copied()) {
                 Some(meant) => format!("did you mean `{meant}`?"),
-                None => format!("known here: {}", known.join(", ")),
+                None => format!("the keys here are {}", known.join(", ")),
             };
             let at = section.table.key(key).and_then(toml_edit::Key::span);
             let at = at.unwrap_or_else(|| section.at.clone());
@@ -302,7 +304,8 @@ impl Reader<'_> {
         let number = number.filter(|number| (low..=high).contains(number));
         if number.is_none() {
             let message = format!("{} must be a number from {low} to {high}", section.key(key));
-            self.error(message, at, "this is none", &format!("write {key} = {example}"));
+            let help = format!("write {key} = {example}");
+            self.error(message, at, "not a number in this range", &help);
         }
         number
     }
@@ -313,7 +316,8 @@ impl Reader<'_> {
         if number.is_none() {
             let name = section.key(key);
             let message = format!("{name} must be a whole number from {low} to {high}");
-            self.error(message, at, "this is none", &format!("write {key} = {}", low.max(1)));
+            let help = format!("write {key} = {}", low.max(1));
+            self.error(message, at, "not a whole number in this range", &help);
         }
         number
     }
@@ -326,7 +330,7 @@ impl Reader<'_> {
         };
         let point = item.as_value().and_then(point_of);
         if point.is_none() {
-            self.error(format!("{} must be a point", section.key(key)), at, "this is none", &help);
+            self.error(format!("{} must be a point", section.key(key)), at, "not a point", &help);
         }
         point
     }
@@ -361,7 +365,7 @@ mod tests {
 
     #[test]
     fn all_mistakes_are_named_at_once() {
-        let said = read(
+        let messages = read(
             "strat = [1, 2]\nheading = 'east'\ntime_limit = -5\ntruth = \"other.ovl\"\nsignal = 0\n\
              [tanks.fuel]\nchannel = 8\nlevel = 2\nwith_in = 2\nat = [1]\nfill_per_s = nan\n\
              [fields.a]\nchannel = 3\nwithin = 1\nstrips = [[[0, 0], [0, 0]], [[1, 2]]]\n\
@@ -383,10 +387,10 @@ mod tests {
             "`tanks.fuel.fill_per_s` must be a number from 0 to 100",
             "a strip of `fields.a.strips` is wrong",
             "a strip of `fields.a.strips` is wrong",
-            "`fields.b` has the channel of `a`, 3",
+            "`fields.b` and `a` both use channel 3",
             "`fields.b.strips` must be a list of strips",
         ];
-        assert_eq!(said, expected, "{said:#?}");
+        assert_eq!(messages, expected, "{messages:#?}");
         assert_eq!(read("start = [1, 2\n"), ["this is not TOML"]);
         assert_eq!(read("start = [1, 2]\ntanks = 3\n"), ["`tanks` must be tables"]);
         assert_eq!(read("start = [1, 2]\n"), [""; 0]);
