@@ -23,6 +23,7 @@ pub mod terminal;
 
 pub use bitmap::Bitmap;
 pub use model::{
-    CellMap, Counts, Extent, Feature, Map, NamedPoint, Point, Reference, Role, Shape, Unknown,
+    CellMap, Counts, Extent, Feature, FoliageLoss, LossTerm, Map, NamedPoint, Point, Radio,
+    Reference, Role, Shape, Unknown,
 };
 pub use problem::{Problem, Severity, Source};

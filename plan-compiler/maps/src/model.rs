@@ -32,7 +32,9 @@ pub struct Map {
     pub start: Option<NamedPoint>,
     /// The file's own title.
     pub title: Option<String>,
-    /// Facts that the file states and the compiler keeps but does not use, as `name value`.
+    /// How radio is attenuated, if the file gives the coefficients.
+    pub radio: Option<Radio>,
+    /// Other facts that the file states and the compiler does not use, as `name value`.
     pub remarks: Vec<String>,
     /// Whether the format's robots are points, so that obstacles are not grown by default.
     pub is_for_points: bool,
@@ -56,6 +58,43 @@ pub struct Reference {
     pub at: Point,
     /// Direction of the map's y axis, radians clockwise from true north.
     pub heading_rad: f64,
+}
+
+/// Coefficients of radio attenuation, as an OPAR scenario states them. Nothing uses them yet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Radio {
+    /// OPAR's `K1`. Its meaning and unit are not known: no specification could be found.
+    pub k1: f64,
+    /// OPAR's `K2`, as unknown as `k1`.
+    pub k2: f64,
+    /// How foliage attenuates.
+    pub foliage: FoliageLoss,
+}
+
+/// Loss of radio in foliage by Weissberger's model (M. A. Weissberger, ESD-TR-81-101, 1982).
+///
+/// That OPAR's section 4 holds this model is inferred from its field names. Weissberger's own
+/// values are a cutoff of 14 m, `near` 0.45, 0.284, 1 and `far` 1.33, 0.284, 0.588; they hold for
+/// 230 MHz to 95 GHz and up to 400 m of foliage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoliageLoss {
+    /// Depth of foliage up to which `near` applies, metres; `far` applies beyond it.
+    pub cutoff_m: f64,
+    /// Loss up to the cutoff.
+    pub near: LossTerm,
+    /// Loss beyond the cutoff.
+    pub far: LossTerm,
+}
+
+/// Loss in decibels: `a * f^b * d^c`, frequency f in GHz, depth of foliage d in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LossTerm {
+    /// Decibels at 1 GHz and 1 m.
+    pub a: f64,
+    /// Exponent of the frequency.
+    pub b: f64,
+    /// Exponent of the depth.
+    pub c: f64,
 }
 
 /// What a file says cell by cell. Row 0 is in the south.
@@ -209,6 +248,7 @@ impl Map {
             points: Vec::new(),
             start: None,
             title: None,
+            radio: None,
             remarks: Vec::new(),
             is_for_points: false,
         }

@@ -1,6 +1,6 @@
 //! A map as short text, the expectation of the readers' tests.
 
-use crate::model::{Map, NamedPoint, Point, Shape};
+use crate::model::{LossTerm, Map, NamedPoint, Point, Radio, Shape};
 use crate::problem::{Problem, draw};
 use math::Cell;
 use std::fmt::Write;
@@ -41,6 +41,12 @@ pub(crate) fn dump(map: &Map) -> String {
     }
     if let Some(boundary) = &map.boundary {
         writeln!(out, "boundary {}", points(boundary)).unwrap();
+    }
+    if let Some(Radio { k1, k2, foliage }) = &map.radio {
+        let term = |LossTerm { a, b, c }| format!("{a} {b} {c}");
+        let (near, far) = (term(foliage.near), term(foliage.far));
+        writeln!(out, "radio k {k1} {k2} cutoff {} near {near} far {far}", foliage.cutoff_m)
+            .unwrap();
     }
     for remark in &map.remarks {
         writeln!(out, "remark {remark}").unwrap();

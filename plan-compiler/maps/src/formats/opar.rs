@@ -18,7 +18,9 @@ mod options;
 pub use options::{DeltaOrder, DeltaUnit, ObstructionKind, ObstructionType, OparOptions};
 
 use super::{FARTHEST_LATITUDE_DEG, FARTHEST_M};
-use crate::model::{Extent, Feature, Map, NamedPoint, Point, Reference, Role, Shape};
+use crate::model::{
+    Extent, Feature, FoliageLoss, LossTerm, Map, NamedPoint, Point, Radio, Reference, Role, Shape,
+};
 use crate::problem::{Problem, Severity, Source};
 use lines::{Lines, Value};
 use math::GeoPoint;
@@ -30,8 +32,6 @@ use std::sync::Arc;
 const SMALLEST_DELTA_M: f64 = 0.05;
 /// A delta that is larger, in degrees, leaves any map a robot could drive on.
 const LARGEST_DELTA_DEG: f64 = 1.0;
-/// Values that stand between the area and the obstructions, by the names of the original reader.
-const PARAMETERS: [&str; 9] = ["K1", "K2", "distanceCutoff", "a1", "b1", "c1", "a2", "b2", "c2"];
 
 /// Whether a text reads like OPAR: after at most one title line come a latitude, a longitude,
 /// a count of pairs, and at least that many numbers.
@@ -139,10 +139,7 @@ impl<'a> Reader<'a> {
 
     fn map(&mut self) -> Option<Map> {
         let area = self.outline("the area")?;
-        let mut remarks = Vec::new();
-        for name in PARAMETERS {
-            remarks.push(format!("{name} {}", self.take(name)?.number));
-        }
+        let radio = self.radio()?;
         let boundary = self.metres(&area, [0.0; 2]);
         let extent = self.extent(&boundary, &area);
         let place = GeoPoint::from_degrees(area.place[0], area.place[1]);
@@ -156,7 +153,7 @@ impl<'a> Reader<'a> {
                 span: area.place_span.clone(),
             }),
             title: self.lines.title.clone().map(|span| self.source.text[span].into()),
-            remarks,
+            radio: Some(radio),
             ..Map::empty(extent)
         };
         while self.next < self.values.len() {
@@ -166,6 +163,23 @@ impl<'a> Reader<'a> {
             map.features.push(feature);
         }
         Some(map)
+    }
+
+    /// Sections 3 and 4; messages name their values as the original reader does.
+    fn radio(&mut self) -> Option<Radio> {
+        Some(Radio {
+            k1: self.take("K1")?.number,
+            k2: self.take("K2")?.number,
+            foliage: FoliageLoss {
+                cutoff_m: self.take("distanceCutoff")?.number,
+                near: self.loss_term(["a1", "b1", "c1"])?,
+                far: self.loss_term(["a2", "b2", "c2"])?,
+            },
+        })
+    }
+
+    fn loss_term(&mut self, [a, b, c]: [&str; 3]) -> Option<LossTerm> {
+        Some(LossTerm { a: self.take(a)?.number, b: self.take(b)?.number, c: self.take(c)?.number })
     }
 
     /// The next value, or a report that the file ends before it.

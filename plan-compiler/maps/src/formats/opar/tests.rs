@@ -35,15 +35,7 @@ fn a_scenario_becomes_a_map() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 100,0 100,100 0,100
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 0.45
-    remark b1 0.284
-    remark c1 1
-    remark a2 1.33
-    remark b2 0.284
-    remark c2 0.588
+    radio k 0.9 1.1 cutoff 14 near 0.45 0.284 1 far 1.33 0.284 0.588
     Obstacle "obstruction 1" polygon 7.02,11.125 32.02,11.125 32.02,23.125 7.02,23.125 high 6.5
     Attenuating "obstruction 2" polygon 35.099,55.624 55.099,55.624 35.099,75.624 high 9
     start "reference" 0,0
@@ -81,15 +73,7 @@ fn options_say_what_the_file_leaves_open() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 0,100 100,100 100,0
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 0.45
-    remark b1 0.284
-    remark c1 1
-    remark a2 1.33
-    remark b2 0.284
-    remark c2 0.588
+    radio k 0.9 1.1 cutoff 14 near 0.45 0.284 1 far 1.33 0.284 0.588
     Attenuating "obstruction 1" polygon 7.02,11.125 7.02,36.125 19.02,36.125 19.02,11.125 high 6.5
     Attenuating "obstruction 2" polygon 35.099,55.624 35.099,75.624 55.099,55.624 high 3
     start "reference" 0,0
@@ -103,15 +87,7 @@ fn options_say_what_the_file_leaves_open() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 70.198,0 0,111.248
-    remark K1 1
-    remark K2 1
-    remark distanceCutoff 14
-    remark a1 1
-    remark b1 1
-    remark c1 1
-    remark a2 1
-    remark b2 1
-    remark c2 1
+    radio k 1 1 cutoff 14 near 1 1 1 far 1 1 1
     Obstacle "obstruction 1" polygon 7.02,11.125 14.04,11.125 7.02,22.25 high 5
     start "reference" 0,0
     "#);
@@ -136,15 +112,7 @@ fn deltas_in_the_other_unit_are_refused() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 0.001,0 0,0.001
-    remark K1 1
-    remark K2 1
-    remark distanceCutoff 14
-    remark a1 1
-    remark b1 1
-    remark c1 1
-    remark a2 1
-    remark b2 1
-    remark c2 1
+    radio k 1 1 cutoff 14 near 1 1 1 far 1 1 1
     Obstacle "obstruction 1" polygon 7.02,11.125 7.02,11.125 7.02,11.125 high 5
     start "reference" 0,0
     "#);
@@ -164,15 +132,7 @@ fn deltas_in_the_other_unit_are_refused() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 7019767.767,0 7019767.767,11124827.693 0,11124827.693
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 0.45
-    remark b1 0.284
-    remark c1 1
-    remark a2 1.33
-    remark b2 0.284
-    remark c2 0.588
+    radio k 0.9 1.1 cutoff 14 near 0.45 0.284 1 far 1.33 0.284 0.588
     start "reference" 0,0
     "#);
 }
@@ -241,15 +201,7 @@ fn a_file_that_ends_early_says_before_what() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 100,0 100,100 0,100
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 0.45
-    remark b1 0.284
-    remark c1 1
-    remark a2 1.33
-    remark b2 0.284
-    remark c2 0.588
+    radio k 0.9 1.1 cutoff 14 near 0.45 0.284 1 far 1.33 0.284 0.588
     start "reference" 0,0
     "#);
 }
@@ -323,15 +275,7 @@ fn counts_must_be_counts_and_fit_the_file() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 100,0 100,100 0,100
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 0.45
-    remark b1 0.284
-    remark c1 1
-    remark a2 1.33
-    remark b2 0.284
-    remark c2 0.588
+    radio k 0.9 1.1 cutoff 14 near 0.45 0.284 1 far 1.33 0.284 0.588
     start "reference" 0,0
     "#);
 }
@@ -363,15 +307,7 @@ fn every_mistake_is_reported_at_once() {
     extent 0,0 + 100,100.5
     title "Farm"
     boundary 0,0 100,0 100,100.5
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 1
-    remark b1 1
-    remark c1 1
-    remark a2 1
-    remark b2 1
-    remark c2 1
+    radio k 0.9 1.1 cutoff 14 near 1 1 1 far 1 1 1
     start "reference" 0,0
     "#);
     assert_snapshot!(
@@ -421,15 +357,7 @@ fn every_mistake_is_reported_at_once() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 100,0 100,100 0,100
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 0.45
-    remark b1 0.284
-    remark c1 1
-    remark a2 1.33
-    remark b2 0.284
-    remark c2 0.588
+    radio k 0.9 1.1 cutoff 14 near 0.45 0.284 1 far 1.33 0.284 0.588
     Obstacle "obstruction 1" polygon 7.02,11.125 32.02,11.125 32.02,23.125 high 6.5
     Obstacle "obstruction 2" polygon -11231628.427,11.125 9988768371.573,11.125 -11231603.427,23.125 high 4
     Obstacle "obstruction 3" polygon 0,111248.277 25,111248.277 25,111260.277 high 4
@@ -451,15 +379,7 @@ fn every_mistake_is_reported_at_once() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 100,0 200,0
-    remark K1 1
-    remark K2 1
-    remark distanceCutoff 14
-    remark a1 1
-    remark b1 1
-    remark c1 1
-    remark a2 1
-    remark b2 1
-    remark c2 1
+    radio k 1 1 cutoff 14 near 1 1 1 far 1 1 1
     start "reference" 0,0
     "#);
 }
