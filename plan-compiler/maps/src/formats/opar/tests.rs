@@ -14,7 +14,7 @@ fn check(text: &str) -> String {
     check_with(&OparOptions::default(), text)
 }
 
-/// Values one a line.
+/// One value per line.
 fn lines(values: &str) -> String {
     values.split_whitespace().collect::<Vec<_>>().join("\n")
 }
@@ -106,7 +106,7 @@ fn deltas_in_the_other_unit_are_refused() {
        · ╰── none is larger than 0.001
      6 │ 0
        ╰────
-      help: if they are degrees, say so: --opar-units deg
+      help: if they are degrees, pass --opar-units deg
 
     extent 0,0 + 0.001,0.001
     title "Farm"
@@ -126,7 +126,7 @@ fn deltas_in_the_other_unit_are_refused() {
        · ╰── the largest is 100
      6 │ 0
        ╰────
-      help: if they are metres, leave --opar-units deg out
+      help: if they are metres, omit --opar-units deg
 
     extent 0,0 + 7019767.767,11124827.693
     title "Farm"
@@ -168,7 +168,7 @@ fn a_file_that_ends_early_says_before_what() {
      3 │ 7
      4 │ 4
        · ┬
-       · ╰── 4 pairs are asked for, 6 numbers follow
+       · ╰── 4 pairs expected, but 6 numbers follow
      5 │ 0
        ╰────
       help: correct the count, or add the missing deltas
@@ -214,7 +214,7 @@ fn counts_must_be_counts_and_fit_the_file() {
      3 │ 7
      4 │ 1000000000
        · ─────┬────
-       ·      ╰── 1000000000 pairs are asked for, 3 numbers follow
+       ·      ╰── 1000000000 pairs expected, but 3 numbers follow
      5 │ 0
        ╰────
       help: correct the count, or add the missing deltas
@@ -227,7 +227,7 @@ fn counts_must_be_counts_and_fit_the_file() {
      3 │ 7
      4 │ 1e300
        · ──┬──
-       ·   ╰── 1e300 pairs are asked for, 3 numbers follow
+       ·   ╰── 1e300 pairs expected, but 3 numbers follow
      5 │ 0
        ╰────
       help: correct the count, or add the missing deltas
@@ -243,7 +243,7 @@ fn counts_must_be_counts_and_fit_the_file() {
        ·  ╰── must be a whole number
      5 │ 0
        ╰────
-      help: check it, and that no number is missing or too many above
+      help: check it, and that no number above is missing or surplus
 
     no map
     "#);
@@ -256,7 +256,7 @@ fn counts_must_be_counts_and_fit_the_file() {
        ·  ╰── must be a whole number
      5 │ 0
        ╰────
-      help: check it, and that no number is missing or too many above
+      help: check it, and that no number above is missing or surplus
 
     no map
     "#);
@@ -292,14 +292,14 @@ fn every_mistake_is_reported_at_once() {
        ·  ╰── must be -90 to 90 degrees
      3 │ 7
        ╰────
-      help: the latitude comes first: it and the longitude are swapped, perhaps
+      help: latitude comes first: the two may be swapped
 
       × 100,5 is not a number
         ╭─[a.opar:10:1]
       9 │ 100
      10 │ 100,5
         · ──┬──
-        ·   ╰── a value stands first on its line
+        ·   ╰── a value must come first on its line
      11 │ 0.9
         ╰────
       help: write a number as 12, -0.5 or 1.2e3, with a point
@@ -313,15 +313,15 @@ fn every_mistake_is_reported_at_once() {
     assert_snapshot!(
         check(&farm("3 6.5 51.0001 7.0001 3 0 0 25 0 25 12 1 4 51.0001 207 3 0 0 1e10 0 25 12 1 4 52 7 3 0 0 25 0 25 12")),
         @r#"
-      × obstruction 1 is of an unknown type
+      × obstruction 1 has an unknown type
         ╭─[a.opar:22:1]
      21 │ 0.588
      22 │ 3
         · ┬
-        · ╰── known are 1 (building) and 2 (foliage)
+        · ╰── known types are 1 (building) and 2 (foliage)
      23 │ 6.5
         ╰────
-      help: say what it is: --opar-type 3=building, or =foliage
+      help: state what it is: --opar-type 3=building, or =foliage
 
       × the longitude of obstruction 2 is not on the globe
         ╭─[a.opar:36:1]
@@ -338,7 +338,7 @@ fn every_mistake_is_reported_at_once() {
      39 │ 0
      40 │ 1e10
         · ──┬─
-        ·   ╰── farther than any map reaches
+        ·   ╰── beyond the largest map
      41 │ 0
         ╰────
       help: check it, and the count of delta pairs before it
@@ -365,7 +365,7 @@ fn every_mistake_is_reported_at_once() {
     "#
     );
     assert_snapshot!(check(&lines("Farm 51 7 3 0 0 100 0 200 0 1 1 14 1 1 1 1 1 1")), @r#"
-      × the area has no inside
+      × the area is empty
        ╭─[a.opar:2:1]
      1 │ Farm
      2 │ 51
