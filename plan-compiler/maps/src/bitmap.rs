@@ -1,7 +1,7 @@
 //! A set of a grid's cells, one bit each.
 //!
-//! Rows start on a word of their own, so that a row can be filled, compared and read 64
-//! cells at a time. Bits beyond the last column are always zero.
+//! Each row starts on a new word, so a row is filled, compared and read 64 cells at a time. Bits
+//! beyond the last column are always zero.
 
 use math::Cell;
 
@@ -50,7 +50,7 @@ impl Bitmap {
         self.place(cell).is_some_and(|(word, bit)| self.words[word] & bit != 0)
     }
 
-    /// Adds or removes a cell; off the grid nothing happens.
+    /// Adds or removes a cell; ignores cells off the grid.
     pub fn set(&mut self, cell: Cell, value: bool) {
         if let Some((word, bit)) = self.place(cell) {
             if value {
@@ -77,7 +77,7 @@ impl Bitmap {
         self.words.get(start..start + self.words_per_row).unwrap_or_default()
     }
 
-    /// The words of one row, to be changed; bits beyond the last column must stay zero.
+    /// The words of one row, mutable; bits beyond the last column must stay zero.
     pub fn row_mut(&mut self, row: u32) -> &mut [u64] {
         let start = row as usize * self.words_per_row;
         self.words.get_mut(start..start + self.words_per_row).unwrap_or_default()
@@ -114,7 +114,7 @@ impl Bitmap {
     pub fn runs(&self, row: u32) -> impl Iterator<Item = std::ops::Range<u32>> + '_ {
         let words = self.row(row);
         let columns = self.columns;
-        // The first column from `from` on whose cell is in the set, or is not.
+        // First column at or after `from` whose membership is `wanted`.
         let next = move |from: u32, wanted: bool| {
             let mut index = from / 64;
             let mut mask = u64::MAX << (from % 64);

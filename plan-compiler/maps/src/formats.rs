@@ -1,8 +1,8 @@
-//! Every map format that is read: which one a file is in, and its reader.
+//! Detects the format of a map file and calls its reader.
 //!
 //! A new format is one file beside this one, with `recognises` and `read`, and one arm in
-//! each `match` of [`Format`]. A file's content decides what it is; its extension decides
-//! only where the content does not.
+//! each `match` of [`Format`]. The content of a file decides its format; the extension decides
+//! only where the content is ambiguous.
 
 pub mod foreign;
 pub mod geojson;
@@ -36,12 +36,12 @@ use math::GeoPoint;
 use std::path::Path;
 use std::sync::Arc;
 
-/// No shape lies or reaches farther from a map's origin, metres: UTM northings fit, and
-/// geometry stays far from overflow.
+/// Largest distance of a shape from a map's origin, metres: UTM northings fit, and geometry
+/// stays far from overflow.
 pub const FARTHEST_M: f64 = 1e9;
 
-/// No map lies nearer to a pole, degrees: the plane of a map holds for some kilometres at this
-/// latitude, and at a pole a degree of longitude has no length.
+/// Largest latitude of a map, degrees: here the plane of a map still holds for some kilometres;
+/// at a pole a degree of longitude has no length.
 pub const FARTHEST_LATITUDE_DEG: f64 = 85.0;
 
 /// A format that maps are read from.
@@ -78,23 +78,23 @@ impl Word for Format {
     ];
 }
 
-/// What a user may say about how to read a map.
+/// How a user wants a map to be read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// The format, where the file does not tell.
+    /// The format; `None` to detect it.
     pub format: Option<Format>,
-    /// What cells count as of which a file says that nothing is known.
+    /// How cells that the map marks unknown are treated.
     pub unknown: Unknown,
     /// What OPAR files leave open.
     pub opar: OparOptions,
-    /// What tags mean, beyond what they mean by themselves.
+    /// What the user makes of tags, beyond their default meaning.
     pub tags: TagRules,
-    /// Where 0,0 is, for formats that give degrees and nothing else.
+    /// Position of 0,0, for formats that give degrees only.
     pub origin: Option<GeoPoint>,
 }
 
 impl Format {
-    /// All of them, the more easily recognised first.
+    /// All formats, the more easily recognised first.
     pub const ALL: [Self; 8] = [
         Self::Geojson,
         Self::Osm,
@@ -106,7 +106,7 @@ impl Format {
         Self::Opar,
     ];
 
-    /// What people call it.
+    /// Its common name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Overlay => "MissionLab overlay",
@@ -165,20 +165,20 @@ impl Format {
         }
     }
 
-    /// A warning for each option that says something about tags or the globe to a format that has
-    /// neither.
+    /// Warns about each option for tags or the globe if the format has neither.
     fn refuse_tags(self, options: &ReadOptions, problems: &mut Vec<Problem>) {
         if matches!(self, Self::Geojson | Self::Osm | Self::Pcf) {
             return;
         }
         let name = self.name();
         if !options.tags.is_empty() {
-            let message = format!("a {name} has no tags: block, free and open gates do nothing");
+            let message =
+                format!("a {name} has no tags: block, free and open gates have no effect");
             let help = "leave them out; they are for GeoJSON and OpenStreetMap";
             problems.push(Problem::warning(message).help(help));
         }
         if options.origin.is_some() {
-            let message = format!("a {name} has coordinates of its own: the origin does nothing");
+            let message = format!("a {name} has its own coordinates: the origin has no effect");
             let help = "leave it out; it is for GeoJSON and OpenStreetMap";
             problems.push(Problem::warning(message).help(help));
         }
@@ -194,13 +194,13 @@ impl Format {
     }
 }
 
-/// What came of reading a map.
+/// The result of reading a map.
 #[derive(Debug, Default)]
 pub struct Loaded {
-    /// What could be understood. There is none where the file cannot be read or is in no known
-    /// format; a map that comes with an error is incomplete.
+    /// What could be understood; `None` if the file cannot be read or its format is unknown. A map
+    /// that comes with an error is incomplete.
     pub map: Option<Map>,
-    /// The file's text, for excerpts; binary files have none.
+    /// The file's text, for excerpts; `None` for binary files.
     pub source: Option<Arc<Source>>,
     /// Every mistake, in the order of the file.
     pub problems: Vec<Problem>,
@@ -212,7 +212,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
     (loaded.map, loaded.problems)
 }
 
-/// Reads a map and keeps its text. The file is opened once: a pipe can be read no second time.
+/// Reads a map and keeps its text. The file is opened once, because a pipe cannot be read twice.
 pub fn load(path: &Path, options: &ReadOptions) -> Loaded {
     match source::read_bytes(path) {
         Ok(bytes) => load_bytes(path, bytes, options),
@@ -220,7 +220,7 @@ pub fn load(path: &Path, options: &ReadOptions) -> Loaded {
     }
 }
 
-/// As [`load`], of bytes that have been read already.
+/// As [`load`], for bytes that have been read already.
 pub fn load_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Loaded {
     let mut loaded = read_bytes(path, bytes, options);
     if let Some(cells) = loaded.map.as_mut().and_then(|map| map.cells.as_mut()) {
@@ -240,7 +240,7 @@ fn read_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Loaded {
         Ok(bytes) => bytes,
         Err(problem) => return refused(problem),
     };
-    // The one format that is no text.
+    // The only binary format.
     if matches!(options.format, None | Some(Format::Osm)) && osm::is_binary(path, &bytes) {
         let (map, problems) = osm::read_binary(path, &bytes, options);
         return Loaded { map, problems, source: None };
@@ -260,7 +260,7 @@ fn read_bytes(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Loaded {
     Loaded { map, source, problems }
 }
 
-/// How many cells of each kind a file has.
+/// A note that counts a file's cells by kind.
 fn count(cells: &CellMap) -> Problem {
     let here = cells.counts();
     let file = cells.turned_from.unwrap_or(here);
@@ -273,7 +273,9 @@ fn count(cells: &CellMap) -> Problem {
         Unknown::Free => ", which count as free",
     };
     let turned = match cells.turned_from {
-        Some(_) => format!("; turned by its yaw {} x {}: {}", here.columns, here.rows, kinds(here)),
+        Some(_) => {
+            format!("; rotated by its yaw {} x {}: {}", here.columns, here.rows, kinds(here))
+        }
         None => String::new(),
     };
     let (columns, rows, side) = (file.columns, file.rows, cells.resolution_m);
@@ -288,7 +290,7 @@ fn unknown_format(path: &Path) -> Problem {
         .iter()
         .map(|format| format!("{} (.{})", format.name(), format.extensions()[0]))
         .collect();
-    Problem::error(format!("{} is no map in a known format", path.display()))
+    Problem::error(format!("{} is not a map in a known format", path.display()))
         .help(format!("the formats are: {}", known.join(", ")))
 }
 
@@ -334,7 +336,7 @@ mod tests {
         std::fs::write(&path, "Dear reader,\n").unwrap();
         let (map, problems) = read(&path, &ReadOptions::default());
         assert!(map.is_none());
-        assert!(problems[0].message.ends_with("letter.txt is no map in a known format"));
+        assert!(problems[0].message.ends_with("letter.txt is not a map in a known format"));
         assert!(problems[0].help.as_ref().unwrap().contains("MissionLab overlay (.ovl)"));
     }
 }

@@ -1,7 +1,7 @@
 //! The one model that every map format is read into.
 //!
-//! Coordinates are the map's own metres, x east, y north. A map is drawn as exact shapes, or
-//! comes as cells already (an image, a grid), or is both.
+//! Coordinates are the map's own metres, x east, y north. A map has exact shapes, cells (from an
+//! image or a grid), or both.
 
 use crate::bitmap::Bitmap;
 use crate::names::Word;
@@ -14,25 +14,27 @@ pub type Point = [f64; 2];
 /// A map as its author drew it: exact shapes, and cells only where the file itself has them.
 #[derive(Clone, Debug)]
 pub struct Map {
-    /// The part of the plane that is planned for.
+    /// The area that plans cover.
     pub extent: Extent,
-    /// Outside this polygon everything is blocked, if there is one.
+    /// Everything outside this polygon is blocked.
     pub boundary: Option<Vec<Point>>,
-    /// Cell side that the file itself asks for, metres.
+    /// Cell side that the file asks for, metres.
     pub resolution_m: Option<f64>,
-    /// Where the map lies on the globe, if the file says so.
+    /// Where the map lies on the globe, if the file states it.
     pub reference: Option<Reference>,
     /// Obstacles, attenuating areas and zones.
     pub features: Vec<Feature>,
     /// Cells that the file gives, obstacles in every layer.
     pub cells: Option<CellMap>,
-    /// Named points: the natural goals.
+    /// Named points, the default goals.
     pub points: Vec<NamedPoint>,
     /// Where robots start (an overlay's StartPlace, OPAR's reference point).
     pub start: Option<NamedPoint>,
     /// The file's own title.
     pub title: Option<String>,
-    /// Facts that the file states and the compiler keeps but does not use, as `name value`.
+    /// How radio is attenuated, if the file gives the coefficients.
+    pub radio: Option<Radio>,
+    /// Other facts that the file states and the compiler does not use, as `name value`.
     pub remarks: Vec<String>,
     /// Whether the format's robots are points, so that obstacles are not grown by default.
     pub is_for_points: bool,
@@ -50,15 +52,52 @@ pub struct Extent {
 /// Where a map lies on the globe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
-    /// The place ...
+    /// WGS-84 position of `at`.
     pub place: GeoPoint,
-    /// ... of this point of the map, metres.
+    /// Point of the map that lies at `place`, metres.
     pub at: Point,
     /// Direction of the map's y axis, radians clockwise from true north.
     pub heading_rad: f64,
 }
 
-/// What a file says cell by cell. Row 0 is in the south.
+/// Coefficients of radio attenuation, as an OPAR scenario states them. Nothing uses them yet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Radio {
+    /// OPAR's `K1`. Its meaning and unit are not known: no specification could be found.
+    pub k1: f64,
+    /// OPAR's `K2`, as unknown as `k1`.
+    pub k2: f64,
+    /// How foliage attenuates.
+    pub foliage: FoliageLoss,
+}
+
+/// Loss of radio in foliage by Weissberger's model (M. A. Weissberger, ESD-TR-81-101, 1982).
+///
+/// That OPAR's section 4 holds this model is inferred from its field names. Weissberger's own
+/// values are a cutoff of 14 m, `near` 0.45, 0.284, 1 and `far` 1.33, 0.284, 0.588; they hold for
+/// 230 MHz to 95 GHz and up to 400 m of foliage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoliageLoss {
+    /// Depth of foliage up to which `near` applies, metres; `far` applies beyond it.
+    pub cutoff_m: f64,
+    /// Loss up to the cutoff.
+    pub near: LossTerm,
+    /// Loss beyond the cutoff.
+    pub far: LossTerm,
+}
+
+/// Loss in decibels: `a * f^b * d^c`, frequency f in GHz, depth of foliage d in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LossTerm {
+    /// Decibels at 1 GHz and 1 m.
+    pub a: f64,
+    /// Exponent of the frequency.
+    pub b: f64,
+    /// Exponent of the depth.
+    pub c: f64,
+}
+
+/// Cells that a file gives. Row 0 is in the south.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellMap {
     /// Side of a cell, metres.
@@ -67,26 +106,26 @@ pub struct CellMap {
     pub corner: Point,
     /// Cells that hold an obstacle.
     pub occupied: Bitmap,
-    /// Cells of which the file says that nothing is known; none of them is occupied.
+    /// Cells that the file marks unknown; disjoint from `occupied`.
     pub unknown: Bitmap,
-    /// What those count as.
+    /// How unknown cells are treated.
     pub unknown_as: Unknown,
-    /// What the file has, if these cells came of turning its own.
+    /// Counts of the file's own cells, if these were rotated.
     pub turned_from: Option<Counts>,
 }
 
-/// How many cells there are, and how many of a kind.
+/// Size of a cell map and number of cells of each kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
-    /// From west to east.
+    /// Cells from west to east.
     pub columns: u32,
-    /// From south to north.
+    /// Cells from south to north.
     pub rows: u32,
-    /// Neither occupied nor unknown.
+    /// Cells that are neither occupied nor unknown.
     pub free: usize,
-    /// Hold an obstacle.
+    /// Cells that hold an obstacle.
     pub occupied: usize,
-    /// Of which nothing is known.
+    /// Cells that the file marks unknown.
     pub unknown: usize,
 }
 
@@ -116,7 +155,7 @@ impl CellMap {
         self.occupied.rows()
     }
 
-    /// Of every kind.
+    /// Number of cells of each kind.
     pub fn counts(&self) -> Counts {
         let (columns, rows) = (self.columns(), self.rows());
         let (occupied, unknown) = (self.occupied.count(), self.unknown.count());
@@ -146,15 +185,15 @@ impl CellMap {
 /// A shape with a meaning.
 #[derive(Clone, Debug)]
 pub struct Feature {
-    /// Where.
+    /// Its geometry.
     pub shape: Shape,
     /// What it means to a planner.
     pub role: Role,
     /// Its name in the file, or empty.
     pub name: String,
-    /// Height above ground, metres, if the file says so.
+    /// Height above ground, metres, if the file gives it.
     pub height_m: Option<f64>,
-    /// Where it stands in the file, bytes.
+    /// Bytes of the file that define it.
     pub span: Range<usize>,
 }
 
@@ -165,7 +204,7 @@ pub enum Role {
     Obstacle,
     /// Weakens radio; an obstacle in layer `comms` only.
     Attenuating,
-    /// Means something only when the mission says so.
+    /// Has no effect unless the mission names it.
     Zone,
 }
 
@@ -179,7 +218,7 @@ pub enum Shape {
         /// Radius.
         radius: f64,
     },
-    /// A line without width through two or more points; closed if first and last are equal.
+    /// A line without width through two or more points; closed if the first equals the last.
     Polyline(Vec<Point>),
     /// A filled polygon, rings closed implicitly: the first is the outer one, others are holes.
     Polygon(Vec<Vec<Point>>),
@@ -188,11 +227,11 @@ pub enum Shape {
 /// A point with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedPoint {
-    /// Trimmed, without a trailing `*`.
+    /// Its name, trimmed, without a trailing `*`.
     pub name: String,
-    /// Where, metres.
+    /// Position, metres.
     pub at: Point,
-    /// Where it stands in the file, bytes.
+    /// Bytes of the file that define it.
     pub span: Range<usize>,
 }
 
@@ -209,12 +248,13 @@ impl Map {
             points: Vec::new(),
             start: None,
             title: None,
+            radio: None,
             remarks: Vec::new(),
             is_for_points: false,
         }
     }
 
-    /// A map of nothing but cells, whose resolution is theirs.
+    /// A map that consists of cells only and has their resolution.
     pub fn of_cells(cells: CellMap) -> Self {
         let map = Self::empty(cells.extent());
         Self { resolution_m: Some(cells.resolution_m), cells: Some(cells), ..map }

@@ -1,6 +1,6 @@
-//! Names that were probably meant.
+//! Suggestions for misspelt names, and words that name a choice.
 
-/// The candidate most like `word`, for "did you mean"; `None` if none is alike.
+/// The candidate most similar to `word`, for "did you mean"; `None` if none is similar.
 ///
 /// Words longer than 100 bytes and candidates beyond the first 10,000 are not compared.
 pub fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
@@ -19,9 +19,9 @@ pub fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Opt
         .map(|(_, candidate)| candidate)
 }
 
-/// A choice that is written as one word, on command lines and in files.
+/// A choice that command lines and files write as one word.
 pub trait Word: Copy + PartialEq + 'static {
-    /// Each word, what it means (for help), and its value.
+    /// Each word, its meaning (for help), and its value.
     const WORDS: &'static [(&'static str, &'static str, Self)];
 
     /// The word of a value.

@@ -1,4 +1,4 @@
-//! Numbers as a person reads them.
+//! Numbers formatted for people.
 
 /// A length in metres, rounded to the millimetre; in powers of ten below a millimetre and from
 /// 10^12 on.

@@ -1,4 +1,4 @@
-//! Mistakes in the input: what, where, why, and how to fix it.
+//! Mistakes in the input: what is wrong, where, and how to fix it.
 
 mod excerpt;
 
@@ -10,7 +10,7 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Problems that are shown: a file with more mistakes is not what its name says.
+/// Most problems that are shown: a file with more is not of the expected format.
 pub const MAX_PROBLEMS: usize = 1000;
 
 /// A file that was read as text.
@@ -42,7 +42,7 @@ pub struct Problem {
     pub message: String,
     /// How to fix it.
     pub help: Option<String>,
-    /// The file and the bytes in it that are wrong, with a word on each.
+    /// The bytes of the file that are wrong.
     pub place: Option<Place>,
 }
 
@@ -51,9 +51,9 @@ pub struct Problem {
 pub struct Place {
     /// The file.
     pub source: Arc<Source>,
-    /// Bytes.
+    /// Range of bytes.
     pub span: Range<usize>,
-    /// What is there; shown under the excerpt.
+    /// Shown under the excerpt.
     pub label: String,
 }
 
@@ -73,14 +73,14 @@ impl Problem {
         Self { severity: Severity::Note, ..Self::error(message) }
     }
 
-    /// With advice on how to fix it.
+    /// Adds how to fix it.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }
 
-    /// With the bytes that are wrong and a word on them.
+    /// Adds the bytes that are wrong and a label for them.
     #[must_use]
     pub fn at(
         mut self,
@@ -88,7 +88,7 @@ impl Problem {
         span: Range<usize>,
         label: impl Into<String>,
     ) -> Self {
-        // Libraries count bytes, and may point into a character.
+        // Parsers count bytes and may point inside a character.
         let start = source.text.floor_char_boundary(span.start);
         let span = start..source.text.ceil_char_boundary(span.end).max(start);
         self.place = Some(Place { source: Arc::clone(source), span, label: label.into() });
@@ -109,16 +109,16 @@ pub fn has_errors(problems: &[Problem]) -> bool {
     problems.iter().any(|problem| problem.severity == Severity::Error)
 }
 
-/// Keeps what a person can read, errors before all else, and says how many were left out.
+/// Keeps at most [`MAX_PROBLEMS`], errors first; the last one counts those left out.
 pub fn limit(problems: &mut Vec<Problem>) {
     if problems.len() <= MAX_PROBLEMS {
         return;
     }
-    // The last one says how many there are; so what was cut once is not cut again.
+    // The last slot holds the count, so a list that was cut once is not cut again.
     let kept = MAX_PROBLEMS - 1;
     let more = problems.len() - kept;
     let mut worst_first: Vec<usize> = (0..problems.len()).collect();
-    // Stable: among equals the first of the file are kept.
+    // A stable sort keeps the first of the file among equals.
     worst_first.sort_by_key(|&index| std::cmp::Reverse(problems[index].severity));
     let mut left_out = worst_first.split_off(kept);
     let worst = left_out.iter().map(|&index| problems[index].severity).max();
@@ -133,7 +133,7 @@ pub fn limit(problems: &mut Vec<Problem>) {
     problems.push(Problem { severity: worst.unwrap_or(Severity::Error), ..last });
 }
 
-/// What miette asks for, made of a problem and safe for a terminal.
+/// A problem as miette's `Diagnostic`, safe for a terminal.
 #[derive(Debug)]
 struct Drawn {
     severity: Severity,
@@ -175,7 +175,7 @@ impl miette::Diagnostic for Drawn {
     }
 }
 
-/// Text that quotes what may be a word without end.
+/// Cuts text that may quote an endless word.
 fn short(text: &str) -> Cow<'_, str> {
     const MAX_BYTES: usize = 2000;
     if text.len() <= MAX_BYTES {
@@ -184,13 +184,15 @@ fn short(text: &str) -> Cow<'_, str> {
     Cow::Owned(format!("{} ...", &text[..text.floor_char_boundary(MAX_BYTES)]))
 }
 
-/// All problems as text for a person, in the order given; of a flood only the first, and how many
-/// are left out. No control character of what they quote is in it.
+/// Draws problems as text for a person, in the given order.
+///
+/// Beyond [`MAX_PROBLEMS`] it cuts as [`limit`] does. Control characters in quoted text are
+/// replaced.
 pub fn draw(problems: &[Problem], colour: bool) -> String {
     let theme = if colour { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
     let handler = GraphicalReportHandler::new_themed(theme).with_width(100).with_links(false);
     let mut out = String::new();
-    // Neighbours are of the same file nearly always; its lines are counted once.
+    // Neighbours nearly always share a file, so its lines are counted once.
     let mut lines: Option<LineStarts> = None;
     let mut shown = Cow::Borrowed(problems);
     if problems.len() > MAX_PROBLEMS {
@@ -223,7 +225,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn a_problem_is_drawn_with_file_line_column_excerpt_and_mend() {
+    fn a_problem_is_drawn_with_file_line_column_excerpt_and_help() {
         let source =
             Arc::new(Source { name: "map.ovl".into(), text: "ORIGIN 0 0\nOBSTACLE 1 x\n".into() });
         let problem = Problem::error("a number is missing")
@@ -236,14 +238,14 @@ mod tests {
     }
 
     #[test]
-    fn of_a_line_too_long_to_be_shown_a_part_is() {
+    fn a_long_line_is_shown_in_part() {
         let mut text = "short\n".to_owned();
         text += &"\u{e9}".repeat(5_000);
         let at = text.len();
         text += "WRONG";
         text += &"\u{fc}".repeat(5_000);
         let source = Arc::new(Source { name: "map.json".into(), text });
-        let problem = Problem::error("no number").at(&source, at..at + 5, "this");
+        let problem = Problem::error("not a number").at(&source, at..at + 5, "this");
         let drawn = draw(&[problem], false);
         // Columns are counted in bytes.
         for part in ["map.json:2:10001", "2 \u{2502}", "\u{e9}WRONG\u{fc}", "this"] {
@@ -275,7 +277,7 @@ mod tests {
         let text = format!("PP a 1 2\n{evil}PP {evil} x\r\n{evil}");
         let source = Arc::new(Source { name: format!("{evil}.ovl"), text });
         let at = source.text.find('x').unwrap();
-        let problem = Problem::error(format!("`{evil}` is no name"))
+        let problem = Problem::error(format!("`{evil}` is not a name"))
             .at(&source, at..at + 1, evil)
             .help(format!("not {evil}"));
         let drawn = draw(&[problem], false);
@@ -284,7 +286,7 @@ mod tests {
         assert!(drawn.contains("␛]0;owned␇"), "{drawn}");
         let line = drawn.lines().find(|line| line.contains("PP ␛")).unwrap();
         let below = drawn.lines().skip_while(|other| *other != line).nth(1).unwrap();
-        // The mark stands under the letter, whatever was replaced before it.
+        // The mark stands under the letter even after replacements before it.
         let column = |line: &str, mark: char| line.chars().position(|c| c == mark).unwrap();
         assert_eq!(column(line, 'x'), column(below, '┬'), "{drawn}");
     }
@@ -310,7 +312,7 @@ mod tests {
             let span = start..start.saturating_add(length);
             let drawn = draw(&[Problem::error("e").at(&source, span.clone(), "here")], false);
             prop_assert!(drawn.contains("here"), "{}", drawn);
-            // A span the wrong way round is nobody's meaning, and no reason to die.
+            // A reversed span is a parser's bug and must not panic.
             let back = Range { start: span.end, end: span.start };
             let drawn = draw(&[Problem::error("e").at(&source, back, "here")], true);
             prop_assert!(drawn.contains("here"), "{}", drawn);

@@ -1,25 +1,25 @@
 //! Exact shapes to blocked cells.
 //!
 //! A cell is the half-open square `[x, x + 1) x [y, y + 1)` in units of the resolution. It is
-//! blocked if it holds a point of an obstacle grown by the robot's radius: the Minkowski sum
-//! with a closed disc, so with radius 0 a cell is blocked if the shape touches it. Outside
-//! the map's boundary polygon everything is blocked: a cell is free only if all of it lies in
-//! the closed polygon. The boundary does not grow, nor does the border of the grid.
+//! blocked if it holds a point of an obstacle grown by the robot's radius (the Minkowski sum
+//! with a closed disc). So with radius 0 a cell is blocked if the shape touches it. Everything
+//! outside the map's boundary polygon is blocked: a cell is free only if all of it lies in the
+//! closed polygon. Neither the boundary nor the border of the grid grows.
 //!
-//! The method. Everything is made of *capsules*, the points within the radius of a segment.
-//! A capsule is convex, so the part of it in one row of cells covers an interval of columns,
-//! whose ends follow from where the capsule's outline meets the row's edges. A circle is a
-//! capsule of no length; a line is one capsule a segment; a polygon is a capsule for each
-//! edge, and of the cells that no edge touches those whose centre is inside. So the work is
-//! by rows that a shape spans, not by cells.
+//! Method. Every shape is made of *capsules*, the points within the radius of a segment.
+//! A capsule is convex, so in one row of cells it covers an interval of columns; the interval's
+//! ends follow from where the capsule's outline meets the row's edges. A circle is a capsule of
+//! length 0. A line is one capsule per segment. A polygon is one capsule per edge, plus the
+//! untouched cells whose centre is inside. So the work grows with the rows that a shape spans,
+//! not with its cells.
 //!
-//! Rounding. Points are turned into units of cells in double precision. A coordinate that
-//! falls exactly on a cell's edge is taken at its word. One that misses an edge by less than
-//! [`NOISE`] may have been meant to lie on it (0.3 / 0.1 is 2.999...), so the cells on both
-//! sides are blocked: never less than the shape. The boundary is forgiving instead: a cell is
-//! outside only if it reaches farther out than [`NOISE`].
+//! Rounding. Points are converted to units of cells in double precision. A coordinate exactly on
+//! a cell's edge is taken as exact. One that misses an edge by less than [`NOISE`] may have been
+//! meant to lie on it (0.3 / 0.1 is 2.999...), so the cells on both sides are blocked: never less
+//! than the shape. The boundary is lenient instead: a cell is outside only if it reaches farther
+//! out than [`NOISE`].
 //!
-//! Cells that the file itself gives follow a rule of their own: see `cells`.
+//! Cells that the file gives follow their own rule: see `cells`.
 
 mod cells;
 
@@ -32,19 +32,20 @@ use math::scalar::wide;
 /// 16,384 cells keep steps of 4e-12.
 pub const NOISE: f64 = 1e-9;
 
-/// How shapes become cells.
+/// How shapes are rasterised.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RasterOptions {
-    /// Obstacles grow by this, metres; the radius of the circle about the robot's centre.
+    /// Obstacles grow by this, metres: the radius of a circle around the robot's centre.
     pub robot_radius_m: f64,
-    /// Whether lines whose ends meet are solid inside (an overlay's buildings are drawn as
-    /// closed walls, whose interiors are otherwise free and merely unreachable).
+    /// Whether closed lines are solid inside. Overlays draw buildings as closed walls; without
+    /// this their interiors are free but unreachable.
     pub fill_walls: bool,
 }
 
-/// The cells that a robot's centre must not enter: those touched by a feature for which
-/// `is_obstacle` holds or by a cell that the file blocks, grown by the robot's radius, and
-/// those outside the map's boundary.
+/// The cells that a robot's centre must not enter.
+///
+/// These are the cells touched by a feature for which `is_obstacle` holds or by a blocked cell of
+/// the file, both grown by the robot's radius, and the cells outside the map's boundary.
 pub fn rasterise(
     map: &Map,
     grid: &Grid,
@@ -75,7 +76,7 @@ pub fn rasterise(
     raster.blocked
 }
 
-/// Blocks what the blocked cells of another file, grown by the robot's radius, touch.
+/// Blocks the cells that the blocked cells of another file touch, grown by the robot's radius.
 pub fn keep_out(cells: &CellMap, grid: &Grid, robot_radius_m: f64, blocked: &mut Bitmap) {
     cells::block(cells, grid, robot_radius_m.max(0.0) / grid.resolution_m, blocked);
 }
@@ -84,7 +85,7 @@ fn is_closed(points: &[Point]) -> bool {
     points.len() > 3 && points.first() == points.last()
 }
 
-/// Blocks the cells of one shape after the other.
+/// Blocks the cells of one shape after another.
 struct Raster {
     grid: Grid,
     /// The robot's radius, cells.
@@ -159,8 +160,8 @@ impl Raster {
         }
     }
 
-    /// Blocks the cells whose inside a boundary's edge crosses by more than noise. Cells that
-    /// it only borders are wholly on one side of it.
+    /// Blocks the cells whose interior a boundary's edge crosses by more than noise. A cell that
+    /// the edge only borders lies wholly on one side.
     fn crossing(&mut self, a: Point, b: Point) {
         let edge = Capsule { a, b, radius: 0.0 };
         let [south, north] = edge.extent(1);
@@ -189,8 +190,8 @@ impl Raster {
 /// The half-open squares along one axis that hold a point of the interval from `low` to
 /// `high`, `high` itself only if it is `attained`.
 ///
-/// For the lower end it does not matter whether it is attained: where the interval is open
-/// there, points a little higher lie in the same square.
+/// Whether the lower end is attained does not matter: points slightly above it lie in the same
+/// square.
 fn covered(low: f64, high: f64, attained: bool, count: u32) -> Option<std::ops::Range<u32>> {
     let first = if is_just_above(low) { wide::floor(low) - 1.0 } else { wide::floor(low) };
     let end = if attained || is_just_below(high) {
@@ -234,7 +235,7 @@ struct Capsule {
 #[derive(Clone, Copy, Debug)]
 struct Reach {
     x: f64,
-    /// Whether a point of the row is that far, or only points that are ever nearer to its
+    /// Whether a point of the row attains `x`; otherwise points only approach it towards the
     /// northern edge, which belongs to the next row.
     attained: bool,
 }
@@ -250,7 +251,7 @@ impl Capsule {
     /// southern edge is at `edge`, which the capsule must meet.
     fn reach(&self, edge: f64, side: f64) -> Reach {
         let [south, north] = self.extent(1);
-        // The southernmost of the points that are farthest out of all.
+        // The southernmost of the points that are farthest out.
         let tip = if side * (self.a[0] - self.b[0]) > 0.0
             || (self.a[0] == self.b[0] && self.a[1] < self.b[1])
         {
@@ -267,7 +268,7 @@ impl Capsule {
         } else {
             // It advances up to the row's northern edge, where the next row begins.
             let x = self.outline((edge + 1.0).max(south), side);
-            // A row that noise alone lets the capsule touch has to keep what it touches.
+            // A row that the capsule touches only by noise must keep the touched cells.
             Reach { x, attained: edge + 1.0 < south }
         }
     }
@@ -283,7 +284,7 @@ impl Capsule {
         side * farthest.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Where the straight side of the capsule is at a height, if it is that high.
+    /// x of the capsule's straight side at a height, if the side reaches it.
     fn flank(&self, y: f64, side: f64) -> Option<f64> {
         let [dx, dy] = [self.b[0] - self.a[0], self.b[1] - self.a[1]];
         if dy == 0.0 {
@@ -299,18 +300,18 @@ impl Capsule {
     }
 }
 
-/// The inside of a ring at the height of each row's centres, by the non-zero winding rule, so
-/// that an outline which overlaps itself is solid.
+/// The inside of a ring at the height of each row's centres, by the non-zero winding rule: an
+/// outline that overlaps itself is solid.
 ///
-/// Rows are asked for from south to north. Only the edges that cross the row at hand are looked
-/// at, and only its own crossings are held: a ring whose edges all span the map has as many
-/// crossings as edges in every row, and all of them together may be billions.
+/// Callers ask for rows from south to north. Only the edges that cross the current row are
+/// visited, and only its crossings are stored: a ring whose edges all span the map has as many
+/// crossings as edges in every row, billions in total.
 struct Interior<'r> {
     ring: &'r [Point],
     row_count: u32,
-    /// Edges by the first row whose centre they cross, the southernmost last.
+    /// Edges sorted by the first row whose centre they cross, the southernmost last.
     waiting: Vec<u32>,
-    /// Edges that cross the row at hand.
+    /// Edges that cross the current row.
     crossing: Vec<u32>,
     rows: std::ops::Range<u32>,
 }
@@ -334,7 +335,7 @@ impl<'r> Interior<'r> {
         self.rows.clone()
     }
 
-    /// The ends of an edge, which is numbered like its first point.
+    /// The ends of an edge; an edge has the index of its first point.
     fn ends(&self, edge: u32) -> [Point; 2] {
         let first = edge as usize;
         let second = if first + 1 < self.ring.len() { first + 1 } else { 0 };
@@ -349,7 +350,7 @@ impl<'r> Interior<'r> {
         row_from(a[1].min(b[1]))..row_from(a[1].max(b[1]))
     }
 
-    /// Spans from west to east; no row may be asked for after one farther north.
+    /// Spans from west to east. Rows must be asked for in ascending order.
     fn spans(&mut self, row: u32) -> Vec<[f64; 2]> {
         while let Some(edge) = self.waiting.last().copied()
             && self.rows_of(edge).start <= row
@@ -385,7 +386,7 @@ fn wound(mut crossings: Vec<(f64, i32)>) -> Vec<[f64; 2]> {
     spans
 }
 
-/// What is left of sorted spans without some others.
+/// Sorted spans minus other spans.
 fn subtract(spans: &[[f64; 2]], mut without: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     without.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut left = Vec::new();

@@ -1,7 +1,7 @@
-//! Reading a file: every way in which that fails, reported so that its user can fix it.
+//! Reads files and reports every failure with how to fix it.
 //!
-//! Text is UTF-8. Old maps carry the odd Latin-1 letter in a comment or a name, so text
-//! that is not UTF-8 is read as Latin-1 with a warning; binary files are refused.
+//! Text is UTF-8. Old maps have Latin-1 letters in comments and names, so text that is not UTF-8
+//! is read as Latin-1 with a warning; binary files are refused.
 
 use crate::problem::{Problem, Source};
 use math::grid;
@@ -10,42 +10,42 @@ use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Largest input that is read, bytes: the largest grid at a byte a cell has room in it, twice.
+/// Largest input, bytes: at least twice the largest grid at one byte per cell.
 pub const MAX_FILE_BYTES: u64 = 512 << 20;
 const _: () = assert!(MAX_FILE_BYTES > (grid::MAX_SIDE_CELLS as u64).pow(2));
 
-/// Names in a folder that are looked at to suggest the one that was meant.
+/// File names of a folder that are compared to suggest the intended one.
 const MAX_NAMES_LOOKED_AT: usize = 10_000;
 
-/// The text of a file, and what is worth knowing about how it was read.
+/// Reads a file as text, with warnings about its encoding.
 pub fn read_text(path: &Path) -> Result<(Arc<Source>, Vec<Problem>), Problem> {
     decode(path, read_bytes(path)?)
 }
 
-/// The bytes of a file.
+/// Reads a file of at most [`MAX_FILE_BYTES`].
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
     let name = path.display();
     let failed = |error: std::io::Error| cannot_read(path, &error);
-    // A directory opens on Unix and fails only when read, with a message about neither.
+    // On Unix a directory opens and fails only when read, with an unhelpful message.
     if std::fs::metadata(path).map_err(failed)?.is_dir() {
         return Err(
             Problem::error(format!("{name} is a directory")).help("name a file inside it instead")
         );
     }
     let mut bytes = Vec::new();
-    // One byte past the limit shows that there is more, whatever the file claims its length is.
+    // Reading one byte past the limit detects an oversized file without trusting its stated length.
     File::open(path)
         .and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes))
         .map_err(failed)?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
         let limit = MAX_FILE_BYTES >> 20;
         return Err(Problem::error(format!("{name} is larger than {limit} MiB"))
-            .help("cut the part out that the robot will drive in"));
+            .help("crop the map to the area that the robot uses"));
     }
     Ok(bytes)
 }
 
-/// Bytes as text.
+/// Decodes bytes as text, with warnings about the encoding.
 pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<(Arc<Source>, Vec<Problem>), Problem> {
     let name = path.display().to_string();
     if bytes.iter().all(u8::is_ascii_whitespace) {
@@ -69,12 +69,12 @@ pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<(Arc<Source>, Vec<Problem>)
         );
         error.as_bytes().iter().map(|&byte| char::from(byte)).collect()
     });
-    // A byte order mark says nothing in UTF-8.
+    // A byte order mark has no meaning in UTF-8.
     let text = text.strip_prefix('\u{feff}').map(String::from).unwrap_or(text);
     Ok((Arc::new(Source { name, text }), problems))
 }
 
-/// NULs, or more than one control character in a hundred bytes (old editors leave a few).
+/// Whether the bytes hold NULs or more than 1 % control characters (old editors leave a few).
 fn is_binary(bytes: &[u8]) -> bool {
     let is_control = |byte: &&u8| byte.is_ascii_control() && !matches!(byte, 9..=13 | 0x1a);
     bytes.contains(&0) || bytes.iter().filter(is_control).count() > bytes.len() / 100
@@ -96,7 +96,7 @@ fn cannot_read(path: &Path, error: &std::io::Error) -> Problem {
     }
 }
 
-/// The file beside `path` whose name is nearest to it.
+/// The file in the same folder whose name is most similar.
 pub(crate) fn similar_name(path: &Path) -> Option<String> {
     let wanted = path.file_name()?.to_str()?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());

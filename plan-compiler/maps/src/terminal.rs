@@ -1,15 +1,15 @@
 //! Text of files and command lines, made safe for a terminal.
 //!
-//! Names, excerpts and file names come from others. A terminal obeys escape sequences in them, and
-//! characters that turn the direction of writing show something else than what is there. Whatever
-//! is printed for a person goes through here; JSON escapes by itself.
+//! Names, excerpts and file names come from untrusted files. A terminal obeys escape sequences in
+//! them, and characters that change the writing direction misrepresent the text. All output for
+//! people passes through here; JSON does its own escaping.
 
 use std::borrow::Cow;
 
-/// What stands for a character that has no picture of its own.
+/// Replaces a character that has no visible picture.
 const UNSHOWN: char = '\u{fffd}';
 
-/// Text whose line ends and tabs stay, and whose other controls are shown by their pictures.
+/// Replaces control characters by their pictures, except line ends and tabs.
 pub fn safe(text: &str) -> Cow<'_, str> {
     replaced(text, |character| match character {
         '\n' | '\t' => None,
@@ -17,23 +17,23 @@ pub fn safe(text: &str) -> Cow<'_, str> {
     })
 }
 
-/// As [`safe`], for what must stay in one line: a line end in a name would begin another message.
+/// As [`safe`], but also replaces line ends: one in a name would begin another message.
 pub fn safe_line(text: &str) -> Cow<'_, str> {
     replaced(text, picture)
 }
 
-/// What is shown instead of a character, if it must not reach a terminal.
+/// The replacement of a character that must not reach a terminal.
 pub(crate) fn picture(character: char) -> Option<char> {
     match character {
         '\0'..='\u{1f}' => char::from_u32(0x2400 + u32::from(character)),
         '\u{7f}' => Some('\u{2421}'),
-        // The second set of controls, among them escape sequences in one character.
+        // C1 controls, some of which are escape sequences in one character.
         '\u{80}'..='\u{9f}' => Some(UNSHOWN),
-        // Marks, embeddings, overrides and isolates of the writing direction.
+        // Bidirectional marks, embeddings, overrides and isolates.
         '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
             Some(UNSHOWN)
         }
-        // Ends of lines and paragraphs by another name.
+        // Unicode line and paragraph separators.
         '\u{2028}' | '\u{2029}' => Some(UNSHOWN),
         _ => None,
     }

@@ -2,7 +2,7 @@
 
 use maps::formats::{ReadOptions, read};
 use maps::problem::draw;
-use maps::{Map, Role, Shape};
+use maps::{FoliageLoss, LossTerm, Map, Radio, Role, Shape};
 
 fn understood(name: &str) -> Option<Map> {
     let path = it::real_data("opar")?.join(name);
@@ -32,7 +32,12 @@ fn a_layout_with_bare_words_between_the_parts() {
     assert_eq!((map.extent.corner, map.extent.size), ([0.0, 0.0], [200.0, 160.0]));
     let boundary = [[0.0, 0.0], [180.0, 0.0], [200.0, 90.0], [120.0, 160.0], [0.0, 140.0]];
     assert_eq!(map.boundary.as_deref(), Some(&boundary[..]));
-    assert_eq!(&map.remarks[..3], ["K1 0.9", "K2 1.1", "distanceCutoff 14"]);
+    let foliage = FoliageLoss {
+        cutoff_m: 14.0,
+        near: LossTerm { a: 0.45, b: 0.284, c: 1.0 },
+        far: LossTerm { a: 1.33, b: 0.284, c: 0.588 },
+    };
+    assert_eq!(map.radio, Some(Radio { k1: 0.9, k2: 1.1, foliage }));
     let reference = map.reference.expect("a reference");
     assert_eq!((reference.place.lat_deg(), reference.place.lon_deg()), (51.0, 7.0));
     assert_eq!(map.start.as_ref().map(|start| start.at), Some([0.0, 0.0]));

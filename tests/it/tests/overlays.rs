@@ -97,7 +97,7 @@ fn what_is_no_map_is_refused() {
     let Some(folder) = it::real_data("missionlab") else { return };
     let (map, problems) = read(&folder.join("MISSIONLAB_COPYRIGHT"), &ReadOptions::default());
     assert!(map.is_none());
-    assert!(problems[0].message.ends_with("is no map in a known format"), "{}", problems[0]);
+    assert!(problems[0].message.ends_with("is not a map in a known format"), "{}", problems[0]);
     let (map, problems) = read(&folder, &ReadOptions::default());
     assert!(map.is_none());
     assert!(problems[0].message.ends_with("is a directory"), "{}", problems[0]);

@@ -1,6 +1,6 @@
-//! A map as short text, the expectation of the readers' tests.
+//! Writes a map as short text for the readers' tests.
 
-use crate::model::{Map, NamedPoint, Point, Shape};
+use crate::model::{LossTerm, Map, NamedPoint, Point, Radio, Shape};
 use crate::problem::{Problem, draw};
 use math::Cell;
 use std::fmt::Write;
@@ -23,7 +23,7 @@ fn named(out: &mut String, what: &str, named: &NamedPoint) {
     writeln!(out, "{what} {:?} {}", named.name, point(named.at)).unwrap();
 }
 
-/// Everything in a map but where it stood in the file.
+/// A map without its spans.
 pub(crate) fn dump(map: &Map) -> String {
     let mut out = String::new();
     writeln!(out, "extent {} + {}", point(map.extent.corner), point(map.extent.size)).unwrap();
@@ -41,6 +41,12 @@ pub(crate) fn dump(map: &Map) -> String {
     }
     if let Some(boundary) = &map.boundary {
         writeln!(out, "boundary {}", points(boundary)).unwrap();
+    }
+    if let Some(Radio { k1, k2, foliage }) = &map.radio {
+        let term = |LossTerm { a, b, c }| format!("{a} {b} {c}");
+        let (near, far) = (term(foliage.near), term(foliage.far));
+        writeln!(out, "radio k {k1} {k2} cutoff {} near {near} far {far}", foliage.cutoff_m)
+            .unwrap();
     }
     for remark in &map.remarks {
         writeln!(out, "remark {remark}").unwrap();
@@ -82,7 +88,7 @@ pub(crate) fn dump(map: &Map) -> String {
     out
 }
 
-/// What a reader gave: its problems as a user sees them, then the map.
+/// A reader's result: its problems as a user sees them, then the map.
 pub(crate) fn outcome((map, problems): &(Option<Map>, Vec<Problem>)) -> String {
     let map = map.as_ref().map_or("no map\n".into(), dump);
     // Trailing blanks come from miette and would not survive an editor.

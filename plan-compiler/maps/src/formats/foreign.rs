@@ -1,20 +1,20 @@
-//! Files that people have and that are no map for this program: what each is, and what to do.
+//! Common files that are not maps for this program: names each and how to convert it.
 //!
-//! The content decides; a name decides only where no map format knows the content. Nothing is
-//! converted here: what a placemark or a mesh means to a robot is for a person to say.
+//! The content decides; the name decides only where no map format recognises the content. Nothing
+//! is converted here: a person must decide what a placemark or a mesh means to a robot.
 
 use super::{Format, ros};
 use crate::problem::Problem;
 use std::path::Path;
 
-/// Bytes from the start of a file that are looked at.
+/// Bytes from the start of a file that are examined.
 const HEAD_BYTES: usize = 4096;
 /// How every plan blob starts.
 const BLOB_START: &[u8] = b"WAYFIELD";
 /// How every UF2 block starts.
 const UF2_START: &[u8] = b"UF2\n";
 
-/// `UF2` or `Intel HEX`, if that is what a file is: a plan blob in a form that carries its address.
+/// `UF2` or `Intel HEX` if the file is one: a plan blob in a form that carries its address.
 pub fn wrapped(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(UF2_START) {
         Some("UF2")
@@ -25,7 +25,7 @@ pub fn wrapped(bytes: &[u8]) -> Option<&'static str> {
 
 /// A kind of file.
 struct Kind {
-    /// What people call it, after "is".
+    /// Its common name, after "is".
     what: &'static str,
     /// Extensions of its files, in lower case.
     extensions: &'static [&'static str],
@@ -38,7 +38,7 @@ struct Kind {
 /// The start of a file.
 struct Head<'a> {
     bytes: &'a [u8],
-    /// As text, without white space before it.
+    /// The same as text, without leading white space.
     text: String,
 }
 
@@ -53,11 +53,11 @@ impl<'a> Head<'a> {
         self.bytes.starts_with(magic)
     }
 
-    fn says(&self, start: &str) -> bool {
+    fn starts_with_text(&self, start: &str) -> bool {
         self.text.get(..start.len()).is_some_and(|text| text.eq_ignore_ascii_case(start))
     }
 
-    /// Whether it is XML whose outermost element is this.
+    /// Whether it is XML with this root element.
     fn is_xml(&self, root: &str) -> bool {
         let mut rest = self.text.as_str();
         // A declaration, comments and a document type may come first.
@@ -72,38 +72,39 @@ impl<'a> Head<'a> {
         name.rsplit(':').next().is_some_and(|name| name.eq_ignore_ascii_case(root))
     }
 
-    /// Whether it is a JSON object that has this early on.
+    /// Whether it is a JSON object with this text in its head.
     fn is_json_with(&self, part: &str) -> bool {
         let squeezed = || self.text.split_whitespace().collect::<String>();
         self.text.starts_with('{') && squeezed().contains(part)
     }
 }
 
-const OGR: &str = "convert it with `ogr2ogr -f GeoJSON {out}.geojson {in}`, and give what blocks the \
-                   way a property such as `building`";
+const OGR: &str = "convert it with `ogr2ogr -f GeoJSON {out}.geojson {in}`, and give each \
+                   obstacle a property such as `building`";
 const ROUTE: &str = "build a map of the place, and give its points as goals: --goal NAME=X,Y";
-const PICTURE: &str = "save it as {out}.png with black for what blocks and white for what is free, \
-                       and describe that in a YAML file: image, resolution, origin, thresholds";
-const SCAN: &str = "make a grid of it first, for example with octomap_server, save that with \
+const PICTURE: &str = "save it as {out}.png with obstacles black and free ground white, \
+                       and describe it in a YAML file: image, resolution, origin, thresholds";
+const SCAN: &str = "convert it to a grid first, for example with octomap_server, save that with \
                     map_saver, and build the YAML file";
-const RECORDED: &str = "play it to your SLAM, save the map with map_saver, and build the YAML file";
+const RECORDED: &str =
+    "play it back into your SLAM, save the map with map_saver, and build the YAML file";
 const MODEL: &str = "draw the walls as a MissionLab overlay (WALL NAME X Y X Y, metres), or save the grid that a \
                      robot sees in the simulator with map_saver";
 
 /// The more easily mistaken last.
 const KINDS: &[Kind] = &[
     Kind {
-        what: "a trace of a mission",
+        what: "a mission trace",
         extensions: &["trace"],
         begins: |head| head.has(b"WAYTRACE"),
-        help: "`plan-compiler explain {in}` tells what happened in it",
+        help: "run `plan-compiler explain {in}` to see what happened",
     },
     Kind {
         what: "an array",
         extensions: &["npy", "npz"],
         begins: |head| head.has(b"\x93NUMPY"),
-        help: "name the map that it was made from; a grid of your own can be saved as a PGM with a \
-               YAML file",
+        help: "name the map that it was exported from; save a grid of your own as a PGM with a YAML \
+               file",
     },
     Kind { what: "a KML file", extensions: &["kml"], begins: |head| head.is_xml("kml"), help: OGR },
     Kind { what: "a KMZ file", extensions: &["kmz"], begins: |_| false, help: OGR },
@@ -116,7 +117,7 @@ const KINDS: &[Kind] = &[
     Kind {
         what: "an autopilot's list of waypoints, which is a route and not a map",
         extensions: &["waypoints"],
-        begins: |head| head.says("QGC WPL"),
+        begins: |head| head.starts_with_text("QGC WPL"),
         help: ROUTE,
     },
     Kind {
@@ -145,7 +146,7 @@ const KINDS: &[Kind] = &[
         begins: |head| {
             let mut lines = head.text.lines().map(str::trim);
             let first = (lines.next(), lines.next());
-            first == (Some("0"), Some("SECTION")) || head.says("AutoCAD Binary DXF")
+            first == (Some("0"), Some("SECTION")) || head.starts_with_text("AutoCAD Binary DXF")
         },
         help: "export its walls as GeoJSON in degrees, or draw them as a MissionLab overlay: WALL \
                NAME X Y X Y, metres",
@@ -158,19 +159,19 @@ const KINDS: &[Kind] = &[
                NAME X Y X Y, metres",
     },
     Kind {
-        what: "an octree of OctoMap",
+        what: "an OctoMap octree",
         extensions: &["bt", "ot"],
-        begins: |head| head.says("# Octomap OcTree"),
+        begins: |head| head.starts_with_text("# Octomap OcTree"),
         help: SCAN,
     },
     Kind {
         what: "a point cloud",
         extensions: &["pcd", "ply", "las", "laz", "e57"],
-        begins: |head| head.says("# .PCD") || head.has(b"ply\n") || head.has(b"LASF"),
+        begins: |head| head.starts_with_text("# .PCD") || head.has(b"ply\n") || head.has(b"LASF"),
         help: SCAN,
     },
     Kind {
-        what: "a recording of ROS",
+        what: "a ROS recording",
         extensions: &["bag", "db3", "mcap"],
         begins: |head| head.has(b"#ROSBAG V") || head.has(b"\x89MCAP0\r\n"),
         help: RECORDED,
@@ -182,13 +183,13 @@ const KINDS: &[Kind] = &[
         help: OGR,
     },
     Kind {
-        what: "a database, perhaps a recording of ROS",
+        what: "a database, perhaps a ROS recording",
         extensions: &["sqlite", "mbtiles"],
         begins: |head| head.has(b"SQLite format 3\0"),
         help: RECORDED,
     },
     Kind {
-        what: "a world or model of a simulator",
+        what: "a simulator's world or model",
         extensions: &["world", "sdf", "urdf", "xacro", "dae", "wbt"],
         begins: |head| ["sdf", "gazebo", "robot", "COLLADA"].iter().any(|root| head.is_xml(root)),
         help: MODEL,
@@ -197,7 +198,8 @@ const KINDS: &[Kind] = &[
         what: "a mesh",
         extensions: &["stl", "obj", "glb", "gltf"],
         begins: |head| {
-            head.has(b"glTF") || (head.says("solid") && head.text.contains("facet normal"))
+            head.has(b"glTF")
+                || (head.starts_with_text("solid") && head.text.contains("facet normal"))
         },
         help: MODEL,
     },
@@ -211,7 +213,7 @@ const KINDS: &[Kind] = &[
                file: image, resolution, origin, thresholds",
     },
     Kind {
-        what: "a picture that no map is read from",
+        what: "a picture in an unsupported format",
         extensions: &["jpg", "jpeg", "webp", "bmp", "gif", "heic", "avif", "jxl"],
         begins: |head| {
             let is_bmp = head.has(b"BM") && head.bytes.get(6..10) == Some(&[0; 4]);
@@ -227,16 +229,16 @@ const KINDS: &[Kind] = &[
         help: PICTURE,
     },
     Kind {
-        what: "a scenario of MovingAI",
+        what: "a MovingAI scenario",
         extensions: &["scen"],
-        begins: |head| head.says("version 1") && head.text.contains(".map"),
+        begins: |head| head.starts_with_text("version 1") && head.text.contains(".map"),
         help: "name the map that it is for; its goals are given as --goal NAME=X,Y",
     },
     Kind {
         what: "a web page",
         extensions: &["html", "htm"],
-        begins: |head| head.says("<!doctype html") || head.says("<html"),
-        help: "a download has gone wrong, perhaps: open it in a browser to see what it says",
+        begins: |head| head.starts_with_text("<!doctype html") || head.starts_with_text("<html"),
+        help: "the download may have failed: open it in a browser to see why",
     },
     Kind {
         what: "a zip archive",
@@ -246,10 +248,10 @@ const KINDS: &[Kind] = &[
     },
 ];
 
-/// What a file is that is no map, and how to fix that; `None` where it may be one.
+/// An error that names a file which is not a map and how to convert it; `None` if it may be a map.
 pub(super) fn refuse(path: &Path, bytes: &[u8], may_go_by_name: bool) -> Option<Problem> {
     if bytes.starts_with(BLOB_START) {
-        let problem = Problem::error(format!("{} is a blob of plans, no map", path.display()));
+        let problem = Problem::error(format!("{} is a plan blob, not a map", path.display()));
         let help =
             "name the map that it was built from, or look into it with `plan-compiler inspect`";
         return Some(problem.help(help));
@@ -269,7 +271,7 @@ pub(super) fn refuse(path: &Path, bytes: &[u8], may_go_by_name: bool) -> Option<
         (!Format::ALL.iter().any(|format| format.recognises(&text))).then_some(kind)
     };
     let by_content = KINDS.iter().find(|kind| (kind.begins)(&head));
-    // A KMZ is a zip archive: of two kinds that fit the name knows better.
+    // A KMZ is a zip archive: where two kinds fit, the name decides.
     let by_content = by_content.map(|kind| {
         let narrower = KINDS.iter().find(named);
         narrower.filter(|_| head.has(b"PK\x03\x04") || head.has(b"SQLite")).unwrap_or(kind)
@@ -299,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn what_users_have_is_named_with_what_to_do() {
+    fn common_files_are_named_with_help() {
         let kml = b"<?xml version=\"1.0\"?>\n<!-- <osm> -->\n<kml xmlns=\"x\"><Document/></kml>";
         check("yard.kml", kml, "a KML file", "ogr2ogr -f GeoJSON yard.geojson yard.kml");
         check("yard.xml", kml, "a KML file", "ogr2ogr -f GeoJSON yard.geojson yard.xml");
@@ -320,18 +322,18 @@ mod tests {
         check("a.bt", b"# Octomap OcTree binary file\n", "octree", "octomap_server");
         check("a.pcd", b"# .PCD v0.7", "a point cloud", "octomap_server");
         check("a.bag", b"#ROSBAG V2.0\n", "recording", "SLAM");
-        check("a.db3", b"SQLite format 3\0", "a recording of ROS", "SLAM");
+        check("a.db3", b"SQLite format 3\0", "a ROS recording", "SLAM");
         check("a.world", b"<?xml version='1.0'?><sdf version='1.6'>", "simulator", "WALL");
         check("a.npy", b"\x93NUMPY\x01\0", "an array", "PGM");
-        check("a.bin", BLOB_START, "a blob of plans", "inspect");
+        check("a.bin", BLOB_START, "a plan blob", "inspect");
         check("a.hex", b":020000042000DA", "for flashing only", "built from");
-        check("a.scen", b"version 1\n0\tarena.map\t49", "a scenario", "--goal");
+        check("a.scen", b"version 1\n0\tarena.map\t49", "a MovingAI scenario", "--goal");
         check("a.osm", b"<!DOCTYPE html><html>", "a web page", "browser");
-        check("a.trace", b"WAYTRACE\x01\0", "a trace", "explain a.trace");
+        check("a.trace", b"WAYTRACE\x01\0", "a mission trace", "explain a.trace");
     }
 
     #[test]
-    fn a_map_by_its_content_is_one_whatever_it_is_called() {
+    fn a_map_by_content_is_accepted_under_any_name() {
         let overlay = b"ORIGIN 0 0\nCONTROL MEASURES:\nPP a 1 2\n";
         for name in ["a.ovl", "a.world", "a.plan", "a"] {
             assert!(refuse(Path::new(name), overlay, true).is_none(), "{name}");

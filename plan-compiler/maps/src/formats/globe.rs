@@ -1,9 +1,9 @@
-//! From degrees to the map's metres, for formats that give nothing else.
+//! Converts degrees to the map's metres, for formats that give degrees only.
 //!
-//! The map is the plane about an origin, which becomes the point 0,0: WGS-84, x east, y north, by
-//! the arithmetic that the robot uses on its fixes. The origin is what the user or the file says,
-//! else the centre of the map's bounds. Bounds that the file states outrank those of its
-//! coordinates: what is drawn later then moves no coordinate.
+//! The map is the plane around an origin, which becomes the point 0,0: WGS-84, x east, y north,
+//! with the arithmetic that the robot uses on its fixes. The user or the file gives the origin;
+//! otherwise it is the centre of the map's bounds. Bounds that the file states outrank those of its
+//! coordinates, so later additions do not move existing coordinates.
 
 use super::tags::Unused;
 use crate::model::{Extent, Map, Point, Reference, Role};
@@ -12,18 +12,18 @@ use crate::problem::Problem;
 use math::GeoPoint;
 use math::geodetic::{MapFrame, metres_per_degree, offset_m};
 
-/// Room left around the outermost coordinates, so that there is a way around what stands there.
+/// Margin around the outermost coordinates, metres, so that robots can pass around them.
 const MARGIN_M: f64 = 10.0;
-/// The plane serves no farther than this from its centre, metres.
+/// Largest distance from its centre at which the plane is valid, metres.
 const REACH_M: f64 = MapFrame::RANGE_M as f64;
 
-/// Beyond this latitude meridians run together so fast that a plane is no map, degrees.
+/// Largest latitude of a plane, degrees: beyond it meridians converge too fast.
 const MAX_LATITUDE_DEG: f64 = 85.0;
 
 /// A latitude and a longitude, degrees.
 pub(super) type Place = [f64; 2];
 
-/// A box on the globe, degrees. It may lie across the date line.
+/// A box on the globe, degrees. It may cross the date line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
     south_west: Place,
@@ -32,32 +32,33 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Between two corners; `None` where they are off the globe or the wrong way round in latitude.
+    /// The box between two corners; `None` if one is off the globe or south lies above north.
     pub(super) fn between(south_west: Place, north_east: Place) -> Option<Self> {
         for [lat, lon] in [south_west, north_east] {
             GeoPoint::from_degrees(lat, lon)?;
         }
         let height = north_east[0] - south_west[0];
         let width = north_east[1] - south_west[1];
-        // East of the date line longitudes start again.
+        // Longitudes wrap at the date line.
         let width = if width < 0.0 { width + 360.0 } else { width };
         (height >= 0.0).then_some(Self { south_west, size: [height, width] })
     }
 
-    /// An error where a map of these bounds would hold nothing: they have no area, or all that
-    /// is drawn lies beside them.
+    /// An error if a map of these bounds would be empty: they have no area, or the whole drawing
+    /// lies outside them.
     fn check(&self, drawn: Option<Self>) -> Result<(), Problem> {
-        let help = "state the bounds of the part that the robot will drive in, or none";
+        let help = "state the bounds of the area that the robot uses, or none";
         if self.size.contains(&0.0) {
-            let message = "the bounds that the file states have no area";
+            let message = "the file's stated bounds have no area";
             return Err(Problem::error(message).help(help));
         }
         match drawn {
             Some(drawn) if !self.meets(&drawn) => {
-                let message = "all that the file draws lies outside the bounds that it states";
+                let message = "everything in the file lies outside its stated bounds";
                 let fits = drawn.swapped().is_some_and(|swapped| self.meets(&swapped));
                 let help = if fits {
-                    "latitude and longitude are swapped in one of both: exchange them there".into()
+                    "latitude and longitude are swapped in one of the two: exchange them there"
+                        .into()
                 } else {
                     format!("{help}; check whether latitude and longitude are swapped")
                 };
@@ -85,7 +86,7 @@ impl Bounds {
         Self::around(all.into_iter()).unwrap_or(self)
     }
 
-    /// Latitude and longitude exchanged, where that is on the globe.
+    /// The box with latitude and longitude exchanged, if that is on the globe.
     fn swapped(&self) -> Option<Self> {
         let ([south, west], [height, width]) = (self.south_west, self.size);
         Self::between([west, south], [west + width, south + height])
@@ -95,15 +96,15 @@ impl Bounds {
         [self.south_west[0] + self.size[0] / 2.0, turned(self.south_west[1] + self.size[1] / 2.0)]
     }
 
-    /// A warning where the map lies in the open sea or in Antarctica, and on land if latitude and
-    /// longitude are exchanged.
+    /// A warning if the map lies in the open sea or in Antarctica, and on land with latitude and
+    /// longitude exchanged.
     pub(super) fn suspect(&self) -> Option<Problem> {
         let (here, there) = (self.middle(), self.swapped()?.middle());
         (is_desert(here) && !is_desert(there)).then(|| {
             let [lat, lon] = here;
             Problem::warning(format!(
-                "the map lies at latitude {lat:.4}, longitude {lon:.4}, where no land is: latitude \
-                 and longitude may be swapped"
+                "the map lies at latitude {lat:.4}, longitude {lon:.4}, on open sea or ice: latitude and \
+                 longitude may be swapped"
             ))
             .help("in GeoJSON longitude comes first: [longitude, latitude]")
         })
@@ -116,13 +117,13 @@ impl Bounds {
         [south, west, south + height, turned(west + width)]
     }
 
-    /// The smallest box around places; `None` where there are none.
+    /// The smallest box around places; `None` for an empty list.
     pub(super) fn around(places: impl Iterator<Item = Place>) -> Option<Self> {
         let mut places = places.peekable();
         let &[_, first] = places.peek()?;
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for [lat, lon] in places {
-            // Longitudes go on across the date line, from wherever the first place is.
+            // Unwrap longitudes across the date line, relative to the first place.
             for (axis, at) in [lat, first + turned(lon - first)].into_iter().enumerate() {
                 low[axis] = low[axis].min(at);
                 high[axis] = high[axis].max(at);
@@ -132,8 +133,8 @@ impl Bounds {
     }
 }
 
-/// Boxes without land that a small robot would see, south, west, north, east, degrees. Not all of
-/// them: those where Europe and the Americas come to lie when latitude and longitude are swapped.
+/// Boxes without land for a small robot: south, west, north, east, degrees. Only those in which
+/// Europe and the Americas lie when latitude and longitude are swapped.
 const DESERTS: [[f64; 4]; 7] = [
     // Antarctica.
     [-90.0, -180.0, -60.0, 180.0],
@@ -157,18 +158,18 @@ fn is_desert([lat, lon]: Place) -> bool {
 /// The place that makes an extent absurd.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stray {
-    /// Which of the places.
+    /// Index of the place.
     pub(super) index: usize,
-    /// Where the others are, if it is alone: of two heaps of equal size either may be astray.
+    /// Median of all places. If `is_alone`, most others lie near it.
     pub(super) far_from: Place,
     pub(super) is_alone: bool,
 }
 
 impl Stray {
-    /// The place that lies farthest from the middle one; `None` where there are none.
+    /// The place farthest from the median; `None` for an empty list.
     pub(super) fn among(places: &[Place]) -> Option<Self> {
         let &[_, first] = places.first()?;
-        // Longitudes go on across the date line.
+        // Unwrap longitudes across the date line.
         let places: Vec<Place> =
             places.iter().map(|[lat, lon]| [*lat, first + turned(lon - first)]).collect();
         let middle = [0, 1].map(|axis| {
@@ -185,19 +186,19 @@ impl Stray {
         Some(Self { index, far_from, is_alone: 2 * near > places.len() })
     }
 
-    /// What stands under an excerpt that shows it.
+    /// Label for an excerpt that shows it.
     pub(super) fn label(&self) -> String {
         let [lat, lon] = self.far_from;
-        let where_the_others_are = format!("latitude {lat}, longitude {lon}");
+        let others = format!("latitude {lat}, longitude {lon}");
         if self.is_alone {
-            format!("far from the others, which lie about {where_the_others_are}")
+            format!("far from the others, which lie about {others}")
         } else {
-            format!("either this or what lies about {where_the_others_are} is astray")
+            format!("either this or the part about {others} is misplaced")
         }
     }
 }
 
-/// A difference of longitudes the short way round, degrees.
+/// A difference of longitudes, wrapped to -180 to 180 degrees.
 fn turned(difference: f64) -> f64 {
     if difference > 180.0 {
         difference - 360.0
@@ -213,26 +214,26 @@ fn turned(difference: f64) -> f64 {
 pub(super) struct Plane {
     reference: GeoPoint,
     extent: Extent,
-    /// Where the extent comes from.
+    /// Origin of the extent, for messages.
     by: String,
-    /// Whether somebody said where 0,0 is.
+    /// Whether the user or the file gave the origin.
     is_fixed: bool,
 }
 
-/// What a file leaves unused, and what of it has a meaning but no place.
+/// Objects of a file that are not drawn, or not as they should be.
 #[derive(Debug, Default)]
 pub(super) struct Passed {
-    /// Means nothing here.
+    /// Objects without a meaning.
     pub(super) unused: Unused,
-    /// Means something, and lies nowhere.
+    /// Objects with a meaning but without coordinates.
     pub(super) nowhere: Unused,
-    /// Means an area, and is drawn as a point.
+    /// Areas that are drawn as points.
     pub(super) pointlike: Unused,
 }
 
 impl Passed {
-    /// A warning for each kind of trouble. `help` says how to fetch the file with geometry.
-    pub(super) fn tell(&self, help: &str, problems: &mut Vec<Problem>) {
+    /// Adds a warning for each kind. `help` explains how to fetch the file with geometry.
+    pub(super) fn report(&self, help: &str, problems: &mut Vec<Problem>) {
         if self.nowhere.total() > 0 {
             let list = self.nowhere.list();
             problems.push(
@@ -243,7 +244,7 @@ impl Passed {
         if self.pointlike.total() > 0 {
             let list = self.pointlike.list();
             let message =
-                format!("drawn as a point, which has no outline: {list}; blocks one cell");
+                format!("drawn as points, without an outline: {list}; each blocks one cell");
             let help = format!("{help}, or give the point a `radius` in metres");
             problems.push(Problem::warning(message).help(help));
         }
@@ -251,8 +252,8 @@ impl Passed {
 }
 
 impl Plane {
-    /// The plane of stated bounds, else of coordinates with a margin, about an origin, else about
-    /// the centre. Where bounds are stated, it is they who are wrong if there is none.
+    /// A plane with the stated bounds, else those of the coordinates plus a margin; around the
+    /// given origin, else around the centre. An error is about the stated bounds if there are any.
     pub(super) fn new(
         stated: Option<Bounds>,
         drawn: impl Iterator<Item = Place>,
@@ -262,12 +263,12 @@ impl Plane {
         let (bounds, margin, by) = match stated {
             Some(bounds) => {
                 bounds.check(around)?;
-                (bounds, 0.0, "by the bounds that the file states".into())
+                (bounds, 0.0, "by the file's bounds".into())
             }
             None => match around {
-                Some(bounds) => (bounds, MARGIN_M, format!("{MARGIN_M} m around what it draws")),
+                Some(bounds) => (bounds, MARGIN_M, format!("{MARGIN_M} m around its contents")),
                 None => {
-                    return Err(Problem::error("the file draws nothing and states no bounds")
+                    return Err(Problem::error("the file has no coordinates and no bounds")
                         .help("check that this is the file you mean"));
                 }
             },
@@ -294,7 +295,7 @@ impl Plane {
         Ok(plane)
     }
 
-    /// An error where a part of the map is too far from an origin that was given.
+    /// An error if a part of the map is too far from a given origin.
     fn check_reach(&self, bounds: &Bounds) -> Result<(), Problem> {
         let far = (0..2).map(|axis| {
             let [low, size] = [self.extent.corner[axis], self.extent.size[axis]];
@@ -305,30 +306,31 @@ impl Plane {
             return Ok(());
         }
         let (far, reach) = (metres((far / 1e3).ceil()), metres(REACH_M / 1e3));
-        let message =
-            format!("the map reaches {far} km from its origin, but a plan holds for {reach} km");
+        let message = format!(
+            "the map reaches {far} km from its origin, but a plan is valid up to {reach} km"
+        );
         let to_swapped = bounds.swapped().map(|swapped| self.metres(swapped.middle()));
         let is_swapped = to_swapped.is_some_and(|at| at.iter().all(|axis| axis.abs() <= REACH_M));
         let help = match is_swapped {
             true => "latitude and longitude are swapped, in the origin or in the map",
-            false => "check the origin: latitude, then longitude, near what the map draws",
+            false => "check the origin: latitude, then longitude, near the map",
         };
         Err(Problem::error(message).help(help))
     }
 
-    /// The map's metres of a place.
+    /// A place in the map's metres.
     pub(super) fn metres(&self, place: Place) -> Point {
         offset_m([self.reference.lat_deg(), self.reference.lon_deg()], place)
     }
 
-    /// A map with nothing in it.
+    /// An empty map on this plane.
     pub(super) fn map(&self) -> Map {
         let reference = Reference { place: self.reference, at: [0.0; 2], heading_rad: 0.0 };
         Map { reference: Some(reference), ..Map::empty(self.extent) }
     }
 
-    /// What became of the file: where the map lies, and what it holds. A warning where none of it
-    /// blocks, although something was drawn.
+    /// Adds a note on where the map lies and what it contains, and a warning if the drawing has no
+    /// obstacles.
     pub(super) fn note(&self, map: &Map, unused: &Unused, problems: &mut Vec<Problem>) {
         let [width, height] = self.extent.size.map(|side| metres((side * 10.0).round() / 10.0));
         let (lat, lon) = (self.reference.lat_deg(), self.reference.lon_deg());
@@ -336,7 +338,7 @@ impl Plane {
         let (obstacles, areas, zones) =
             (count(Role::Obstacle), count(Role::Attenuating), count(Role::Zone));
         let points = map.points.len();
-        let what = if self.is_fixed { "the origin that was given" } else { "its centre" };
+        let what = if self.is_fixed { "the given origin" } else { "its centre" };
         let not_used = match unused.total() {
             0 => "0".into(),
             total => format!("{total} ({})", unused.list()),
@@ -354,7 +356,7 @@ impl Plane {
             true => note,
             false => note.help(format!(
                 "0,0 depends on the file: `origin = [{lat}, {lon}]` in the mission file or --origin \
-                 {lat},{lon} keeps it where it is when the map is drawn anew"
+                 {lat},{lon} keeps it in place when the map changes"
             )),
         });
     }
@@ -374,25 +376,25 @@ fn nothing_blocks(map: &Map, unused: &Unused) -> Problem {
         _ => format!("; not used: {}", unused.list()),
     };
     Problem::warning(format!("nothing on the map is an obstacle{zones}{list}")).help(
-        "--block KEY=VALUE, or `block = [\"KEY=VALUE\"]` in the mission file, makes obstacles of what \
-         is listed; `plan-compiler build --help` lists what is one by itself",
+        "--block KEY=VALUE, or `block = [\"KEY=VALUE\"]` in the mission file, makes listed \
+         objects obstacles; `plan-compiler build --help` lists what blocks by default",
     )
 }
 
-/// An error where a map lies about a pole.
+/// An error if a map lies near a pole.
 pub(super) fn refuse_pole(place: GeoPoint) -> Result<(), Problem> {
     let lat = place.lat_deg();
     if lat.abs() <= MAX_LATITUDE_DEG {
         return Ok(());
     }
     Err(Problem::error(format!(
-        "the map lies at latitude {lat}, but beyond {MAX_LATITUDE_DEG} degrees a plan is not true: \
-         meridians run together there"
+        "the map lies at latitude {lat}, but beyond {MAX_LATITUDE_DEG} degrees a plan is not valid: \
+         meridians converge there"
     ))
-    .help("draw the map in metres about a point of your own, as an overlay (.ovl) for example"))
+    .help("draw the map in metres around a point that you choose, for example as an overlay (.ovl)"))
 }
 
-/// An error where a map is larger than the plane serves.
+/// An error if a map is larger than the plane's valid area.
 fn check_size(size: [f64; 2], is_stated: bool) -> Result<(), Problem> {
     if size.iter().all(|side| *side <= 2.0 * REACH_M) {
         return Ok(());
@@ -401,16 +403,16 @@ fn check_size(size: [f64; 2], is_stated: bool) -> Result<(), Problem> {
     let reach = metres(REACH_M / 1e3);
     let (what, help) = match is_stated {
         true => (
-            "by the bounds that the file states the map is",
-            "state the bounds of the part that the robot will drive in, or none",
+            "by the file's bounds the map is",
+            "state the bounds of the area that the robot uses, or none",
         ),
         false => (
             "the map is",
-            "cut the part out that the robot will drive in; one stray point is enough",
+            "crop the map to the area that the robot uses; one stray point can cause this",
         ),
     };
     Err(Problem::error(format!(
-        "{what} {width} km x {height} km, but a plan holds for {reach} km around its centre"
+        "{what} {width} km x {height} km, but a plan is valid up to {reach} km from its centre"
     ))
     .help(help))
 }

@@ -1,20 +1,20 @@
-//! The holes of a polygon, where they touch each other.
+//! Merges the holes of a polygon that share edges.
 //!
-//! OpenStreetMap lets inner rings share edges: they are one hole then, and the edge is no wall.
-//! Edges that two holes have in common are taken away, and what is left of both is joined.
+//! OpenStreetMap lets inner rings share edges: they are then one hole, and the edge is not a wall.
+//! Edges that two holes share are removed, and the remaining edges are joined to rings.
 
 use crate::model::Point;
 use std::collections::HashMap;
 
-/// A point as a key: points are alike where they are the same to the last digit.
+/// A point as a key: points are equal if all their bits are.
 type Key = [u64; 2];
 
 fn key(point: &Point) -> Key {
-    // Adding zero makes one zero of both.
+    // Adding zero turns a negative zero into a positive one.
     point.map(|at| (at + 0.0).to_bits())
 }
 
-/// Rings without the repetition of their first point, no two of which have an edge in common.
+/// Merges rings until no two share an edge. Rings do not repeat their first point.
 pub(super) fn merged(rings: Vec<Vec<Point>>) -> Vec<Vec<Point>> {
     let edges = |ring: &Vec<Point>| -> Vec<[Point; 2]> {
         let next = ring.iter().cycle().skip(1);
@@ -32,7 +32,7 @@ pub(super) fn merged(rings: Vec<Vec<Point>>) -> Vec<Vec<Point>> {
         return rings;
     }
     let all = rings.iter().flat_map(edges);
-    // An edge that was gone over an even number of times has hole on both sides.
+    // An edge that occurs an even number of times has a hole on both sides.
     let mut left: Vec<[Point; 2]> = Vec::new();
     for edge in all {
         if times.get_mut(&sorted(&edge)).is_some_and(|times| std::mem::take(times) % 2 == 1) {
@@ -42,7 +42,7 @@ pub(super) fn merged(rings: Vec<Vec<Point>>) -> Vec<Vec<Point>> {
     joined(&left)
 }
 
-/// Edges as rings: every point has an even number of them.
+/// Joins edges to rings. Every point has an even number of edges.
 fn joined(edges: &[[Point; 2]]) -> Vec<Vec<Point>> {
     let mut at: HashMap<Key, Vec<usize>> = HashMap::new();
     for (index, edge) in edges.iter().enumerate() {
@@ -88,13 +88,13 @@ mod tests {
         for other in [square(1.0, 0.0), turned] {
             let merged = merged(vec![square(0.0, 0.0), other]);
             assert_eq!(merged.len(), 1, "{merged:?}");
-            // Six corners: the shared edge ends in what are corners no more.
+            // Six points: both ends of the shared edge stay, no longer as corners.
             assert_eq!(merged[0].len(), 6);
         }
     }
 
     #[test]
-    fn holes_that_touch_in_a_point_or_not_at_all_stay_as_they_are() {
+    fn holes_that_share_no_edge_stay_separate() {
         for other in [square(1.0, 1.0), square(5.0, 0.0)] {
             let rings = vec![square(0.0, 0.0), other];
             assert_eq!(merged(rings.clone()), rings);
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ring_of_holes_keeps_what_stands_within() {
+    fn a_ring_of_holes_keeps_the_island_within() {
         let around = (0..9).filter(|n| *n != 4).map(|n| square(f64::from(n % 3), f64::from(n / 3)));
         let merged = merged(around.collect());
         let mut corners: Vec<usize> = merged.iter().map(Vec::len).collect();

@@ -1,9 +1,8 @@
 //! MissionLab's internalized plans, `Iplan.dat`: a header, then a map of costs for each goal.
 //!
-//! Source: the files that MissionLab 7 wrote. Values come a line each, x by x, y from the
-//! south inside. Costs are not kept: they follow from the obstacles and the goal, and are
-//! planned anew. Deliberately absent: values written as FLOAT, and the progress boxes of
-//! RECONBUILDING.
+//! Source: files that MissionLab 7 wrote. Values are one per line, column by column, each column
+//! from the south. Costs are not kept: they follow from the obstacles and the goals and are planned
+//! again. Deliberately absent: values written as FLOAT, and the progress boxes of RECONBUILDING.
 
 use super::lines::Lines;
 use super::{FARTHEST_M, MAX_PROBLEMS};
@@ -15,20 +14,20 @@ use std::iter::Peekable;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What `--help` says of this format.
+/// This format in `--help`.
 pub const CONVENTIONS: &str = "\
 Iplan    (MissionLab Iplan.dat, as TEXT) Cells are centred on multiples of the resolution, so
          the south-west corner is at minus half a cell. Values of 9998 are obstacles; all
-         other cells are free, and their costs are planned anew (equal ones with --corners
-         allow). Goals are metres, named `contingency` and, by type and number of their
-         element, moveto-1; -1, -2 follow where an element has several maps. All maps must
-         agree in size, resolution and obstacles.";
+         other cells are free, and their costs are planned again (--corners allow gives the
+         same costs). Goals are in metres and named `contingency` or after the type and
+         number of their element, as moveto-1; -1, -2 are added if an element has several
+         maps. All maps must agree in size, resolution and obstacles.";
 
-/// What a cell of an obstacle holds instead of a cost.
+/// Value of an obstacle cell.
 pub const OBSTACLE: f64 = 9998.0;
-/// What a cell without a route holds instead of a cost.
+/// Value of a cell without a route.
 pub const UNREACHED: f64 = 9999.0;
-/// The goal of the map that every file has, whatever its elements.
+/// Goal of the map that every file has besides its elements.
 pub const CONTINGENCY: &str = "contingency";
 
 const ORDERINGS: [&str; 2] = ["ORDERED", "LEAST-COMMITMENT"];
@@ -36,14 +35,14 @@ const TETHERED: [&str; 2] = ["TRUE", "FALSE"];
 const VALUES: [&str; 2] = ["TEXT", "FLOAT"];
 /// Elements that a plan is made of.
 pub(super) const ELEMENTS: [&str; 2] = ["MOVETO", "RECONBUILDING"];
-/// The element whose progress boxes stand between its maps.
+/// The element with progress boxes between its maps.
 const WITH_BOXES: &str = "RECONBUILDING";
-/// What ends the part before it, wherever it stands.
+/// Lines that end the part before them.
 const KEYWORDS: [&str; 5] = ["BEGIN_MAP", "#Data", "END_MAP", "START_ELEMENT", "END_FILE"];
-/// Wrong values of one map that are told one by one.
-const MAX_VALUES_TOLD: usize = 20;
+/// Wrong values of one map that are reported one by one.
+const MAX_VALUES_REPORTED: usize = 20;
 
-/// Whether a text reads like an Iplan.dat: by the third and the fifth line of its header.
+/// Whether a text looks like an Iplan.dat, by the third and fifth line of its header.
 pub fn recognises(text: &str) -> bool {
     let mut lines = Lines::of(text).map(|line| text[line].trim());
     let (third, fifth) = (lines.nth(2), lines.nth(1));
@@ -51,7 +50,7 @@ pub fn recognises(text: &str) -> bool {
         && fifth.is_some_and(|line| VALUES.contains(&line))
 }
 
-/// Reads the maps of a file as one: its obstacles, its goals, and every mistake.
+/// Reads the maps of a file as one map with all goals, and every mistake.
 pub fn read(source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     let lines = Lines::of(&source.text).peekable();
     let mut reader = Reader { source, lines, problems: Vec::new(), first: None };
@@ -59,7 +58,7 @@ pub fn read(source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     (map, reader.problems)
 }
 
-/// What all maps of a file have in common.
+/// The grid that all maps of a file share.
 #[derive(Clone, Copy, PartialEq)]
 struct Frame {
     columns: u32,
@@ -72,7 +71,7 @@ impl Frame {
         self.columns as usize * self.rows as usize
     }
 
-    /// Which value is that of the cell at a point, metres.
+    /// Index of the value of the cell at a point, metres.
     fn index_at(&self, at: [f64; 2]) -> Option<usize> {
         let [x, y] = at.map(|along| (along / self.resolution_m + 0.5).floor());
         let is_inside =
@@ -81,10 +80,10 @@ impl Frame {
     }
 }
 
-/// The first map of a file, which the others must agree with.
+/// The first map of a file; the others must agree with it.
 struct First {
     frame: Frame,
-    /// Whether each value, in the order of the file, is an obstacle.
+    /// Whether each value is an obstacle, in the order of the file.
     blocked: Vec<bool>,
 }
 
@@ -100,7 +99,7 @@ impl Element {
         Self { name, has_boxes, goals: Vec::new() }
     }
 
-    /// Its goals, numbered where there are several.
+    /// Its goals, numbered if there are several.
     fn into_points(self) -> impl Iterator<Item = NamedPoint> {
         let is_one = self.goals.len() == 1;
         self.goals.into_iter().zip(1..).map(move |(goal, number)| {
@@ -110,7 +109,7 @@ impl Element {
     }
 }
 
-/// What the goal of an element is called, by its type and its number from 1.
+/// Name of an element's goal, from its type and its number (from 1).
 pub(super) fn element_name(kind: &str, number: usize) -> String {
     format!("{}-{number}", kind.to_ascii_lowercase())
 }
@@ -149,7 +148,7 @@ impl<'a> Reader<'a> {
         }
         let span = next.unwrap_or_else(|| self.end());
         let message = format!("{what} is missing");
-        self.error(message, span, "expected before this", "add a line that says it");
+        self.error(message, span, "expected before this", "add a line with it");
         None
     }
 
@@ -160,7 +159,7 @@ impl<'a> Reader<'a> {
         if !words.contains(&word) {
             let message = format!("{what} is `{word}`");
             let help = format!("write {}", words.join(" or "));
-            self.error(message, line, "this word is not known here", &help);
+            self.error(message, line, "unknown word", &help);
         }
         Some(word)
     }
@@ -173,7 +172,7 @@ impl<'a> Reader<'a> {
         if number.is_none() {
             let message = format!("{what} is `{text}`");
             let help = format!("write a number from {least} to {most}");
-            self.error(message, line, "no number of this range", &help);
+            self.error(message, line, "not a number in this range", &help);
         }
         number
     }
@@ -185,7 +184,7 @@ impl<'a> Reader<'a> {
         if side.is_none() {
             let message = format!("{what} is `{text}`");
             let help = format!("write a whole number from 1 to {limit}");
-            self.error(message, line, "a number of cells is needed", &help);
+            self.error(message, line, "expected a number of cells", &help);
         }
         side
     }
@@ -197,7 +196,7 @@ impl<'a> Reader<'a> {
         self.word("whether the robots are tethered", &TETHERED);
         let values = self.lines.peek().cloned();
         if self.word("the kind of values", &VALUES) == Some("FLOAT") {
-            let help = "have MissionLab write the plan as TEXT, which is what can be read";
+            let help = "have MissionLab write the plan as TEXT; FLOAT cannot be read";
             let message = "the values of this file are written as FLOAT";
             self.error(message, values.unwrap_or_else(|| self.end()), "binary values", help);
             return None;
@@ -224,12 +223,13 @@ impl<'a> Reader<'a> {
         Some(Map { points, title, remarks, is_for_points: true, ..map })
     }
 
-    /// The goals of all maps, those of the elements first: the robot follows the first one.
+    /// The goals of all maps, those of the elements first, because the robot follows the first
+    /// goal.
     fn maps(&mut self, count_line: Option<Range<usize>>) -> Vec<NamedPoint> {
         let mut elements: Vec<Element> = Vec::new();
         let mut contingency = Element::new(CONTINGENCY.into(), false);
         let mut is_ended = false;
-        // A file with more mistakes than are shown is not what its name says.
+        // A file with more mistakes is not an Iplan.dat.
         while self.problems.len() <= MAX_PROBLEMS {
             let Some(line) = self.lines.next() else { break };
             match self.text(&line) {
@@ -260,11 +260,11 @@ impl<'a> Reader<'a> {
         parts.flat_map(Element::into_points).collect()
     }
 
-    /// A line that begins nothing; whatever follows up to the next keyword goes with it.
+    /// Reports an unknown line and skips to the next keyword.
     fn unexpected(&mut self, line: Range<usize>) {
         let help = "maps lie between BEGIN_MAP and END_MAP, elements after START_ELEMENT";
         self.error(
-            format!("`{}` is no part of a plan", self.text(&line)),
+            format!("`{}` is not part of a plan", self.text(&line)),
             line,
             "expected BEGIN_MAP, START_ELEMENT or END_FILE",
             help,
@@ -290,7 +290,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// One map; its goal, without a name yet.
+    /// Reads one map and returns its goal, still without a name.
     fn map(&mut self, begin: &Range<usize>) -> Option<NamedPoint> {
         let id = self.field("the name of the map");
         let (columns, rows) = (self.side("the size along x"), self.side("the size along y"));
@@ -321,7 +321,7 @@ impl<'a> Reader<'a> {
         goal.map(|at| NamedPoint { name: String::new(), at, span })
     }
 
-    /// The values of a map that is named at `span`.
+    /// Reads the values of the map that is named at `span`.
     fn values(&mut self, frame: Option<Frame>, goal: Option<[f64; 2]>, span: &Range<usize>) {
         let name = self.text(span);
         let alike = self.first.as_ref().zip(frame).is_some_and(|(first, own)| first.frame == own);
@@ -336,15 +336,15 @@ impl<'a> Reader<'a> {
             let value = text.parse::<f64>().ok().filter(|value| (0.0..f64::MAX).contains(value));
             if value.is_none() {
                 wrong += 1;
-                if wrong <= MAX_VALUES_TOLD {
+                if wrong <= MAX_VALUES_REPORTED {
                     let help = "write a cost in metres, 9998 (obstacle) or 9999 (unreached)";
-                    let message = format!("`{text}` is no value of a cell");
+                    let message = format!("`{text}` is not a valid cell value");
                     self.error(message, line.clone(), "here", help);
                 }
             }
             if goal_index == Some(blocked.len()) && value.is_some_and(|value| value > 0.0) {
                 let message = format!("the goal of map `{name}` costs `{text}`, not 0");
-                let help = "check that the goal is in metres; the costs are planned anew";
+                let help = "check that the goal is in metres; the costs are planned again";
                 let problem = Problem::warning(message).at(self.source, line.clone(), "its cell");
                 self.problems.push(problem.help(help));
             }
@@ -358,9 +358,11 @@ impl<'a> Reader<'a> {
             blocked.push(is_blocked);
             last = line;
         }
-        if wrong > MAX_VALUES_TOLD {
-            let more = wrong - MAX_VALUES_TOLD;
-            self.problems.push(Problem::error(format!("{more} more lines of it are no values")));
+        if wrong > MAX_VALUES_REPORTED {
+            let more = wrong - MAX_VALUES_REPORTED;
+            self.problems.push(Problem::error(format!(
+                "{more} more of its lines are not valid cell values"
+            )));
         }
         match self.lines.peek().cloned().filter(|line| self.text(line) == "END_MAP") {
             Some(_) => {
@@ -383,12 +385,12 @@ impl<'a> Reader<'a> {
             self.first = Some(First { frame, blocked });
             return;
         };
-        let said = |frame: Frame| {
+        let describe = |frame: Frame| {
             format!("{} x {} cells of {} m", frame.columns, frame.rows, frame.resolution_m)
         };
         let help = "plan for all goals on one grid, or split the file: a blob has one grid";
         if first.frame != frame {
-            let (own, other) = (said(frame), said(first.frame));
+            let (own, other) = (describe(frame), describe(first.frame));
             let message = format!("map `{name}` has {own}, but the first map {other}");
             self.error(message, span.clone(), "this map", help);
         } else if let Some(line) = first_differing {

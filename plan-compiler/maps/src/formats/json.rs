@@ -1,11 +1,11 @@
-//! What readers of JSON share: where a mistake is, and lists that cannot grow without end.
+//! Helpers for JSON readers: positions of mistakes, and bounded lists.
 
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// Where in a text the parser stopped, on the border of a character: it counts bytes, and may stop
-/// within one.
+/// Byte at which the parser stopped, moved to a character boundary: it counts bytes and may stop
+/// inside a character.
 pub(super) fn place_of(text: &str, error: &serde_json::Error) -> usize {
     // Lines and columns count from 1.
     let before = text.split_inclusive('\n').take(error.line().saturating_sub(1));
@@ -13,17 +13,17 @@ pub(super) fn place_of(text: &str, error: &serde_json::Error) -> usize {
     text.floor_char_boundary(at.min(text.len()))
 }
 
-/// What the parser says, without its own line and column.
+/// The parser's message without its line and column.
 pub(super) fn reason_of(error: &serde_json::Error) -> String {
     let reason = error.to_string();
     reason.rsplit_once(" at line ").map_or(reason.as_str(), |(reason, _)| reason).to_owned()
 }
 
-/// A list of at most so many.
+/// A list of at most `MAX` members.
 #[derive(Debug)]
 pub(super) struct List<T, const MAX: usize>(pub(super) Vec<T>);
 
-/// An object of at most so many members, in the order of the text.
+/// An object of at most `MAX` members, in the order of the text.
 #[derive(Debug)]
 pub(super) struct Pairs<K, V, const MAX: usize>(pub(super) Vec<(K, V)>);
 
@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_place_is_never_within_a_character() {
+    fn a_position_is_never_inside_a_character() {
         for text in [
             "\u{e9}",
             "{\"\u{e9}\u{fc}",
@@ -113,14 +113,14 @@ mod tests {
             for end in text.char_indices().map(|(at, _)| at).chain([text.len()]) {
                 let part = &text[..end];
                 let read = serde_json::from_str::<serde_json::Value>(part);
-                let at = place_of(part, &read.expect_err("no JSON"));
+                let at = place_of(part, &read.expect_err("not JSON"));
                 assert!(part.is_char_boundary(at), "{part:?} {at}");
             }
         }
     }
 
     #[test]
-    fn lists_end() {
+    fn lists_are_bounded() {
         let list = |text| serde_json::from_str::<List<u8, 3>>(text).map(|list| list.0);
         assert_eq!(list("[1, 2, 3]").ok(), Some(vec![1, 2, 3]));
         let error = list("[1, 2, 3, 4]").expect_err("too many");

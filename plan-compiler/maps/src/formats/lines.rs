@@ -1,8 +1,8 @@
-//! The lines of a file that are not blank. They end in LF, CR LF, or CR as on old Macs.
+//! The non-blank lines of a file. Lines end in LF, CR LF, or CR as on old Macs.
 
 use std::ops::Range;
 
-/// Lines that are not blank, without what ends them, as ranges of bytes.
+/// Non-blank lines without their line ends, as ranges of bytes.
 pub(super) struct Lines<'a> {
     text: &'a str,
     at: usize,

@@ -1,8 +1,8 @@
-//! MovingAI grid maps: four lines of header, then a character a cell, rows from the north.
+//! MovingAI grid maps: four lines of header, then one character per cell, rows from the north.
 //!
 //! Source: Sturtevant, "Benchmarks for grid-based pathfinding" (2012), and the maps at
-//! movingai.com. A cell is 1 m, its south-west corner the origin. Water is blocked: by the
-//! format's own rule it cannot be entered from land. Deliberately absent: scenario files.
+//! movingai.com. A cell is 1 m; the south-west corner of the map is the origin. Water is blocked,
+//! because the format does not let agents enter it from land. Deliberately absent: scenario files.
 
 use super::lines::Lines;
 use crate::bitmap::Bitmap;
@@ -13,7 +13,7 @@ use math::grid;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What `--help` says of this format.
+/// This format in `--help`.
 pub const CONVENTIONS: &str = "\
 MovingAI (.map) Cells of 1 m, the south-west corner at 0,0; rows come from the north. `.` and
          `G` are free, `S` (swamp) too; `@`, `O` and `T` are blocked, `W` (water) too, as
@@ -22,11 +22,10 @@ MovingAI (.map) Cells of 1 m, the south-west corner at 0,0; rows come from the n
 
 const FREE: &[u8] = b".GS";
 const BLOCKED: &[u8] = b"@OTW";
-/// Rows of the wrong length, or with unknown characters, that are told one by one.
-const MAX_ROWS_TOLD: usize = 20;
+/// Rows of wrong length or with unknown characters that are reported one by one.
+const MAX_ROWS_REPORTED: usize = 20;
 
-/// Whether a text reads like a MovingAI map: its first line gives a type and the next ones a
-/// height and a width.
+/// Whether a text looks like a MovingAI map: first line `type`, next lines `height` and `width`.
 pub fn recognises(text: &str) -> bool {
     let mut keys = Lines::of(text).map(|line| split_key(&text[line]).0.to_ascii_lowercase());
     let mut next = || keys.next().unwrap_or_default();
@@ -65,7 +64,7 @@ impl Reader<'_> {
         self.problems.push(Problem::error(message).at(self.source, span, label).help(help));
     }
 
-    /// Columns and rows.
+    /// Reads the header: columns and rows.
     fn header(&mut self, lines: &mut Lines<'_>) -> Option<(u32, u32)> {
         let text = &self.source.text;
         let (mut columns, mut rows) = (None, None);
@@ -103,7 +102,7 @@ impl Reader<'_> {
                 }
                 _ => {
                     self.error(
-                        format!("`{key}` is no part of the header"),
+                        format!("`{key}` is not part of the header"),
                         line,
                         "expected type, height, width or map",
                         "the header is: type octile, height N, width N, map; a line each",
@@ -128,7 +127,7 @@ impl Reader<'_> {
             self.error(
                 format!("the {name} is `{value}`"),
                 line,
-                "a number of cells is needed",
+                "expected a number of cells",
                 &format!("write {name} and a whole number from 1 to {limit}"),
             );
         }
@@ -138,15 +137,15 @@ impl Reader<'_> {
     fn cells(&mut self, (columns, rows): (u32, u32), lines: Lines<'_>) -> CellMap {
         let source = Arc::clone(self.source);
         let mut occupied = Bitmap::new(columns, rows);
-        let (mut count, mut told) = (0, 0);
+        let (mut count, mut reported) = (0, 0);
         let (mut swamp, mut water) = (0_usize, 0_usize);
         let mut last = source.text.len()..source.text.len();
         for line in lines {
             let symbols = &source.text.as_bytes()[line.clone()];
             let fault = self.row_fault(symbols, columns, &line, count);
-            if let Some(problem) = fault.filter(|_| told < MAX_ROWS_TOLD) {
+            if let Some(problem) = fault.filter(|_| reported < MAX_ROWS_REPORTED) {
                 self.problems.push(problem);
-                told += 1;
+                reported += 1;
             }
             if let Some(row) = rows.checked_sub(count + 1) {
                 for (column, &symbol) in (0..columns).zip(symbols) {
@@ -194,11 +193,11 @@ impl Reader<'_> {
         let row = u64::from(count) + 1;
         let is_known = |symbol: &u8| FREE.contains(symbol) || BLOCKED.contains(symbol);
         if let Some(place) = symbols.iter().position(|symbol| !is_known(symbol)) {
-            // Whatever comes before it is ASCII, so a whole character begins there.
+            // Everything before it is ASCII, so a whole character begins here.
             let start = line.start + place;
             let symbol = self.source.text[start..].chars().next()?;
             return Some(
-                Problem::error(format!("`{symbol}` is no kind of cell"))
+                Problem::error(format!("`{symbol}` is not a valid cell"))
                     .at(
                         self.source,
                         start..start + symbol.len_utf8(),
@@ -213,7 +212,7 @@ impl Reader<'_> {
                 .at(
                     self.source,
                     line.start + length.min(columns)..line.end,
-                    "it ends or goes on here",
+                    if length < columns { "the row ends here" } else { "too many cells" },
                 )
                 .help("correct the width, or the row")
         })
@@ -261,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn terrain_is_decided_and_told() {
+    fn terrain_is_decided_and_reported() {
         assert_snapshot!(check("type octile\nheight 1\nwidth 4\nmap\nSWW.\n"), @"
           ☞ 1 cells are swamp, which is free
 
@@ -275,9 +274,9 @@ mod tests {
     }
 
     #[test]
-    fn every_mistake_is_told() {
+    fn every_mistake_is_reported() {
         assert_snapshot!(check("type octile\nheight 3\nwidth 4\nmap\n..x.\n..\n.....\n....\n"), @"
-          × `x` is no kind of cell
+          × `x` is not a valid cell
            ╭─[a.map:5:3]
          4 │ map
          5 │ ..x.
@@ -292,7 +291,7 @@ mod tests {
          5 │ ..x.
          6 │ ..
            ·   ▲
-           ·   ╰── it ends or goes on here
+           ·   ╰── the row ends here
          7 │ .....
            ╰────
           help: correct the width, or the row
@@ -302,7 +301,7 @@ mod tests {
          6 │ ..
          7 │ .....
            ·     ┬
-           ·     ╰── it ends or goes on here
+           ·     ╰── too many cells
          8 │ ....
            ╰────
           help: correct the width, or the row
@@ -329,7 +328,7 @@ mod tests {
          1 │ type octile
          2 │ height -3
            · ────┬────
-           ·     ╰── a number of cells is needed
+           ·     ╰── expected a number of cells
          3 │ width a
            ╰────
           help: write height and a whole number from 1 to 16384
@@ -339,7 +338,7 @@ mod tests {
          2 │ height -3
          3 │ width a
            · ───┬───
-           ·    ╰── a number of cells is needed
+           ·    ╰── expected a number of cells
          4 │ map
            ╰────
           help: write width and a whole number from 1 to 16384
@@ -356,7 +355,7 @@ mod tests {
            ╰────
           help: the map is usable if its characters are those of type octile
 
-          × `cells` is no part of the header
+          × `cells` is not part of the header
            ╭─[a.map:3:1]
          2 │ height 3
          3 │ cells

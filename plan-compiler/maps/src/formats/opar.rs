@@ -1,16 +1,16 @@
 //! OPAR: the area and the obstructions of a radio path attenuation scenario.
 //!
-//! No original file and no specification could be found. Attested is the layout, from the
-//! first author's own reader of the format: a value is the first token of its line; lines that are
-//! blank, begin with `#` or hold no number separate parts. Section 1 is a title; section 2
-//! a latitude, a longitude and N pairs of deltas (the area); section 3 K1 and K2; section 4
-//! the foliage model (Weissberger's: a cutoff and two rows a, b, c); then each
-//! obstruction's type, height, latitude, longitude and M pairs of deltas.
+//! Neither an original file nor a specification could be found. The layout is known from the
+//! first author's reader (W): a value is the first token of its line; lines that are blank, begin
+//! with `#` or have no number separate parts. Section 1 is a title; section 2 a latitude, a
+//! longitude and N pairs of deltas (the area); section 3 K1 and K2; section 4 the foliage model
+//! (Weissberger's: a cutoff and two rows a, b, c). Then follow, for each obstruction, its type,
+//! height, latitude, longitude and M pairs of deltas.
 //!
-//! Assumed, and open to [`OparOptions`]: degrees are WGS-84; deltas are metres, east before
-//! north, each an offset from its record's own position; polygons close themselves; type 1 is a
-//! building (an obstacle), type 2 foliage (it weakens radio); heights are metres above
-//! ground. Deltas that look like the other unit are refused, never guessed.
+//! Assumptions, which [`OparOptions`] can change: degrees are WGS-84; deltas are metres, east
+//! before north, each an offset from its record's own position; polygons close themselves; type 1
+//! is a building (an obstacle), type 2 foliage (it weakens radio); heights are metres above ground.
+//! Deltas that look like the other unit are refused.
 
 mod lines;
 mod options;
@@ -18,7 +18,9 @@ mod options;
 pub use options::{DeltaOrder, DeltaUnit, ObstructionKind, ObstructionType, OparOptions};
 
 use super::{FARTHEST_LATITUDE_DEG, FARTHEST_M};
-use crate::model::{Extent, Feature, Map, NamedPoint, Point, Reference, Role, Shape};
+use crate::model::{
+    Extent, Feature, FoliageLoss, LossTerm, Map, NamedPoint, Point, Radio, Reference, Role, Shape,
+};
 use crate::problem::{Problem, Severity, Source};
 use lines::{Lines, Value};
 use math::GeoPoint;
@@ -26,15 +28,13 @@ use math::geodetic::{metres_per_degree, offset_m};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Where every delta is smaller, metres are not meant.
+/// If every delta is smaller, they are not in metres.
 const SMALLEST_DELTA_M: f64 = 0.05;
-/// A delta that is larger, in degrees, leaves any map a robot could drive on.
+/// A larger delta, in degrees, is beyond any map for a robot.
 const LARGEST_DELTA_DEG: f64 = 1.0;
-/// Values that stand between the area and the obstructions, by the names of the original reader.
-const PARAMETERS: [&str; 9] = ["K1", "K2", "distanceCutoff", "a1", "b1", "c1", "a2", "b2", "c2"];
 
-/// Whether a text reads like OPAR: after at most one title line come a latitude, a longitude,
-/// a count of pairs, and at least that many numbers.
+/// Whether a text looks like OPAR: at most one title line, then a latitude, a longitude, a count
+/// of pairs, and at least that many numbers.
 pub fn recognises(text: &str) -> bool {
     let lines = Lines::split(text);
     [lines.values(), lines.values_and_title()].iter().any(|values| {
@@ -58,8 +58,8 @@ pub fn read(source: &Arc<Source>, options: &OparOptions) -> (Option<Map>, Vec<Pr
     if lines.title_number.is_none() || errors(&titled.problems) == 0 {
         return (map, titled.problems);
     }
-    // A first line that begins with a number may be no title but the latitude of a file whose
-    // title was left out: whichever way makes sense is meant.
+    // A first line that begins with a number may be the latitude of a file without a title: the
+    // interpretation with fewer errors wins.
     let mut untitled = Reader::new(source, options, &lines, lines.values_and_title());
     let untitled_map = untitled.read();
     if errors(&untitled.problems) < errors(&titled.problems) {
@@ -69,11 +69,11 @@ pub fn read(source: &Arc<Source>, options: &OparOptions) -> (Option<Map>, Vec<Pr
     (map, titled.problems)
 }
 
-/// A latitude and longitude and the offsets from it, as written.
+/// A position and the offsets from it, as written.
 struct Outline {
-    /// Degrees.
+    /// Latitude and longitude, degrees.
     place: [f64; 2],
-    /// Of the latitude.
+    /// Bytes of the latitude.
     place_span: Range<usize>,
     deltas: Vec<Value>,
 }
@@ -86,10 +86,10 @@ struct Reader<'a> {
     /// Values consumed.
     next: usize,
     problems: Vec<Problem>,
-    /// Of all deltas in the file, by size.
+    /// Largest absolute delta in the file.
     largest_delta: f64,
     first_delta: Option<Range<usize>>,
-    /// Warnings that mean something only where the deltas are in the right unit.
+    /// Warnings that apply only if the deltas are in the right unit.
     outside: Vec<Problem>,
 }
 
@@ -119,19 +119,19 @@ impl<'a> Reader<'a> {
         self.problems.push(Problem::error(message).at(self.source, span, label).help(help));
     }
 
-    /// `None` where the numbers end before the area and the parameters are known.
+    /// `None` if the numbers end before the obstructions.
     fn read(&mut self) -> Option<Map> {
         for span in &self.lines.garbled {
             let token = &self.source.text[span.clone()];
             self.problems.push(
                 Problem::error(format!("{token} is not a number"))
-                    .at(self.source, span.clone(), "a value stands first on its line")
+                    .at(self.source, span.clone(), "a value must come first on its line")
                     .help("write a number as 12, -0.5 or 1.2e3, with a point"),
             );
         }
         let map = self.map();
         self.check_unit();
-        // In the order of the file, whichever check found them.
+        // In the order of the file.
         self.problems
             .sort_by_key(|problem| problem.place.as_ref().map_or(usize::MAX, |p| p.span.start));
         map
@@ -139,10 +139,7 @@ impl<'a> Reader<'a> {
 
     fn map(&mut self) -> Option<Map> {
         let area = self.outline("the area")?;
-        let mut remarks = Vec::new();
-        for name in PARAMETERS {
-            remarks.push(format!("{name} {}", self.take(name)?.number));
-        }
+        let radio = self.radio()?;
         let boundary = self.metres(&area, [0.0; 2]);
         let extent = self.extent(&boundary, &area);
         let place = GeoPoint::from_degrees(area.place[0], area.place[1]);
@@ -156,19 +153,36 @@ impl<'a> Reader<'a> {
                 span: area.place_span.clone(),
             }),
             title: self.lines.title.clone().map(|span| self.source.text[span].into()),
-            remarks,
+            radio: Some(radio),
             ..Map::empty(extent)
         };
         while self.next < self.values.len() {
             let number = map.features.len() + 1;
-            // Where the numbers went out of step nothing after it can be trusted.
+            // After a misplaced number the rest cannot be interpreted.
             let Some(feature) = self.obstruction(number, area.place, &map.extent) else { break };
             map.features.push(feature);
         }
         Some(map)
     }
 
-    /// The next value, or a report that the file ends before it.
+    /// Sections 3 and 4; messages name their values as the original reader does.
+    fn radio(&mut self) -> Option<Radio> {
+        Some(Radio {
+            k1: self.take("K1")?.number,
+            k2: self.take("K2")?.number,
+            foliage: FoliageLoss {
+                cutoff_m: self.take("distanceCutoff")?.number,
+                near: self.loss_term(["a1", "b1", "c1"])?,
+                far: self.loss_term(["a2", "b2", "c2"])?,
+            },
+        })
+    }
+
+    fn loss_term(&mut self, [a, b, c]: [&str; 3]) -> Option<LossTerm> {
+        Some(LossTerm { a: self.take(a)?.number, b: self.take(b)?.number, c: self.take(c)?.number })
+    }
+
+    /// The next value; reports if the file ends before it.
     fn take(&mut self, what: &str) -> Option<Value> {
         if let Some(value) = self.values.get(self.next) {
             self.next += 1;
@@ -197,7 +211,7 @@ impl<'a> Reader<'a> {
                     value.span.clone(),
                     &format!("must be -{limit} to {limit} degrees"),
                     if is_swapped {
-                        "the latitude comes first: it and the longitude are swapped, perhaps"
+                        "latitude comes first: the two may be swapped"
                     } else {
                         "check it, and the count of delta pairs before it"
                     },
@@ -208,7 +222,9 @@ impl<'a> Reader<'a> {
             self.error(
                 format!("{whose} lies too near to a pole"),
                 lat.span.clone(),
-                &format!("a map serves up to {FARTHEST_LATITUDE_DEG} degrees north and south"),
+                &format!(
+                    "maps are supported up to {FARTHEST_LATITUDE_DEG} degrees north and south"
+                ),
                 "check the latitude, and the count of delta pairs before it",
             );
         }
@@ -219,7 +235,7 @@ impl<'a> Reader<'a> {
         }
         for delta in &deltas {
             if delta.number.abs() > FARTHEST_M {
-                let label = "farther than any map reaches";
+                let label = "beyond the largest map";
                 self.error(
                     format!("a delta of {whose} is too large"),
                     delta.span.clone(),
@@ -239,7 +255,7 @@ impl<'a> Reader<'a> {
             (
                 format!("the number of delta pairs of {whose} is not a count"),
                 "must be a whole number".into(),
-                "check it, and that no number is missing or too many above",
+                "check it, and that no number above is missing or surplus",
             )
         } else if pairs < 3.0 {
             (
@@ -247,12 +263,12 @@ impl<'a> Reader<'a> {
                 "a polygon needs at least three delta pairs".into(),
                 "add delta pairs, or leave the record out",
             )
-        // In floating point: a count may exceed every integer.
+        // In floating point, because the count may exceed every integer.
         } else if 2.0 * pairs > remaining as f64 {
             let written = &self.source.text[count.span.clone()];
             (
                 format!("the file ends before the last delta of {whose}"),
-                format!("{written} pairs are asked for, {remaining} numbers follow"),
+                format!("{written} pairs expected, but {remaining} numbers follow"),
                 "correct the count, or add the missing deltas",
             )
         } else {
@@ -265,7 +281,7 @@ impl<'a> Reader<'a> {
         None
     }
 
-    /// The points of an outline whose own position is at `at`, in metres.
+    /// The points of an outline, metres; its own position is at `at`.
     fn metres(&self, outline: &Outline, at: Point) -> Vec<Point> {
         let (per_lat, per_lon) = match self.options.units {
             DeltaUnit::Metres => (1.0, 1.0),
@@ -293,7 +309,7 @@ impl<'a> Reader<'a> {
         let size = [high[0] - low[0], high[1] - low[1]];
         if !(size[0] > 0.0 && size[1] > 0.0) {
             self.error(
-                "the area has no inside".into(),
+                "the area is empty".into(),
                 area.place_span.clone(),
                 "its delta pairs lie on one line",
                 "check the delta pairs of section 2",
@@ -302,7 +318,7 @@ impl<'a> Reader<'a> {
         Extent { corner: low, size }
     }
 
-    /// `None` where the numbers end or are out of step.
+    /// `None` if the numbers end or a count is wrong.
     fn obstruction(
         &mut self,
         number: usize,
@@ -321,14 +337,14 @@ impl<'a> Reader<'a> {
                 let is_type =
                     number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number);
                 let help = if is_type {
-                    format!("say what it is: --opar-type {number}=building, or =foliage")
+                    format!("state what it is: --opar-type {number}=building, or =foliage")
                 } else {
                     "check the count of delta pairs before it".into()
                 };
                 self.error(
-                    format!("{name} is of an unknown type"),
+                    format!("{name} has an unknown type"),
                     kind.span.clone(),
-                    "known are 1 (building) and 2 (foliage)",
+                    "known types are 1 (building) and 2 (foliage)",
                     &help,
                 );
                 Role::Obstacle
@@ -344,7 +360,7 @@ impl<'a> Reader<'a> {
                     .help(if is_outside(&swapped, extent) {
                         "check its latitude and longitude against section 2"
                     } else {
-                        "its latitude and longitude are swapped, it seems: the latitude comes first"
+                        "its latitude and longitude seem to be swapped: latitude comes first"
                     }),
             );
         }
@@ -367,20 +383,20 @@ impl<'a> Reader<'a> {
                 "the deltas look like degrees, not metres".into(),
                 span,
                 &format!("none is larger than {largest}"),
-                "if they are degrees, say so: --opar-units deg",
+                "if they are degrees, pass --opar-units deg",
             ),
             DeltaUnit::Degrees if largest > LARGEST_DELTA_DEG => self.error(
                 "the deltas look like metres, not degrees".into(),
                 span,
                 &format!("the largest is {largest}"),
-                "if they are metres, leave --opar-units deg out",
+                "if they are metres, omit --opar-units deg",
             ),
             _ => self.problems.append(&mut self.outside),
         }
     }
 }
 
-/// Whether no point of a ring's bounding box is in the extent.
+/// Whether a ring's bounding box lies outside the extent.
 fn is_outside(ring: &[Point], extent: &Extent) -> bool {
     (0..2).any(|axis| {
         let (low, high) = (extent.corner[axis], extent.corner[axis] + extent.size[axis]);

@@ -1,13 +1,14 @@
-//! Gates in fences: lines with openings cut out of them.
+//! Cuts the openings of gates out of fences.
 
 use crate::model::Point;
 use math::scalar::wide;
 
-/// What is left of a line without half of an opening's width on either side of some of its
-/// points. `width_m` says for each of them how wide the opening there is. A line that closes has
-/// no end: its first point is its last.
+/// The pieces of a line between its openings.
+///
+/// `width_m` gives the width of the opening at each point, half of it to either side. On a closed
+/// line an opening continues across the first point.
 pub(super) fn cut(line: &[Point], width_m: impl Fn(usize) -> Option<f64>) -> Vec<Vec<Point>> {
-    // How far along the line each point is.
+    // Distance of each point along the line.
     let mut along = Vec::with_capacity(line.len());
     let mut length = 0.0;
     for (index, point) in line.iter().enumerate() {
@@ -22,7 +23,7 @@ pub(super) fn cut(line: &[Point], width_m: impl Fn(usize) -> Option<f64>) -> Vec
         let Some(half) = width_m(index).map(|width| width / 2.0) else { continue };
         gaps.push([at - half, at + half]);
         if is_closed {
-            // What reaches over the seam.
+            // The parts beyond the seam.
             gaps.push([at - half + length, at + half + length]);
             gaps.push([at - half - length, at + half - length]);
         }
@@ -42,7 +43,7 @@ pub(super) fn cut(line: &[Point], width_m: impl Fn(usize) -> Option<f64>) -> Vec
     pieces
 }
 
-/// The part of a line between two distances along it; `None` where it has no length.
+/// The part of a line between two distances along it; `None` if it has no length.
 fn part(line: &[Point], along: &[f64], [from, to]: [f64; 2]) -> Option<Vec<Point>> {
     let mut points = vec![point_at(line, along, from)?];
     let first = along.partition_point(|at| *at <= from);

@@ -1,19 +1,18 @@
-//! OpenStreetMap: an extract of its nodes, ways and relations, as XML, as Overpass's JSON or as PBF.
+//! OpenStreetMap: extracts of nodes, ways and relations, as XML, Overpass JSON or PBF.
 //!
 //! Source: the wiki of OpenStreetMap, "OSM XML", "PBF Format", "Relation:multipolygon", "Map
-//! features". Every encoding is read into an [`Extract`], and that into the map; what tags mean is
-//! in `tags`. Areas are closed ways and multipolygon relations, whose ways are joined to rings; an
-//! area's inner rings are its courtyards and clearings.
+//! features". Every encoding is read into an [`Extract`], which is then drawn on the map; `tags`
+//! defines the meaning of tags. Areas are closed ways and multipolygon relations; a relation's ways
+//! are joined to rings. An area's inner rings are its courtyards and clearings.
 //!
-//! An extract is cut out of the whole, so parts of what it holds lie outside it. That is no
-//! mistake: what is left is drawn, and a warning counts what is missing.
+//! An extract is cut out of a larger map, so parts of its objects may be missing. That is not a
+//! mistake: the rest is drawn, and a warning counts the missing parts.
 //!
-//! A named node is a goal only if it has the tag `goal`: nodes with names are shops and stops
-//! by the hundred, mostly within buildings, and a blob holds few plans. The tag is ours; who
-//! wants goals in the map itself sets it in a copy of the extract.
+//! A named node is a goal only if it has the tag `goal`: most named nodes are shops and stops,
+//! often within buildings, and a blob holds few plans. The tag is Wayfield's own; to have goals in
+//! the map, set it in a copy of the extract.
 //!
-//! Deliberately absent: changes (.osc), relations within relations, the ground that roads and
-//! paths prefer.
+//! Deliberately absent: changes (.osc), relations within relations, preference for roads and paths.
 
 mod extract;
 mod json;
@@ -35,27 +34,26 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 
-/// What `--help` says of this format.
+/// This format in `--help`.
 pub const CONVENTIONS: &str = "\
-OSM      (OpenStreetMap, .osm, .osm.pbf or Overpass's JSON; also .osm.gz) Tags mean what stands
-         under Tags; multipolygons keep their courtyards. Nodes with a `name` and a tag `goal`
-         are goals. Of several versions of an object the newest counts. 0,0 is the origin
-         (--origin), else the centre of the file's bounds, which are the extent; without bounds,
-         of its nodes, and the extent reaches 10 m farther. What an extract leaves out is counted
-         in a warning.";
+OSM      (OpenStreetMap, .osm, .osm.pbf or Overpass JSON; also .osm.gz) For the meaning of tags
+         see Tags; multipolygons keep their courtyards. Nodes with a `name` and a tag `goal`
+         are goals. The newest version of an object counts. The extent is the file's bounds, or
+         its nodes and 10 m around them. 0,0 is the origin (--origin), or the centre of the
+         extent. A warning counts the parts that an extract lacks.";
 
-/// How to fetch what has an outline.
+/// How to fetch outlines.
 const WITH_OUTLINES: &str = "fetch it with outlines: in Overpass end the query with `out geom;`, or \
                              with `(._;>;); out body;`";
 
-/// Whether a text reads like OpenStreetMap's XML or Overpass's JSON.
+/// Whether a text looks like OpenStreetMap XML or Overpass JSON.
 pub fn recognises(text: &str) -> bool {
-    // Before it stand at most a declaration and comments.
+    // Only a declaration and comments may precede it.
     let is_xml = text.trim_start().starts_with('<') && text.contains("<osm");
     is_xml || json::recognises(text)
 }
 
-/// Reads an extract in text: the map as far as it could be understood, and every mistake.
+/// Reads an extract in text form: the map as far as it could be understood, and every mistake.
 pub fn read(source: &Arc<Source>, options: &ReadOptions) -> (Option<Map>, Vec<Problem>) {
     let mut problems = Vec::new();
     let is_json = source.text.trim_start().starts_with('{');
@@ -65,13 +63,13 @@ pub fn read(source: &Arc<Source>, options: &ReadOptions) -> (Option<Map>, Vec<Pr
     (map, problems)
 }
 
-/// Whether bytes are the binary encoding; the extension helps where the content does not tell.
+/// Whether bytes are the binary encoding, by content or else by extension.
 pub(super) fn is_binary(path: &Path, bytes: &[u8]) -> bool {
     let is_named = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pbf"));
     pbf::recognises(bytes) || (is_named && bytes.contains(&0))
 }
 
-/// Reads an extract in the binary encoding, which has no places for an excerpt to show.
+/// Reads an extract in the binary encoding; its problems have no excerpts.
 pub(super) fn read_binary(
     path: &Path,
     bytes: &[u8],
@@ -83,7 +81,7 @@ pub(super) fn read_binary(
     }
 }
 
-/// What an extract leaves out, counted.
+/// Counts of the parts that an extract lacks.
 #[derive(Debug, Default)]
 struct Missing {
     ways_cut: usize,
@@ -93,7 +91,7 @@ struct Missing {
     open: usize,
 }
 
-/// The map of an extract; `None` where it has no place.
+/// Draws the map of an extract; `None` if it has no valid extent.
 fn draw(
     extract: &Extract,
     source: Option<&Arc<Source>>,
@@ -112,22 +110,21 @@ fn draw(
     let mut drawing = Drawing::new(extract, plane, &judge);
     drawing.draw();
     let Drawing { missing, passed, plane, map, .. } = drawing;
-    missing.tell(problems);
+    missing.report(problems);
     if !has_errors(problems) {
-        passed.tell(WITH_OUTLINES, problems);
-        judge.tell(problems);
+        passed.report(WITH_OUTLINES, problems);
+        judge.report(problems);
         plane.note(&map, &passed.unused, problems);
     }
     Some(map)
 }
 
-/// Says of the problem with an extent what makes it one: the bounds, else the node that lies
-/// farthest away.
+/// Adds the cause of an invalid extent to its problem: the bounds, or the farthest node.
 fn blame(mut problem: Problem, extract: &Extract, source: Option<&Arc<Source>>) -> Problem {
     let objects = extract.ways.len() + extract.relations.len();
     if extract.places.is_empty() && extract.bounds.is_none() && objects > 0 {
         let message =
-            format!("the file has {objects} ways and relations, and no place of any node");
+            format!("the file has {objects} ways and relations, but no positions of nodes");
         return Problem::error(message).help(WITH_OUTLINES);
     }
     let (element, id) = if extract.bounds.is_some() {
@@ -140,8 +137,8 @@ fn blame(mut problem: Problem, extract: &Extract, source: Option<&Arc<Source>>) 
         let Some(stray) = Stray::among(&places) else { return problem };
         let Some((id, place)) = nodes.get(stray.index) else { return problem };
         let (lat, lon, label) = (place.lat_deg(), place.lon_deg(), stray.label());
-        let said = format!("node {id} at latitude {lat}, longitude {lon}: {label}");
-        problem.help = Some(problem.help.map_or(said.clone(), |help| format!("{help}; {said}")));
+        let cause = format!("node {id} at latitude {lat}, longitude {lon}: {label}");
+        problem.help = Some(problem.help.map_or(cause.clone(), |help| format!("{help}; {cause}")));
         ("node", Some(*id))
     };
     match source.and_then(|source| Some((source, xml::find(source, element, id)?))) {
@@ -165,7 +162,7 @@ struct Drawing<'a> {
     plane: Plane,
     judge: &'a Judge<'a>,
     ways: HashMap<i64, &'a Way>,
-    /// Widths of the openings that nodes make in the lines they stand in, metres.
+    /// Widths of the openings that nodes make in their barriers, metres.
     openings: HashMap<i64, f64>,
     map: Map,
     missing: Missing,
@@ -183,14 +180,14 @@ impl<'a> Drawing<'a> {
         Self { extract, plane, judge, ways, openings, map, missing, passed }
     }
 
-    /// Draws everything, and counts the tagged objects that mean nothing to a planner.
+    /// Draws everything and counts the tagged objects without a meaning.
     fn draw(&mut self) {
         let extract = self.extract;
         for node in &extract.nodes {
             self.node(node);
         }
         let mut relations = Vec::new();
-        // Ways that an area of the same kind is made of are not areas themselves.
+        // The outer ways of an area are not areas of the same kind themselves.
         let mut parts = HashSet::new();
         for relation in &extract.relations {
             match self.meaning(relation) {
@@ -234,12 +231,12 @@ impl<'a> Drawing<'a> {
             self.push(Shape::Circle { centre: at, radius: meaning.radius_m }, &meaning, node);
             return;
         }
-        match node.tags.get("name").filter(|_| node.tags.says("goal")) {
+        match node.tags.get("name").filter(|_| node.tags.is_set("goal")) {
             Some(name) => {
                 let span = node.span.clone();
                 self.map.points.push(NamedPoint { name: name.into(), at, span });
             }
-            // A gate that is open is on the map: as what is not there.
+            // An open gate is used: it is the opening in its fence.
             None if self.openings.contains_key(&node.id) => {}
             None => self.passed.unused.add(&node.tags),
         }
@@ -270,14 +267,14 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// What a relation is: by its own tags, or as before 2017 by those of its outer ways.
+    /// The meaning of a relation: by its own tags, or (as before 2017) by those of its outer ways.
     fn meaning(&self, relation: &Relation) -> Option<Meaning> {
         let tags = &relation.object.tags;
         if tags.get("type") != Some("multipolygon") {
             return None;
         }
         let outer = relation.members.iter().filter(|member| !member.is_inner);
-        let meaning = if says_nothing(tags) {
+        let meaning = if is_untyped(tags) {
             let mut ways = outer.filter_map(|member| self.ways.get(&member.way));
             ways.find_map(|way| self.judge.meaning(&way.object.tags, false))
         } else {
@@ -298,7 +295,7 @@ impl<'a> Drawing<'a> {
                 self.push(Shape::Polyline(points), meaning, &relation.object);
             }
         }
-        // A hole that does not close is none: that blocks more, not less.
+        // A hole that does not close is ignored: that blocks more, not less.
         self.missing.open += inner.open.len();
         let closed = |ring: &Vec<i64>| open(self.points_of(ring).0);
         let inner = holes::merged(inner.closed.iter().map(closed).collect());
@@ -316,8 +313,8 @@ impl<'a> Drawing<'a> {
         self.missing.open += fit.undecided;
     }
 
-    /// The rings of a relation's members, each of which counts once in each role. Nodes in the same
-    /// place are the same node: members that carry their outline have no numbers of nodes.
+    /// The rings of a relation's members; each member counts once per role. Nodes in the same place
+    /// count as one node, because members that carry their outline have no node numbers.
     fn outlines(&mut self, relation: &Relation) -> Outlines {
         let mut seen: HashSet<Member> = HashSet::new();
         let members = relation.members.iter().filter(|member| seen.insert(**member));
@@ -343,7 +340,7 @@ impl<'a> Drawing<'a> {
         Some(self.plane.metres(degrees(&place)))
     }
 
-    /// The places of those nodes that the file holds; the others are counted.
+    /// The places of the nodes in the file; counts the missing ones.
     fn points(&mut self, refs: &[i64]) -> Vec<Point> {
         let (points, absent) = self.points_of(refs);
         self.missing.nodes += absent;
@@ -368,8 +365,8 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// Whether a relation's own tags do not say what it is, as before 2017.
-fn says_nothing(tags: &Tags) -> bool {
+/// Whether a relation's own tags do not describe it, as before 2017.
+fn is_untyped(tags: &Tags) -> bool {
     let is_bookkeeping = |key: &str| {
         ["type", "name", "created_by", "fixme", "FIXME"].contains(&key)
             || key.starts_with("source")
@@ -378,7 +375,7 @@ fn says_nothing(tags: &Tags) -> bool {
     tags.0.iter().all(|(key, _)| is_bookkeeping(key))
 }
 
-/// A ring without the repetition of its first point: rings close themselves in the model.
+/// Removes the repetition of a ring's first point: the model closes rings implicitly.
 fn open(mut ring: Vec<Point>) -> Vec<Point> {
     if ring.len() > 1 && ring.first() == ring.last() {
         ring.pop();
@@ -387,29 +384,29 @@ fn open(mut ring: Vec<Point>) -> Vec<Point> {
 }
 
 impl Missing {
-    fn tell(&self, problems: &mut Vec<Problem>) {
+    fn report(&self, problems: &mut Vec<Problem>) {
         let Self { ways_cut, nodes, relations_cut, members, open } = self;
         let help = "cut the extract out with whole objects: `osmium extract --strategy smart`";
-        let mut tell = |count: usize, message: String| {
+        let mut report = |count: usize, message: String| {
             if count > 0 {
                 problems.push(Problem::warning(message).help(help));
             }
         };
-        tell(
+        report(
             *nodes,
             format!(
                 "outlines that lack nodes: {ways_cut}, nodes missing: {nodes}; drawn without them"
             ),
         );
-        tell(
+        report(
             *members,
             format!(
                 "areas that lack ways: {relations_cut}, ways missing: {members}; drawn without them"
             ),
         );
-        tell(
+        report(
             *open,
-            format!("outlines that do not close: {open}; drawn as walls with free ground behind"),
+            format!("outlines that do not close: {open}; drawn as walls with free ground inside"),
         );
     }
 }

@@ -1,12 +1,12 @@
 //! MissionLab overlays: the overlay description language.
 //!
-//! Text becomes tokens, tokens statements, statements the map; each step gathers what is
-//! wrong and goes on. What the language draws for people only (GAP, AXIS, ROOM, ...) is
-//! checked and then left out.
+//! Text becomes tokens, tokens become statements, statements become the map; each step collects
+//! mistakes and continues. Statements that are drawn for people only (GAP, AXIS, ROOM, ...) are
+//! checked and then ignored.
 //!
-//! Two rules surprise. ORIGIN is added to plain coordinates and subtracted from UTM ones.
-//! UTM is WGS-84 here, where the historic program used Clarke 1866 and went wrong west
-//! of Greenwich; both are as large as some hundred metres.
+//! Two rules are surprising. ORIGIN is added to plain coordinates and subtracted from UTM ones.
+//! UTM is WGS-84 here; the historic program used Clarke 1866 and was wrong west of Greenwich. Each
+//! difference is some hundred metres.
 //!
 //! Source: MissionLab 7 (Georgia Tech) and its example overlays.
 
@@ -21,7 +21,7 @@ use crate::model::Map;
 use crate::problem::{Problem, Source};
 use std::sync::Arc;
 
-/// Words with which only an overlay begins a line.
+/// Words that begin a line only in overlays.
 const TELLTALES: [&str; 11] = [
     "CONTROL",
     "MISSION-AREA",
@@ -36,14 +36,13 @@ const TELLTALES: [&str; 11] = [
     "PP",
 ];
 
-/// Whether a text reads like an overlay: outside comments, a line begins with one of its keywords.
+/// Whether a text looks like an overlay: outside comments, a line begins with one of its keywords.
 pub fn recognises(text: &str) -> bool {
     text.split(['\n', '\r']).any(|line| {
         let line = line.split("--").next().unwrap_or(line);
         let mut words = line.split_whitespace();
         let first = words.next().unwrap_or("");
-        // A keyword alone could be a title or a separator of another format; a statement
-        // continues.
+        // A keyword alone may be a title or separator of another format; a statement continues.
         words.next().is_some() && TELLTALES.iter().any(|word| word.eq_ignore_ascii_case(first))
     })
 }
@@ -54,7 +53,7 @@ pub fn read(source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     let lexed = lexer::lex(source, &mut problems);
     let statements = parser::parse(source, &lexed, &mut problems);
     let map = meaning::interpret(source, &statements, lexed.resolution_m, &mut problems);
-    // In the order of the file, whichever step found them.
+    // In the order of the file.
     problems
         .sort_by_key(|problem| problem.place.as_ref().map_or(usize::MAX, |place| place.span.start));
     (Some(map), problems)

@@ -1,7 +1,7 @@
 //! MissionLab's plans, `.pcf`: the goals of a mission for a map in a file of its own.
 //!
-//! Source: the files that MissionLab 7 wrote. Comments (`#`) say what the next line is, but
-//! only the order of the lines counts. Real files lack an end marker, so none is asked for.
+//! Source: files that MissionLab 7 wrote. Comments (`#`) describe the next line, but only the order
+//! of the lines counts. Real files lack an end marker, so none is required.
 //! Deliberately absent: the boundary and the progress boxes of RECONBUILDING.
 
 use super::iplan::{CONTINGENCY, ELEMENTS, element_name};
@@ -15,25 +15,25 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What `--help` says of this format.
+/// This format in `--help`.
 pub const CONVENTIONS: &str = "\
-Pcf      (MissionLab .pcf) Goals for the map file that it names, which is looked for beside it
-         under its file name, whatever the folder. Goals are in that map's metres, named by
+Pcf      (MissionLab .pcf) Goals for the map file that it names. That file must lie in the same
+         folder; the folder in its name is ignored. Goals are in that map's metres, named by
          type and number, as moveto-1 (RECONBUILDING also -left and -right), and `contingency`;
          they replace the map's own.";
 
-/// The goals that the first positions of an element are.
+/// Suffixes of the goals that an element's first positions give.
 fn goals_of(kind: &str) -> &'static [&'static str] {
     if kind == "RECONBUILDING" { &["", "-left", "-right"] } else { &[""] }
 }
 
-/// Whether a text reads like a plan: by its first line that is no comment.
+/// Whether a text looks like a plan, by its first line that is not a comment.
 pub fn recognises(text: &str) -> bool {
     let first = Lines::of(text).map(|line| text[line].trim()).find(|line| !line.starts_with('#'));
     first == Some("BEGIN_PLAN")
 }
 
-/// Reads the map that a plan names, with the plan's goals; and every mistake in both.
+/// Reads the map that a plan names, with the plan's goals, and every mistake in both.
 pub fn read(
     path: &Path,
     source: &Arc<Source>,
@@ -50,15 +50,15 @@ pub fn read(
     (map.map(|map| Map { points, ..map }), problems)
 }
 
-/// The map file that a plan names, which is read with it; `None` where the text is no plan.
+/// The map file that a plan names; `None` if the text is not a plan.
 pub fn map_path(path: &Path, text: &str) -> Option<PathBuf> {
     let lines = Lines::of(text).map(|line| text[line].trim());
     let map_file = lines.filter(|line| !line.starts_with('#')).nth(2);
     map_file.filter(|_| recognises(text)).map(|name| beside(path, name))
 }
 
-/// The file beside a plan that it names. The folders of the machine that wrote the plan are not
-/// here, and may be Windows'.
+/// The named file in the plan's folder. Folders in the name are those of the machine that wrote
+/// the plan, perhaps Windows paths.
 fn beside(path: &Path, name: &str) -> PathBuf {
     path.with_file_name(name.trim().rsplit(['/', '\\']).next().unwrap_or_default())
 }
@@ -88,7 +88,7 @@ fn read_map(
     };
     if Format::detect(&map_path, &String::from_utf8_lossy(&bytes)) == Some(Format::Pcf) {
         problems.push(
-            Problem::error(format!("{} is a plan, too, and no map", map_path.display()))
+            Problem::error(format!("{} is also a plan, not a map", map_path.display()))
                 .at(source, line, "the map of this plan")
                 .help("name the map that the plan is for"),
         );
@@ -137,7 +137,7 @@ impl<'a> Reader<'a> {
         let word = self.text(&line);
         if !words.contains(&word) {
             let help = format!("write {}", words.join(" or "));
-            self.error(format!("{what} is `{word}`"), line, "this word is not known here", &help);
+            self.error(format!("{what} is `{word}`"), line, "unknown word", &help);
         }
     }
 
@@ -146,7 +146,7 @@ impl<'a> Reader<'a> {
         let number = self.text(&line).parse().ok();
         if number.is_none() {
             let message = format!("{what} is `{}`", self.text(&line));
-            self.error(message, line, "a whole number is needed", "write 1, 2 and so on");
+            self.error(message, line, "expected a whole number", "write 1, 2 and so on");
         }
         number
     }
@@ -156,7 +156,7 @@ impl<'a> Reader<'a> {
         let at = position(self.text(&line));
         if at.is_none() {
             let message = format!("{what} is `{}`", self.text(&line));
-            self.error(message, line.clone(), "a position is needed", "write <x,y> in metres");
+            self.error(message, line.clone(), "expected a position", "write <x,y> in metres");
         }
         at.map(|at| NamedPoint { name: String::new(), at, span: line })
     }
@@ -180,7 +180,7 @@ impl<'a> Reader<'a> {
                 self.element(kind, &mut points);
             } else if !text.starts_with("END") {
                 let help = format!("an element begins with {}", ELEMENTS.join(" or "));
-                self.error(format!("`{text}` is no element of a plan"), line, "here", &help);
+                self.error(format!("`{text}` is not an element of a plan"), line, "here", &help);
                 self.skip();
             }
         }
@@ -202,13 +202,13 @@ impl<'a> Reader<'a> {
             points
                 .push(NamedPoint { name: format!("{}{suffix}", element_name(kind, number)), ..at });
         }
-        // What follows a reconnaissance's goals is about how to drive, not where.
+        // After a RECONBUILDING's goals come details of driving, not positions.
         if goals_of(kind).len() > 1 {
             self.skip();
         }
     }
 
-    /// Goes on to the next element.
+    /// Skips to the next element.
     fn skip(&mut self) {
         while self.lines.peek().is_some_and(|line| {
             let text = self.source.text[line.clone()].trim();

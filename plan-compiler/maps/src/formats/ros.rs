@@ -3,15 +3,15 @@
 //! Source: the map_server documentation of ROS 1 and of Nav2. With p = (255 - grey) / 255, or
 //! grey / 255 where `negate` is set, a pixel is occupied if p >= occupied_thresh and free if
 //! p <= free_thresh (Nav2's comparisons; ROS 1 leaves the thresholds themselves out), else
-//! unknown. Colours count as the mean of red, green and blue. In every mode a pixel that is not
-//! opaque is unknown: what an image editor leaves behind it is nobody's statement. Mode `scale`
-//! reads what lies between as a probability; no plan can drive on that, so it is unknown here
-//! too. Mode `raw` takes the grey as a percentage of occupancy, above 100
-//! unknown, and compares it with the same thresholds.
+//! unknown. The lightness of a colour is the mean of red, green and blue. In every mode a
+//! pixel that is not opaque is unknown: its colour is an artefact of the image editor. Mode `scale`
+//! reads values between the thresholds as probabilities; a plan needs a decision, so they are
+//! unknown here too. Mode `raw` takes the grey as a percentage of occupancy (above 100 unknown) and
+//! compares it with the same thresholds.
 //!
-//! The image's last row is the southernmost. `origin` is the south-west corner of its
-//! south-west pixel and the angle by which the whole image is turned about it.
-//! Deliberately absent: keep-out masks, which are maps of their own that a mission names.
+//! The image's last row is the southernmost. `origin` is the south-west corner of its south-west
+//! pixel, and the angle by which the image is rotated about that corner.
+//! Deliberately absent: keep-out masks, which are separate maps that a mission names.
 
 mod image;
 mod settings;
@@ -29,17 +29,17 @@ use settings::{Mode, Settings};
 use std::path::Path;
 use std::sync::Arc;
 
-/// What `--help` says of this format.
+/// This format in `--help`.
 pub const CONVENTIONS: &str = "\
 ROS      (map_server, Nav2: .yaml with .pgm, .png or .bmp) `image` is relative to the YAML
          file. p = (255 - grey) / 255, or grey / 255 with negate; p >= occupied_thresh is
-         occupied, p <= free_thresh free, the rest unknown, and so is whatever is not
-         opaque. Mode scale: what lies between is unknown. Mode raw: grey is a percentage, above 100
-         unknown. Unknown cells block unless --unknown free. `origin` is the south-west
-         corner and a yaw: quarter turns are exact; by other angles a cell is blocked if it
-         overlaps a blocked pixel. No goals: give --goal.";
+         occupied, p <= free_thresh free; all other pixels and those that are not opaque are
+         unknown. Mode scale: the same. Mode raw: grey is a percentage, above 100 unknown.
+         Unknown cells block unless --unknown free. `origin` is the south-west corner and a
+         yaw: quarter turns are exact; by other angles a cell is blocked if it overlaps a
+         blocked pixel. No goals: give --goal.";
 
-/// Whether a text reads like such a YAML file.
+/// Whether a text looks like such a YAML file.
 pub fn recognises(text: &str) -> bool {
     let has = |key: &str| {
         let mut lines = text.split(['\n', '\r']).filter_map(|line| line.strip_prefix(key));
@@ -55,7 +55,7 @@ pub fn read(path: &Path, source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     let grey = settings.image.as_ref().and_then(|name| {
         image::read(path, source, name).map_err(|problem| problems.push(problem)).ok()
     });
-    // In the order of the file, whichever check found them.
+    // In the order of the file.
     problems
         .sort_by_key(|problem| problem.place.as_ref().map_or(usize::MAX, |place| place.span.start));
     let (Some(grey), Some(resolution_m), Some(origin)) =
@@ -73,11 +73,11 @@ pub fn read(path: &Path, source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     (Some(Map { boundary, ..Map::of_cells(cells) }), problems)
 }
 
-/// What map savers write where nothing is known.
+/// Occupancy that map savers write for unknown cells.
 const UNKNOWN_GREY: f64 = 205.0 / 255.0;
 
-/// A warning where cells that a saver left unknown count as free. Its own grey is just unknown by
-/// the threshold of ROS 1, 0.196, and free by the one that Nav2 writes, 0.25.
+/// A warning if cells that a saver marked unknown count as free. Its grey is just unknown by the
+/// threshold of ROS 1, 0.196, and free by that of Nav2, 0.25.
 fn freed(grey: &Grey, settings: &Settings, source: &Arc<Source>) -> Option<Problem> {
     let is_free = kind(settings, (UNKNOWN_GREY, false)) == Kind::Free;
     if !is_free || settings.mode != Mode::Trinary || settings.negate {
@@ -88,13 +88,13 @@ fn freed(grey: &Grey, settings: &Settings, source: &Arc<Source>) -> Option<Probl
     let count = pixels.filter(is_unknown).count();
     let free = settings.free_thresh;
     let warning = Problem::warning(format!(
-        "{count} cells of grey 205, which map savers write for unknown, are free, since \
+        "{count} cells of grey 205, which map savers write for unknown, are free because \
          free_thresh is {free}"
     ))
-    .help("write `free_thresh: 0.196` if nothing is known of these cells");
+    .help("write `free_thresh: 0.196` if these cells are unknown");
     let place = settings.free_thresh_span.clone();
     let warning = match place {
-        Some(span) => warning.at(source, span, "the grey's occupancy is 0.19607, which is below"),
+        Some(span) => warning.at(source, span, "grey 205 has occupancy 0.196, which is below"),
         None => warning,
     };
     (count > 0).then_some(warning)
@@ -103,7 +103,7 @@ fn freed(grey: &Grey, settings: &Settings, source: &Arc<Source>) -> Option<Probl
 fn too_large_turned(grey: &Grey, limit: u32) -> Problem {
     let (columns, rows) = (grey.columns, grey.rows);
     Problem::error(format!(
-        "turned by its yaw the image of {columns} x {rows} pixels has more than {limit} cells a side"
+        "rotated by its yaw, the image of {columns} x {rows} pixels has more than {limit} cells a side"
     ))
     .help("turn the image itself and write a yaw of 0, or crop it to the area that the robot uses")
 }
@@ -134,7 +134,7 @@ fn cells(grey: &Grey, settings: &Settings, resolution_m: f64, corner: [f64; 2]) 
     CellMap { resolution_m, corner, occupied, unknown, unknown_as, turned_from: None }
 }
 
-/// What a pixel means: its lightness, 0 to 1, and whether any of what lies behind it shows.
+/// The kind of a pixel with this lightness, 0 to 1, and transparency.
 fn kind(settings: &Settings, (light, is_transparent): (f64, bool)) -> Kind {
     let occupancy = match settings.mode {
         Mode::Raw => (light * 255.0).round() / 100.0,

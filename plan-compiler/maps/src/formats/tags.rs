@@ -1,12 +1,12 @@
-//! What tags mean to a planner: OpenStreetMap's, and the same words as properties in GeoJSON.
+//! The meaning of tags to a planner: OpenStreetMap's tags, and the same words as GeoJSON
+//! properties.
 //!
-//! Source: the wiki of OpenStreetMap, "Map features". What blocks unless somebody says otherwise
-//! is in `known`: what would stop or wreck a small rover. A user's [`TagRules`] come before it.
-//! Keys and values are compared without regard to case, and of a list such as `wall;fence` every
-//! part counts.
+//! Source: the wiki of OpenStreetMap, "Map features". `known` lists what blocks by
+//! default: objects that would stop or wreck a small rover. A user's [`TagRules`] take precedence.
+//! Keys and values are compared without regard to case; in a list such as `wall;fence` each part
+//! counts.
 //!
-//! Deliberately absent: bridges, which open no water; roads, which are no better than other
-//! ground.
+//! Deliberately absent: bridges do not open water; roads are not preferred to other ground.
 
 mod known;
 mod rules;
@@ -20,45 +20,45 @@ use crate::problem::Problem;
 use known::Kind;
 use std::cell::Cell;
 
-/// What `--help` says of tags.
+/// Tags in `--help`.
 pub const CONVENTIONS: &str = concat!(
-    "Tags     (of GeoJSON and OpenStreetMap) What would stop a small rover blocks:\n         ",
+    "Tags     (of GeoJSON and OpenStreetMap) Objects that would stop a small rover block:\n         ",
     include_str!("tags/blocking.txt"),
 );
 
-/// Height of a storey where only their number is known, metres.
+/// Height of a storey if only the number of storeys is known, metres.
 const STOREY_M: f64 = 3.0;
-/// Values of `layer` that say that an area weakens radio.
+/// Values of `layer` that mark an area that weakens radio.
 const ATTENUATING: [&str; 3] = ["foliage", "comms", "nocommzone"];
-/// Width of the opening that a gate makes where its tags give none, metres.
+/// Width of a gate's opening if its tags do not give it, metres.
 pub(super) const GATE_WIDTH_M: f64 = 2.0;
-/// No gate is wider, metres: what says so is a mistake.
+/// Largest credible width of a gate, metres.
 const MAX_GATE_WIDTH_M: f64 = 50.0;
-/// No post or tree is thicker, metres.
+/// Largest credible `radius`, metres.
 const MAX_RADIUS_M: f64 = 20_000.0;
 
-/// Keys and values.
+/// Keys and values of an object.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Tags(pub(super) Vec<(String, String)>);
 
-/// What an object is to a planner.
+/// The meaning of an object to a planner.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Meaning {
     pub(super) role: Role,
-    /// Whether only the line counts, not what it encloses.
+    /// Whether only the line counts, not the enclosed area.
     pub(super) is_line: bool,
-    /// By which a mission names it; empty where it has none.
+    /// Name for missions; may be empty.
     pub(super) name: String,
-    /// Metres that an object blocks which is drawn as a point.
+    /// Radius that the object blocks if it is drawn as a point, metres.
     pub(super) radius_m: f64,
-    /// Whether a point says too little: the object has an outline that the file lacks.
+    /// Whether a point is not enough: the object has an outline that the file lacks.
     pub(super) wants_outline: bool,
     /// Whether gates open it.
     pub(super) is_barrier: bool,
 }
 
 impl Tags {
-    /// The value of a key, trimmed; nothing where it is empty.
+    /// The value of a key, trimmed; `None` if it is missing or empty.
     pub(super) fn get(&self, key: &str) -> Option<&str> {
         let exact = self.0.iter().find(|(known, _)| known == key);
         let alike = || self.0.iter().find(|(known, _)| known.trim().eq_ignore_ascii_case(key));
@@ -66,20 +66,20 @@ impl Tags {
         Some(value.trim()).filter(|value| !value.is_empty())
     }
 
-    /// Whether a key is there and does not say no.
-    pub(super) fn says(&self, key: &str) -> bool {
-        self.get(key).is_some_and(|value| !says_no(value))
+    /// Whether a key is present and its value does not mean no.
+    pub(super) fn is_set(&self, key: &str) -> bool {
+        self.get(key).is_some_and(|value| !is_no(value))
     }
 
-    /// Every key with each of its values that does not say no.
+    /// Every key with each of its values that does not mean no.
     fn pairs(&self) -> impl Iterator<Item = (&str, &str)> {
         self.0.iter().flat_map(|(key, values)| {
             let values = values.split(';').map(str::trim);
-            values.filter(|value| !says_no(value)).map(move |value| (key.trim(), value))
+            values.filter(|value| !is_no(value)).map(move |value| (key.trim(), value))
         })
     }
 
-    /// Height above ground, metres, where it is given and makes sense.
+    /// Height above ground, metres, if a credible one is given.
     pub(super) fn height_m(&self) -> Option<f64> {
         let given = self.get("height").and_then(length_m);
         let storeys = || self.get("building:levels")?.parse::<f64>().ok();
@@ -87,27 +87,27 @@ impl Tags {
         height.filter(|height: &f64| height.is_finite() && *height >= 0.0)
     }
 
-    /// Whether it lies where a robot passes above it.
+    /// Whether it lies underground, so that a robot passes above it.
     fn is_below_ground(&self) -> bool {
         self.get("location").is_some_and(|at| at.eq_ignore_ascii_case("underground"))
-            || self.says("tunnel")
+            || self.is_set("tunnel")
     }
 }
 
-/// A length as tags write it: metres, with or without their unit.
+/// A length in tags: metres, with or without the unit.
 fn length_m(text: &str) -> Option<f64> {
     text.strip_suffix('m').unwrap_or(text).trim().parse().ok()
 }
 
-fn says_no(value: &str) -> bool {
+fn is_no(value: &str) -> bool {
     value.is_empty() || ["no", "false", "0", "none"].iter().any(|no| value.eq_ignore_ascii_case(no))
 }
 
-/// Judges the objects of one file, and remembers what it was asked for in vain.
+/// Judges the objects of one file and tracks which rules matched.
 #[derive(Debug)]
 pub(super) struct Judge<'a> {
     rules: &'a TagRules,
-    /// Whether each rule met an object, in the order of [`TagRules::all`].
+    /// Whether each rule matched an object, in the order of [`TagRules::all`].
     used: Vec<Cell<bool>>,
     gates: Cell<usize>,
 }
@@ -118,8 +118,8 @@ impl<'a> Judge<'a> {
         Self { rules, used, gates: Cell::new(0) }
     }
 
-    /// Whether a rule blocks or frees a tag; nothing where none speaks of it. One with a value
-    /// outranks one without; of two alike `block` wins.
+    /// Whether a rule blocks (true) or frees a tag; `None` if no rule matches. A rule with a value
+    /// outranks one without; between equals `block` wins.
     fn ruled(&self, key: &str, value: &str) -> Option<bool> {
         let mut best: Option<(bool, bool)> = None;
         for ((blocks, rule), used) in self.rules.all().zip(&self.used) {
@@ -131,8 +131,8 @@ impl<'a> Judge<'a> {
         best.map(|(_, blocks)| blocks)
     }
 
-    /// What an object is; `None` where it is nothing to a planner. A gate that is a point blocks
-    /// nothing: what it stands in does.
+    /// The meaning of an object; `None` if it has none. A gate that is a point blocks nothing: its
+    /// fence does.
     pub(super) fn meaning(&self, tags: &Tags, is_point: bool) -> Option<Meaning> {
         let mut found: Option<(Kind, &str)> = None;
         for (key, value) in tags.pairs() {
@@ -162,7 +162,7 @@ impl<'a> Judge<'a> {
         let given = given.filter(|radius| (0.0..=MAX_RADIUS_M).contains(radius));
         Some(Meaning {
             role: kind.role,
-            is_line: kind.is_line && !tags.says("area"),
+            is_line: kind.is_line && !tags.is_set("area"),
             name: tags.get("name").unwrap_or(own).to_owned(),
             radius_m: given.unwrap_or(kind.radius_m),
             wants_outline: kind.wants_outline && given.is_none(),
@@ -170,13 +170,13 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// Whether a tag is that of a gate which stands open.
+    /// Whether a tag marks an open gate.
     fn is_open(&self, tags: &Tags, key: &str, value: &str) -> bool {
-        let is_locked = tags.says("locked");
+        let is_locked = tags.is_set("locked");
         Kind::is_gate(key, value) && self.rules.open_gates && !is_locked
     }
 
-    /// The width of the opening that an object makes in the barrier it stands in, metres.
+    /// Width of the opening that an object makes in its barrier, metres; `None` if it makes none.
     pub(super) fn opening_m(&self, tags: &Tags) -> Option<f64> {
         let mut opens = false;
         for (key, value) in tags.pairs() {
@@ -193,27 +193,27 @@ impl<'a> Judge<'a> {
         opens.then(|| given.unwrap_or(GATE_WIDTH_M))
     }
 
-    /// A warning for each rule that met nothing.
-    pub(super) fn tell(&self, problems: &mut Vec<Problem>) {
+    /// Adds a warning for each rule that matched nothing.
+    pub(super) fn report(&self, problems: &mut Vec<Problem>) {
         for ((blocks, rule), used) in self.rules.all().zip(&self.used) {
             if !used.get() {
                 let word = if blocks { "block" } else { "free" };
-                let message = format!("nothing on the map is {rule}, which `{word}` asks for");
-                let help = "check key and value: the note on the map lists what it holds";
+                let message = format!("`{word}` {rule} matches nothing on the map");
+                let help = "check key and value: the note on the map lists its objects";
                 problems.push(rule.point_at(Problem::warning(message).help(help)));
             }
         }
         if self.rules.open_gates && self.gates.get() == 0 {
             problems.push(
-                Problem::warning("the map has no gates, which `open_gates` asks for")
-                    .help("draw points with barrier=gate in the line of the fence"),
+                Problem::warning("`open_gates` has no effect: the map has no gates")
+                    .help("draw points with barrier=gate on the line of the fence"),
             );
         }
     }
 }
 
-/// What the property `layer` makes of an object. In OpenStreetMap it is the number of a level,
-/// which means nothing here.
+/// The kind that the property `layer` gives an object. In OpenStreetMap `layer` is the number of a
+/// level, which is ignored here.
 fn layer(tags: &Tags) -> Option<(Kind, &str)> {
     let layer = tags.get("layer").filter(|layer| layer.parse::<f64>().is_err())?;
     let weakens = ATTENUATING.iter().any(|known| layer.eq_ignore_ascii_case(known));

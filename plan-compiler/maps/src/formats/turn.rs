@@ -1,22 +1,23 @@
-//! Cells that are turned against the map's axes, as a ROS map's yaw does.
+//! Rotates cells, as a ROS map's yaw demands.
 //!
-//! Quarter turns are exact. By any other angle the cells become those of an upright grid of
-//! the same resolution: one is occupied if its inside meets that of an occupied cell,
-//! otherwise unknown if it meets an unknown one. So nothing that was blocked becomes free.
-//! What lies beside the turned rectangle is outside the map's boundary.
+//! Quarter turns are exact. Any other angle resamples the cells on an upright grid of the same
+//! resolution: a cell is occupied if its interior meets an occupied cell's, otherwise unknown if
+//! it meets an unknown cell's. So no blocked cell becomes free. Cells outside the rotated
+//! rectangle are outside the map's boundary.
 
 use crate::bitmap::Bitmap;
 use crate::model::{CellMap, Point};
 use math::Cell;
 use math::scalar::wide;
 
-/// A turn that moves no cell's corner farther than this from a quarter turn, in cells, is one:
-/// 1.5708 is meant to be a right angle.
+/// A rotation counts as a quarter turn if no corner of a cell differs by more than this, in
+/// cells: 1.5708 is meant to be a right angle.
 const SAME: f64 = 0.01;
 
-/// Upright cells, and the outline of the turned rectangle where it is not upright itself.
-/// `yaw_rad` is counter-clockwise about the south-west corner. `None`, before any memory is taken,
-/// where a side would have more cells than `limit`.
+/// Upright cells, and the outline of the rotated rectangle unless it is upright too.
+///
+/// `yaw_rad` is counter-clockwise about the south-west corner. Returns `None`, before it
+/// allocates, if a side would have more cells than `limit`.
 pub(super) fn turned(
     cells: CellMap,
     yaw_rad: f64,
@@ -36,7 +37,7 @@ fn by_quarters(cells: CellMap, quarters: u8) -> CellMap {
     let (columns, rows) = (cells.columns(), cells.rows());
     let [x, y] = cells.corner;
     let side = |count: u32| f64::from(count) * cells.resolution_m;
-    // Where each cell comes from, and how far the rectangle reaches west and south of its pivot.
+    // Source of each cell, and how far the rectangle reaches west and south of its pivot.
     type Source = fn(Cell, u32, u32) -> Cell;
     let (size, corner, source): ((u32, u32), Point, Source) = match quarters {
         1 => ((rows, columns), [x - side(rows), y], |to, _, rows| {
@@ -71,8 +72,8 @@ fn by_angle(cells: &CellMap, yaw_rad: f64, limit: u32) -> Option<(CellMap, Vec<P
     if size.iter().any(|side| *side > limit) {
         return None;
     }
-    // Half the width of a turned unit square. Two such squares overlap if along the axes of
-    // either their centres are nearer than half of both widths (separating axes).
+    // Mean width of an upright and a rotated unit square. Two such squares overlap if their
+    // centres are nearer than this along both squares' axes (separating axes).
     let nearer = (1.0 + sin.abs() + cos.abs()) / 2.0;
     let meets = |from: Point, to: Cell| {
         let apart = [from[0] - f64::from(to.column) - 0.5, from[1] - f64::from(to.row) - 0.5];
@@ -147,13 +148,13 @@ mod tests {
         }
     }
 
-    /// No test turns anything that becomes too large.
+    /// As the tested function; the results of these tests are never too large.
     fn turned(cells: CellMap, yaw_rad: f64) -> (CellMap, Option<Vec<Point>>) {
         super::turned(cells, yaw_rad, 16_384).unwrap()
     }
 
     #[test]
-    fn what_becomes_too_large_is_refused() {
+    fn a_result_that_is_too_large_is_refused() {
         let map = cells(70, 70, 1);
         assert!(super::turned(map.clone(), 0.78, 98).is_none());
         assert!(super::turned(map.clone(), 0.78, 99).is_some());
@@ -167,11 +168,11 @@ mod tests {
         map.unknown = Bitmap::new(3, 2);
         map.occupied.set(Cell::new(2, 0), true);
         map.unknown.set(Cell::new(0, 1), true);
-        // 3 m, -2 m is the pivot; the cell 1 to 1.5 m east of it comes to lie north of it.
+        // The pivot is 3 m, -2 m; the cell 1 to 1.5 m east of it moves north of it.
         for (yaw, corner) in [(PI, [1.5, -3.0]), (-FRAC_PI_2, [3.0, -3.5])] {
             assert_eq!(turned(map.clone(), yaw).0.corner, corner);
         }
-        // As files write it, rounded.
+        // Files write the angle rounded.
         let (turned, outline) = turned(map, FRAC_PI_2 + 3.7e-6);
         assert_eq!(outline, None);
         assert_eq!((turned.columns(), turned.rows(), turned.corner), (2, 3, [2.0, -2.0]));
@@ -181,13 +182,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn four_quarters_are_none(columns in 1u32..70, rows in 1u32..9, seed: u64) {
+        fn four_quarter_turns_change_nothing(columns in 1u32..70, rows in 1u32..9, seed: u64) {
             let map = cells(columns, rows, seed);
             for quarters in [1.0, -1.0, 2.0, 5.0] {
                 let mut again = map.clone();
                 for _ in 0..4 {
                     again = turned(again, quarters * FRAC_PI_2).0;
-                    // Each turns about the corner that is in the south-west then.
+                    // Each turn is about the current south-west corner.
                     again = CellMap { corner: map.corner, turned_from: None, ..again };
                 }
                 prop_assert_eq!(&again, &map);
@@ -223,7 +224,7 @@ mod tests {
                 let known = now_occupied == Some(false) && now_unknown == Some(false);
                 prop_assert!(!(unknown && known), "{:?}", from);
             }
-            // Nor do cells become occupied that are farther than a cell's diagonal from any.
+            // A cell farther than a cell's diagonal from every occupied cell stays free.
             for cell in upright.occupied.iter() {
                 let centre = [cell.column, cell.row].map(|index| (f64::from(index) + 0.5) * 0.5);
                 let [x, y] = [0, 1].map(|axis| upright.corner[axis] + centre[axis] - map.corner[axis]);

@@ -2,9 +2,9 @@
 //!
 //! Krueger's series in the third flattening n, as given by Karney, "Transverse Mercator
 //! with an accuracy of a few nanometers", Journal of Geodesy 85 (2011), equations 7 to 14,
-//! 23, 24 and 35, cut after n^4: the terms left out stay below a micrometre anywhere in
-//! a zone and its neighbours. The zone comes from the longitude alone.
-//! Deliberately absent: the exceptions of Norway and Svalbard, and the way back.
+//! 23, 24 and 35, cut after n^4: the omitted terms stay below a micrometre anywhere in a zone and
+//! its neighbours. The zone follows from the longitude alone.
+//! Deliberately absent: the exceptions of Norway and Svalbard, and the inverse projection.
 
 use crate::model::Point;
 use math::geodetic::{ECCENTRICITY_SQUARED, SEMI_MAJOR_M};
@@ -13,13 +13,13 @@ use math::scalar::wide::{asinh, atan2, atanh, cos, cosh, floor, hypot, sin, sinh
 const SCALE_ON_MERIDIAN: f64 = 0.9996;
 const FALSE_EASTING_M: f64 = 500_000.0;
 const FALSE_NORTHING_SOUTH_M: f64 = 10_000_000.0;
-/// Beyond this from the central meridian the projection stretches too much to be meant.
+/// Largest distance from the central meridian, degrees: beyond it the projection is too distorted.
 const MAX_FROM_MERIDIAN_DEG: f64 = 30.0;
 
 /// One zone of the grid, on one side of the equator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Zone {
-    /// 1 to 60.
+    /// Zone number, 1 to 60.
     pub number: u8,
     /// Whether northings count from 10,000 km south of the equator.
     pub south: bool,
@@ -42,11 +42,11 @@ impl Zone {
         Self { number, south: lat_deg < 0.0 }
     }
 
-    /// Easting and northing of a place in this zone's grid, wherever it lies; `None` where
-    /// it is not on the globe or too far from the zone for the grid to mean anything.
+    /// Projects any place into this zone's grid; `None` if it is off the globe or too far from the
+    /// zone.
     pub fn project(self, lat_deg: f64, lon_deg: f64) -> Option<Projected> {
         let meridian_deg = 6.0 * f64::from(self.number) - 183.0;
-        // The short way round the globe.
+        // Wrapped to -180 to 180 degrees.
         let east_deg = (lon_deg - meridian_deg + 540.0).rem_euclid(360.0) - 180.0;
         if !(lat_deg.abs() < 90.0 && east_deg.abs() <= MAX_FROM_MERIDIAN_DEG) {
             return None;
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_far_away_is_refused() {
+    fn far_places_are_refused() {
         let zone = Zone { number: 31, south: false };
         for (lat, lon) in [(90.0, 0.0), (0.0, 100.0), (f64::NAN, 0.0), (0.0, f64::INFINITY)] {
             assert_eq!(zone.project(lat, lon), None);

@@ -1,8 +1,8 @@
 //! The lines around a mistake, as miette draws them.
 //!
-//! Offsets come from many parsers, some of which count characters, and from files of any size. So
-//! every offset is taken to the nearest character of the text, lines that nobody can read are cut,
-//! and what is left is copied with its control characters replaced: nothing here fails.
+//! Offsets come from many parsers, some of which count characters, and files may have any size. So
+//! every offset moves to the nearest character boundary, long lines are cut, and the rest is copied
+//! with control characters replaced. Nothing here fails.
 
 use super::{Place, Source};
 use crate::terminal::picture;
@@ -10,12 +10,12 @@ use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanConten
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A longer line is none that a person wrote, and breaks on any screen, so that what points into
-/// it points elsewhere: programs put whole files into one.
+/// Longest line shown whole. Programs put whole files into one line; it would wrap on screen and
+/// misplace the mark.
 const MAX_LINE_BYTES: usize = 200;
-/// What is shown on either side of a mistake in such a line, bytes.
+/// Bytes shown on either side of a mistake in a longer line.
 const AROUND_BYTES: usize = 60;
-/// Lines of one mistake that are shown.
+/// Most lines shown of one mistake.
 const MAX_LINES: usize = 40;
 
 /// Where the lines of a file begin. Lines end in LF, CR LF or CR.
@@ -46,14 +46,14 @@ impl LineStarts {
         self.starts.partition_point(|start| *start <= at).saturating_sub(1)
     }
 
-    /// The bytes of a line with what ends it; empty beyond the last.
+    /// The bytes of a line including its line end; empty beyond the last.
     fn line(&self, index: usize) -> Range<usize> {
         let end = self.source.text.len();
         let at = |index: usize| self.starts.get(index).copied().unwrap_or(end);
         at(index)..at(index + 1)
     }
 
-    /// The bytes of a line without what ends it.
+    /// The bytes of a line without its line end.
     fn content(&self, index: usize) -> Range<usize> {
         let line = self.line(index);
         let content = self.source.text[line.clone()].trim_end_matches(['\r', '\n']);
@@ -65,7 +65,7 @@ impl LineStarts {
 #[derive(Debug)]
 pub(super) struct Excerpt {
     name: String,
-    /// What is shown, ready to be printed.
+    /// The shown text, safe to print.
     text: String,
     /// Index of its first line in the file.
     first_line: usize,
@@ -102,7 +102,7 @@ impl Excerpt {
             around.start
         };
         let span = copy.span();
-        // A place at the very end needs something to stand under.
+        // A mark at the very end needs a character above it.
         if span.start == copy.text.len() {
             copy.text.push(' ');
         }
@@ -111,13 +111,13 @@ impl Excerpt {
         Self { name, first_line, span, text: copy.text, at }
     }
 
-    /// The mistake, bytes of what is shown.
+    /// The mistake, bytes of the shown text.
     pub(super) fn span(&self) -> Range<usize> {
         self.span.clone()
     }
 }
 
-/// A part of a text, copied for a terminal, with where its mistake went.
+/// A part of a text, copied for a terminal, that tracks where its mistake moves.
 struct Copy {
     text: String,
     /// The mistake, bytes of the file.
@@ -137,7 +137,7 @@ impl Copy {
         self.reach(part.end);
     }
 
-    /// Notes where the copy is when the original is at this byte.
+    /// Maps a byte of the original to the current end of the copy.
     fn reach(&mut self, at: usize) {
         let here = Some(self.text.len());
         if at >= self.span.start {
@@ -161,7 +161,7 @@ impl SourceCode for Excerpt {
         lines_before: usize,
         lines_after: usize,
     ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
-        // Without any lines around it, it is the place itself that is asked for.
+        // Without surrounding lines, miette asks for the position of the mistake itself.
         let [line, column] =
             if lines_before + lines_after == 0 { self.at } else { [self.first_line, 0] };
         let (data, whole) = (self.text.as_bytes(), (0..self.text.len()).into());

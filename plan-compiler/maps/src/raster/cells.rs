@@ -1,15 +1,14 @@
-//! Cells that a file gives, on the grid of a plan.
+//! Transfers the cells that a file gives to the grid of a plan.
 //!
-//! Each is a half-open square, as the grid's own cells are. A cell of the grid is blocked if
-//! it overlaps a blocked one or lies nearer to it than the robot's radius. So on the file's
-//! own grid with radius 0 the cells come out as they are, coarser cells are blocked if any
-//! part of them is, and finer ones inherit.
+//! Each is a half-open square, like the grid's cells. A cell of the grid is blocked if it overlaps
+//! a blocked cell of the file or lies nearer to one than the robot's radius. So with the same grid
+//! and radius 0 the cells stay as they are, coarser cells are blocked if any part of them is, and
+//! finer cells inherit.
 //!
-//! Two half-open intervals that only meet have no point in common, and their smallest
-//! distance, 0, is not attained; the same holds for every distance between two such
-//! squares. So both comparisons are strict. Neither grid's lines carry more digits than
-//! were written, so edges within [`NOISE`] of each other are the same edge: three cells of
-//! 0.1 m make one of 0.3 m.
+//! Two half-open intervals that only meet share no point, and their smallest distance, 0, is not
+//! attained; the same holds for every distance between two such squares. So both comparisons are
+//! strict. Edges within [`NOISE`] of each other count as the same edge: three cells of 0.1 m make
+//! one of 0.3 m.
 
 use super::NOISE;
 use crate::bitmap::Bitmap;
@@ -18,7 +17,7 @@ use math::Grid;
 use math::scalar::wide;
 use std::ops::Range;
 
-/// Blocks what the blocked cells of a file, grown by `radius` cells of the grid, touch.
+/// Blocks the cells that a file's blocked cells touch, grown by `radius` in cells of the grid.
 pub(super) fn block(cells: &CellMap, grid: &Grid, radius: f64, blocked: &mut Bitmap) {
     let theirs = cells.blocked();
     let is_same = cells.resolution_m == grid.resolution_m
@@ -47,7 +46,7 @@ pub(super) fn block(cells: &CellMap, grid: &Grid, radius: f64, blocked: &mut Bit
     }
 }
 
-/// How far the cell from `at` to `at + 1` is from an interval; 0 if they overlap.
+/// Distance of the cell from `at` to `at + 1` to an interval; 0 if they overlap.
 fn gap(at: f64, low: f64, high: f64) -> f64 {
     (at - high).max(low - (at + 1.0)).max(0.0)
 }
@@ -110,7 +109,7 @@ mod tests {
             cell_map(&["......", "......", "..#...", "......", "......", ".....#"], 0.1, [0.0; 2]);
         check(&cells, &grid(2, 2, 0.3, [0.0; 2]), 0.0, &["#.", ".#"]);
         check(&cells, &grid(3, 3, 0.2, [0.0; 2]), 0.0, &["...", ".#.", "..#"]);
-        // Lines that do not fall together: 0.2 to 0.3 lies in the first and the second cell.
+        // Edges that do not coincide: 0.2 to 0.3 lies in the first and the second cell.
         check(&cells, &grid(4, 4, 0.25, [0.0; 2]), 0.0, &["....", "....", "##..", "..#."]);
         let finer = cell_map(&[".#", "?."], 0.3, [0.0; 2]);
         check(
@@ -130,9 +129,9 @@ mod tests {
         );
         let own = grid(7, 7, 1.0, [0.0; 2]);
         let ring = [".......", ".......", "..###..", "..###..", "..###..", ".......", "......."];
-        // Whatever is larger than nothing reaches into the neighbours ...
+        // Any radius above 0 reaches the neighbours.
         check(&cells, &own, 0.01, &ring);
-        // ... and one cell exactly does not reach beyond them.
+        // A radius of exactly one cell does not reach beyond them.
         check(&cells, &own, 1.0, &ring);
         let cross = [".......", "..###..", ".#####.", ".#####.", ".#####.", "..###..", "......."];
         check(&cells, &own, 1.2, &cross);

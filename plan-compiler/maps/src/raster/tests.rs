@@ -1,4 +1,4 @@
-//! Pictures for the cases that matter, and random shapes against slow, exact definitions.
+//! Pictures of the important cases, and random shapes against slow, exact definitions.
 
 use super::*;
 use crate::model::{Extent, Role};
@@ -107,7 +107,7 @@ fn cells_that_reach_outside_the_boundary_are_blocked() {
     let mut map = map(Vec::new());
     map.boundary = Some(vec![[1.0, 1.0], [4.0, 1.0], [4.0, 3.0], [1.0, 3.5]]);
     check(&map, 1.0, &["#####", "#####", "#...#", "#...#", "#####"]);
-    // What georeferencing makes of the same numbers.
+    // The same numbers after georeferencing.
     map.boundary =
         Some(vec![[1.0 + 3e-10, 1.0], [4.0 - 3e-10, 1.0 + 2e-10], [4.0, 3.0], [1.0, 3.5]]);
     check(&map, 0.0, &["#####", "#####", "#...#", "#...#", "#####"]);
@@ -142,8 +142,8 @@ fn no_number_makes_it_panic() {
     assert_eq!(blocked(&empty, &grid(3, 2), 0.0).count(), 6, "no area, all outside");
 }
 
-/// Whether some t in 0..=1 puts both coordinates of a segment into a square; all in quarters
-/// of a cell. The square is half-open, or open on all sides.
+/// Whether a segment meets a square, in quarters of a cell: some t in 0..=1 puts both of its
+/// coordinates into the square, which is half-open, or open on all sides.
 fn meets(a: [i64; 2], b: [i64; 2], cell: Cell, open: bool) -> bool {
     // Bounds of t as fractions with positive denominators, and whether they are excluded.
     let mut low = (0i64, 1i64, false);
@@ -175,7 +175,7 @@ fn meets(a: [i64; 2], b: [i64; 2], cell: Cell, open: bool) -> bool {
     left < right || (left == right && !low.2 && !high.2)
 }
 
-/// Winding number of a ring about a point, in eighths of a cell, that is on no edge.
+/// Winding number of a ring about a point that is on no edge, in eighths of a cell.
 fn winding(ring: &[[i64; 2]], [x, y]: [i64; 2]) -> i32 {
     let mut turns = 0;
     for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
@@ -276,7 +276,7 @@ proptest! {
             let from_first = distance(line[0], line[0], cell);
             let nearest = segments.fold(f64::INFINITY, f64::min).min(from_first);
             for (got, nearest) in [(&got, nearest), (&disc, from_first)] {
-                // On the very edge the answer depends on which edges a cell owns.
+                // Exactly on an edge the answer depends on which edges a cell owns.
                 if (nearest - radius).abs() > 1e-6 {
                     prop_assert_eq!(got.get(cell), nearest < radius, "{:?}", cell);
                 }
@@ -285,9 +285,9 @@ proptest! {
     }
 }
 
-/// Each of its edges crosses every row: all crossings together would be twenty million.
+/// Each of its edges crosses every row: twenty million crossings in total.
 #[test]
-fn a_ring_that_runs_to_and_fro_is_held_row_by_row() {
+fn a_zigzag_ring_is_stored_row_by_row() {
     let (rows, edges) = (1000, 20_000);
     let ring: Vec<Point> = (0..edges)
         .map(|n| [f64::from(n) * 1e-2, if n % 2 == 0 { 0.0 } else { f64::from(rows) }])

@@ -229,7 +229,7 @@ fn files_that_are_no_map_are_named_with_what_to_do() {
         ("yard.jpg", b"\xff\xd8\xff\xe0\0\x10JFIF", "save it as yard.png"),
         ("yard.dxf", b"0\nSECTION\n2\nHEADER\n", "DXF drawing"),
         ("yard.png", b"\x89PNG\r\n\x1a\n", "name the YAML file"),
-        ("yard.yaml", b"robot:\n  name: carl\n", "describes no map"),
+        ("yard.yaml", b"robot:\n  name: carl\n", "does not describe a map"),
         ("yard.npy", b"\x93NUMPY\x01\0", "an array"),
     ] {
         let run = Run::new(&[(name, bytes)]);

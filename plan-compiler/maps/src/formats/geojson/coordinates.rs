@@ -1,4 +1,4 @@
-//! Coordinates: lists of positions, read into nothing larger than they are.
+//! Coordinates: lists of positions, read without intermediate values.
 
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
@@ -29,7 +29,7 @@ impl<'de> Visitor<'de> for PositionVisitor {
         let (Some(lon), Some(lat)) = (lon, lat) else {
             return Err(A::Error::custom("a position has two numbers, longitude and latitude"));
         };
-        // An altitude, and what else a program may have added.
+        // Skip an altitude and further numbers.
         while list.next_element::<IgnoredAny>()?.is_some() {}
         Ok(Position([lat, lon]))
     }
@@ -54,7 +54,7 @@ impl Piece {
     }
 }
 
-/// The pieces that a type of geometry has of its coordinates.
+/// The pieces of a geometry of a type with these coordinates.
 pub(super) fn pieces(kind: &str, text: &str) -> serde_json::Result<Vec<Piece>> {
     fn read<'t, T: Deserialize<'t>>(text: &'t str) -> serde_json::Result<T> {
         serde_json::from_str(text)
@@ -71,12 +71,12 @@ pub(super) fn pieces(kind: &str, text: &str) -> serde_json::Result<Vec<Piece>> {
         "MultiPolygon" => read::<Vec<_>>(text)?.into_iter().map(Piece::Polygon).collect(),
         other => {
             let other: String = other.chars().take(40).filter(|c| !c.is_control()).collect();
-            return Err(serde_json::Error::custom(format!("`{other}` is no type of geometry")));
+            return Err(serde_json::Error::custom(format!("`{other}` is not a type of geometry")));
         }
     })
 }
 
-/// Whether there is no position in coordinates: programs write so what has no place.
+/// Whether coordinates hold no position: programs write features without a place like this.
 fn is_empty(text: &str) -> bool {
     text == "null"
         || text
@@ -84,7 +84,7 @@ fn is_empty(text: &str) -> bool {
             .all(|byte| matches!(byte, b'[' | b']' | b',' | b' ' | b'\n' | b'\r' | b'\t'))
 }
 
-/// The texts of the innermost lists. Nested no deeper than any geometry: checked before.
+/// Texts of the innermost lists. The caller has checked that nesting is as deep as a geometry's.
 pub(super) fn texts<'a>(text: &'a str, found: &mut Vec<&'a str>) {
     let parts: Vec<&'a RawValue> = serde_json::from_str(text).unwrap_or_default();
     if parts.first().is_some_and(|part| part.get().starts_with('[')) {

@@ -1,4 +1,4 @@
-//! Features on the globe become shapes on a plane.
+//! Converts features on the globe to shapes on a plane.
 
 use super::Drawn;
 use super::coordinates::{Piece, Position};
@@ -12,7 +12,7 @@ use std::collections::HashMap;
 pub(super) struct Drawing<'a> {
     plane: &'a Plane,
     judge: &'a Judge<'a>,
-    /// Widths of the openings that points make in the lines they stand in, metres.
+    /// Widths of the openings that points make in their barriers, metres.
     openings: HashMap<[i64; 2], f64>,
 }
 
@@ -74,7 +74,7 @@ impl<'a> Drawing<'a> {
         let (&[Piece::Point(at)], Some(name)) = (&drawn.pieces[..], drawn.tags.get("name")) else {
             return None;
         };
-        let may_be = drawn.tags.get("goal").is_none() || drawn.tags.says("goal");
+        let may_be = drawn.tags.get("goal").is_none() || drawn.tags.is_set("goal");
         let (at, span) = (self.plane.metres(at.0), drawn.span.clone());
         may_be.then(|| NamedPoint { name: name.to_owned(), at, span })
     }
@@ -93,7 +93,7 @@ impl<'a> Drawing<'a> {
     }
 
     fn polygon(&self, rings: &[Vec<Position>]) -> Vec<Shape> {
-        // Rings close themselves in the model.
+        // The model closes rings implicitly.
         let open = |ring: &Vec<Position>| self.metres(ring.get(1..).unwrap_or_default());
         let mut rings = rings.iter().map(open).filter(|ring| !ring.is_empty());
         let Some(outer) = rings.next() else { return Vec::new() };

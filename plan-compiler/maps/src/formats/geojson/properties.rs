@@ -1,16 +1,16 @@
-//! Properties as tags, however a converter from OpenStreetMap wrote them.
+//! Reads properties as tags, in the forms that converters from OpenStreetMap write.
 //!
-//! osmtogeojson nests an object `tags`; GDAL has a text `other_tags` in the manner of PostgreSQL's
-//! hstore, `"height"=>"3","roof"=>"flat"`, or of JSON. What is nested comes after what is not.
+//! osmtogeojson nests an object `tags`; GDAL writes a text `other_tags` in PostgreSQL's hstore
+//! syntax, `"height"=>"3","roof"=>"flat"`, or in JSON. Nested tags come after the others.
 
 use crate::formats::json::Pairs;
 use crate::formats::tags::Tags;
 use serde_json::value::RawValue;
 use std::borrow::Cow;
 
-/// Properties of a feature.
+/// Most properties of a feature.
 const MAX_PROPERTIES: usize = 10_000;
-/// Objects of tags within each other.
+/// Deepest nesting of tags.
 const MAX_DEPTH: usize = 2;
 /// Properties that hold tags.
 const NESTED: [&str; 3] = ["tags", "other_tags", "all_tags"];
@@ -18,7 +18,7 @@ const NESTED: [&str; 3] = ["tags", "other_tags", "all_tags"];
 /// The properties of a feature, unread.
 type Properties<'a> = Pairs<Cow<'a, str>, &'a RawValue, MAX_PROPERTIES>;
 
-/// The tags that a text of properties holds. What is neither text, number nor truth means nothing.
+/// Reads properties as tags. Values other than text, numbers and booleans are ignored.
 pub(super) fn tags(text: &str) -> serde_json::Result<Tags> {
     let properties: Option<Properties<'_>> = serde_json::from_str(text)?;
     let mut tags = Vec::new();
@@ -55,7 +55,7 @@ fn add(
     }
 }
 
-/// Adds the tags that a text holds, which is an object or an hstore.
+/// Adds the tags of a text that is an object or an hstore.
 fn unfold(text: &str, depth: usize, tags: &mut Vec<(String, String)>) {
     if !text.trim_start().starts_with('{') {
         hstore(text, tags);
@@ -68,7 +68,7 @@ fn unfold(text: &str, depth: usize, tags: &mut Vec<(String, String)>) {
     }
 }
 
-/// `"key"=>"value","key"=>"value"`: as far as it can be read.
+/// Reads `"key"=>"value","key"=>"value"` up to the first mistake.
 fn hstore(text: &str, tags: &mut Vec<(String, String)>) {
     let mut rest = text.chars();
     while let Some(key) = quoted(&mut rest) {
@@ -83,7 +83,7 @@ fn hstore(text: &str, tags: &mut Vec<(String, String)>) {
     }
 }
 
-/// The next text in quotes, and what follows it left over.
+/// Consumes the next quoted text.
 fn quoted(rest: &mut std::str::Chars<'_>) -> Option<String> {
     rest.find(|c| *c == '"')?;
     let mut text = String::new();

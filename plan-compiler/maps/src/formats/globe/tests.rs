@@ -1,4 +1,4 @@
-//! Places on the globe in, metres of a plane or a reason out.
+//! Places on the globe in, metres of a plane or an error out.
 
 use super::*;
 
@@ -36,7 +36,7 @@ fn the_plane_lies_about_the_centre_of_the_bounds() {
 }
 
 #[test]
-fn the_date_line_is_no_border() {
+fn the_date_line_is_not_a_border() {
     check(
         None,
         &[[10.0, 179.9999], [10.0, -179.9999]],
@@ -50,33 +50,33 @@ fn the_date_line_is_no_border() {
 }
 
 #[test]
-fn what_is_no_map_of_a_robot_is_refused() {
-    check(None, &[], "the file draws nothing and states no bounds");
+fn maps_unfit_for_a_robot_are_refused() {
+    check(None, &[], "the file has no coordinates and no bounds");
     check(
         None,
         &[[51.0, 7.0], [0.0, 0.0]],
-        "the map is 704 km x 5650 km, but a plan holds for 20 km around its centre",
+        "the map is 704 km x 5650 km, but a plan is valid up to 20 km from its centre",
     );
     assert_eq!(Bounds::between([51.0, 7.0], [50.0, 7.1]), None);
     assert_eq!(Bounds::between([51.0, 7.0], [91.0, 7.1]), None);
 }
 
 #[test]
-fn stated_bounds_that_hold_nothing_are_to_blame() {
-    let outside = "all that the file draws lies outside the bounds that it states";
-    // Longitude and latitude swapped; and one that was cut out elsewhere.
+fn empty_stated_bounds_are_reported() {
+    let outside = "everything in the file lies outside its stated bounds";
+    // Longitude and latitude swapped; then bounds of another area.
     check(Some([[7.0, 51.0], [7.001, 51.001]]), &[[51.0, 7.0]], outside);
     check(Some([[51.0, 7.0], [51.001, 7.001]]), &[[51.002, 7.0], [51.002, 7.001]], outside);
     check(
         Some([[0.0, 0.0], [1.0, 0.0001]]),
         &[[0.0, 0.0]],
-        "by the bounds that the file states the map is 1 km x 111 km, but a plan holds for 20 \
-         km around its centre",
+        "by the file's bounds the map is 1 km x 111 km, but a plan is valid up to 20 \
+         km from its centre",
     );
-    let no_area = "the bounds that the file states have no area";
+    let no_area = "the file's stated bounds have no area";
     check(Some([[51.0, 7.0], [51.0, 7.0]]), &[[51.0, 7.0]], no_area);
     check(Some([[51.0, 7.0], [51.1, 7.0]]), &[], no_area);
-    // A wood all around has no corner within.
+    // An area around the bounds has no corner within them.
     check(
         Some([[51.0, 7.0], [51.001, 7.002]]),
         &[[50.0, 6.0], [52.0, 8.0]],
@@ -86,7 +86,7 @@ fn stated_bounds_that_hold_nothing_are_to_blame() {
 }
 
 #[test]
-fn the_place_astray_is_the_one_far_from_most() {
+fn the_stray_place_is_the_one_far_from_most() {
     let check = |places: &[Place], expected: &str| {
         let got = Stray::among(places).map(|stray| format!("{} {}", stray.index, stray.label()));
         assert_eq!(got.unwrap_or_default(), expected);
@@ -96,10 +96,10 @@ fn the_place_astray_is_the_one_far_from_most() {
     check(&[[51.0, 7.0], [51.0, 7.001], [0.0, 0.0]], &format!("2 {others}"));
     check(&[[0.0, 0.0], [51.0, 7.0], [51.001, 7.0]], &format!("0 {others}"));
     check(&[[51.0, 7.0], [15.0, 7.0], [51.0, 7.001]], &format!("1 {others}"));
-    // Of two nobody can tell.
+    // Of two places either may be the stray one.
     check(
         &[[51.0, 7.0], [0.0, 0.0]],
-        "0 either this or what lies about latitude 0, longitude 0 is astray",
+        "0 either this or the part about latitude 0, longitude 0 is misplaced",
     );
     check(
         &[[0.0, 179.9], [0.0, -179.9], [0.0, 90.0]],
@@ -108,7 +108,7 @@ fn the_place_astray_is_the_one_far_from_most() {
 }
 
 #[test]
-fn the_robot_finds_itself_where_the_map_says() {
+fn the_robot_and_the_map_agree_on_positions() {
     let places = [[51.48, -0.002], [51.4815, 0.001]];
     let plane = Plane::new(None, places.into_iter(), None).expect("a plane");
     let frame = MapFrame::new(plane.reference, [0.0; 2], 0.0);
@@ -132,19 +132,19 @@ fn an_origin_that_is_given_stays_where_it_is() {
         let problem = Plane::new(None, [place].into_iter(), origin).expect_err("too far");
         format!("{}: {}", problem.message, problem.help.unwrap_or_default())
     };
-    let far = "but a plan holds for 20 km: ";
+    let far = "but a plan is valid up to 20 km: ";
     assert_eq!(
         refusal([51.3, 7.0]),
         format!(
             "the map reaches 34 km from its origin, {far}check the origin: latitude, then \
-             longitude, near what the map draws"
+             longitude, near the map"
         )
     );
     assert!(refusal([7.0, 51.0]).ends_with("are swapped, in the origin or in the map"));
 }
 
 #[test]
-fn at_the_poles_there_is_no_plane() {
+fn maps_near_a_pole_are_refused() {
     check(
         Some([[84.9, 7.0], [84.901, 7.002]]),
         &[],
@@ -158,7 +158,7 @@ fn at_the_poles_there_is_no_plane() {
 }
 
 #[test]
-fn several_bounds_are_one() {
+fn several_bounds_merge() {
     let bounds = |low, high| Bounds::between(low, high).expect("bounds");
     let west = bounds([51.0, 7.0], [51.1, 7.1]);
     let east = bounds([51.05, 7.1], [51.2, 7.2]);
@@ -169,14 +169,14 @@ fn several_bounds_are_one() {
 }
 
 #[test]
-fn swapped_coordinates_are_suspected_where_no_land_is() {
+fn swapped_coordinates_are_suspected_off_land() {
     let suspect = |lat: f64, lon: f64| {
         Bounds::around([[lat, lon]].into_iter()).is_some_and(|it| it.suspect().is_some())
     };
-    // London, Bremen and New York, swapped and as they are.
+    // London, Bremen and New York, swapped and not.
     for [lat, lon] in [[51.48, 0.0], [53.1, 8.8], [40.7, -74.0]] {
         assert!(suspect(lon, lat) && !suspect(lat, lon), "{lat} {lon}");
     }
-    // A survey in Antarctica or off Svalbard is no mistake unless it may be one.
+    // A survey in Antarctica or off Svalbard is suspected only if the swapped place is on land.
     assert!(!suspect(-77.8, 166.7) && !suspect(78.2, 15.6));
 }

@@ -1,23 +1,23 @@
-//! OPAR text to a title and numbers.
+//! Splits OPAR text into a title and numbers.
 
 use std::ops::Range;
 
-/// A number with the bytes it stands at.
+/// A number and its bytes in the file.
 #[derive(Clone, Debug)]
 pub(super) struct Value {
     pub(super) number: f64,
     pub(super) span: Range<usize>,
 }
 
-/// A file as its title and its numbers.
+/// A file split into its title and its numbers.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
     pub(super) title: Option<Range<usize>>,
-    /// The number that the title line begins with, if it does.
+    /// The number that begins the title line, if any.
     pub(super) title_number: Option<Value>,
-    /// After the title.
+    /// Numbers after the title.
     pub(super) numbers: Vec<Value>,
-    /// First tokens that look like a number and are none.
+    /// First tokens that look like a number but are not.
     pub(super) garbled: Vec<Range<usize>>,
 }
 
@@ -42,7 +42,7 @@ impl Lines {
                 lines.numbers.push(number);
             } else if looks_like_a_number(token) {
                 lines.garbled.push(span.clone());
-                // It keeps its place, so that the values after it are read as what they are.
+                // It keeps its place, so that later values keep their meaning.
                 let number = self::number(&token.replace(',', ".")).unwrap_or(0.0);
                 lines.numbers.push(Value { number, span });
             }
@@ -59,7 +59,7 @@ impl Lines {
     }
 }
 
-/// Words such as `inf` and `nan` are annotations here.
+/// Parses a finite number; words such as `inf` and `nan` are annotations here.
 fn number(token: &str) -> Option<f64> {
     if !begins_like_a_number(token)
         || token.contains(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E'))
@@ -73,7 +73,8 @@ fn begins_like_a_number(token: &str) -> bool {
     token.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'))
 }
 
-/// Digits and marks only, and at least one digit: `12,5` is a mistake, `2nd` a word.
+/// Whether a token has only digits and marks, with at least one digit: `12,5` is a mistake, `2nd`
+/// a word.
 fn looks_like_a_number(token: &str) -> bool {
     begins_like_a_number(token)
         && token.contains(|c: char| c.is_ascii_digit())

@@ -1,9 +1,9 @@
-//! What an OPAR file leaves open, and the user may say.
+//! Options for what an OPAR file leaves open.
 
 use crate::names::Word;
 use std::str::FromStr;
 
-/// What deltas are measured in.
+/// Unit of deltas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DeltaUnit {
     /// Metres.
@@ -44,10 +44,10 @@ pub enum ObstructionKind {
     Foliage,
 }
 
-/// A type number and what it stands for, written `N=building` or `N=foliage`.
+/// A type number and its meaning, written `N=building` or `N=foliage`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ObstructionType {
-    /// As in the file.
+    /// Type number in the file.
     pub number: u32,
     /// Its meaning.
     pub kind: ObstructionKind,
@@ -79,19 +79,19 @@ impl std::fmt::Display for ObstructionType {
     }
 }
 
-/// What an OPAR file leaves open. The default is what the crate's documentation assumes.
+/// Options for what an OPAR file leaves open. The defaults are the module's assumptions.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct OparOptions {
-    /// What deltas are measured in.
+    /// Unit of deltas.
     pub units: DeltaUnit,
     /// Which delta of a pair comes first.
     pub order: DeltaOrder,
-    /// Types besides, or instead of, 1 = building and 2 = foliage; the last one counts.
+    /// Types that extend or override 1 = building and 2 = foliage; the last entry wins.
     pub types: Vec<ObstructionType>,
 }
 
 impl OparOptions {
-    /// What a type number stands for, if that is known.
+    /// Meaning of a type number, if known.
     pub(super) fn kind(&self, number: f64) -> Option<ObstructionKind> {
         let given = self.types.iter().rev().find(|entry| f64::from(entry.number) == number);
         match given {

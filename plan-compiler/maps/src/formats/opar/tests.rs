@@ -14,7 +14,7 @@ fn check(text: &str) -> String {
     check_with(&OparOptions::default(), text)
 }
 
-/// Values one a line.
+/// One value per line.
 fn lines(values: &str) -> String {
     values.split_whitespace().collect::<Vec<_>>().join("\n")
 }
@@ -35,15 +35,7 @@ fn a_scenario_becomes_a_map() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 100,0 100,100 0,100
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 0.45
-    remark b1 0.284
-    remark c1 1
-    remark a2 1.33
-    remark b2 0.284
-    remark c2 0.588
+    radio k 0.9 1.1 cutoff 14 near 0.45 0.284 1 far 1.33 0.284 0.588
     Obstacle "obstruction 1" polygon 7.02,11.125 32.02,11.125 32.02,23.125 7.02,23.125 high 6.5
     Attenuating "obstruction 2" polygon 35.099,55.624 55.099,55.624 35.099,75.624 high 9
     start "reference" 0,0
@@ -81,15 +73,7 @@ fn options_say_what_the_file_leaves_open() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 0,100 100,100 100,0
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 0.45
-    remark b1 0.284
-    remark c1 1
-    remark a2 1.33
-    remark b2 0.284
-    remark c2 0.588
+    radio k 0.9 1.1 cutoff 14 near 0.45 0.284 1 far 1.33 0.284 0.588
     Attenuating "obstruction 1" polygon 7.02,11.125 7.02,36.125 19.02,36.125 19.02,11.125 high 6.5
     Attenuating "obstruction 2" polygon 35.099,55.624 35.099,75.624 55.099,55.624 high 3
     start "reference" 0,0
@@ -103,15 +87,7 @@ fn options_say_what_the_file_leaves_open() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 70.198,0 0,111.248
-    remark K1 1
-    remark K2 1
-    remark distanceCutoff 14
-    remark a1 1
-    remark b1 1
-    remark c1 1
-    remark a2 1
-    remark b2 1
-    remark c2 1
+    radio k 1 1 cutoff 14 near 1 1 1 far 1 1 1
     Obstacle "obstruction 1" polygon 7.02,11.125 14.04,11.125 7.02,22.25 high 5
     start "reference" 0,0
     "#);
@@ -130,21 +106,13 @@ fn deltas_in_the_other_unit_are_refused() {
        · ╰── none is larger than 0.001
      6 │ 0
        ╰────
-      help: if they are degrees, say so: --opar-units deg
+      help: if they are degrees, pass --opar-units deg
 
     extent 0,0 + 0.001,0.001
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 0.001,0 0,0.001
-    remark K1 1
-    remark K2 1
-    remark distanceCutoff 14
-    remark a1 1
-    remark b1 1
-    remark c1 1
-    remark a2 1
-    remark b2 1
-    remark c2 1
+    radio k 1 1 cutoff 14 near 1 1 1 far 1 1 1
     Obstacle "obstruction 1" polygon 7.02,11.125 7.02,11.125 7.02,11.125 high 5
     start "reference" 0,0
     "#);
@@ -158,21 +126,13 @@ fn deltas_in_the_other_unit_are_refused() {
        · ╰── the largest is 100
      6 │ 0
        ╰────
-      help: if they are metres, leave --opar-units deg out
+      help: if they are metres, omit --opar-units deg
 
     extent 0,0 + 7019767.767,11124827.693
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 7019767.767,0 7019767.767,11124827.693 0,11124827.693
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 0.45
-    remark b1 0.284
-    remark c1 1
-    remark a2 1.33
-    remark b2 0.284
-    remark c2 0.588
+    radio k 0.9 1.1 cutoff 14 near 0.45 0.284 1 far 1.33 0.284 0.588
     start "reference" 0,0
     "#);
 }
@@ -208,7 +168,7 @@ fn a_file_that_ends_early_says_before_what() {
      3 │ 7
      4 │ 4
        · ┬
-       · ╰── 4 pairs are asked for, 6 numbers follow
+       · ╰── 4 pairs expected, but 6 numbers follow
      5 │ 0
        ╰────
       help: correct the count, or add the missing deltas
@@ -241,15 +201,7 @@ fn a_file_that_ends_early_says_before_what() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 100,0 100,100 0,100
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 0.45
-    remark b1 0.284
-    remark c1 1
-    remark a2 1.33
-    remark b2 0.284
-    remark c2 0.588
+    radio k 0.9 1.1 cutoff 14 near 0.45 0.284 1 far 1.33 0.284 0.588
     start "reference" 0,0
     "#);
 }
@@ -262,7 +214,7 @@ fn counts_must_be_counts_and_fit_the_file() {
      3 │ 7
      4 │ 1000000000
        · ─────┬────
-       ·      ╰── 1000000000 pairs are asked for, 3 numbers follow
+       ·      ╰── 1000000000 pairs expected, but 3 numbers follow
      5 │ 0
        ╰────
       help: correct the count, or add the missing deltas
@@ -275,7 +227,7 @@ fn counts_must_be_counts_and_fit_the_file() {
      3 │ 7
      4 │ 1e300
        · ──┬──
-       ·   ╰── 1e300 pairs are asked for, 3 numbers follow
+       ·   ╰── 1e300 pairs expected, but 3 numbers follow
      5 │ 0
        ╰────
       help: correct the count, or add the missing deltas
@@ -291,7 +243,7 @@ fn counts_must_be_counts_and_fit_the_file() {
        ·  ╰── must be a whole number
      5 │ 0
        ╰────
-      help: check it, and that no number is missing or too many above
+      help: check it, and that no number above is missing or surplus
 
     no map
     "#);
@@ -304,7 +256,7 @@ fn counts_must_be_counts_and_fit_the_file() {
        ·  ╰── must be a whole number
      5 │ 0
        ╰────
-      help: check it, and that no number is missing or too many above
+      help: check it, and that no number above is missing or surplus
 
     no map
     "#);
@@ -323,15 +275,7 @@ fn counts_must_be_counts_and_fit_the_file() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 100,0 100,100 0,100
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 0.45
-    remark b1 0.284
-    remark c1 1
-    remark a2 1.33
-    remark b2 0.284
-    remark c2 0.588
+    radio k 0.9 1.1 cutoff 14 near 0.45 0.284 1 far 1.33 0.284 0.588
     start "reference" 0,0
     "#);
 }
@@ -348,14 +292,14 @@ fn every_mistake_is_reported_at_once() {
        ·  ╰── must be -90 to 90 degrees
      3 │ 7
        ╰────
-      help: the latitude comes first: it and the longitude are swapped, perhaps
+      help: latitude comes first: the two may be swapped
 
       × 100,5 is not a number
         ╭─[a.opar:10:1]
       9 │ 100
      10 │ 100,5
         · ──┬──
-        ·   ╰── a value stands first on its line
+        ·   ╰── a value must come first on its line
      11 │ 0.9
         ╰────
       help: write a number as 12, -0.5 or 1.2e3, with a point
@@ -363,29 +307,21 @@ fn every_mistake_is_reported_at_once() {
     extent 0,0 + 100,100.5
     title "Farm"
     boundary 0,0 100,0 100,100.5
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 1
-    remark b1 1
-    remark c1 1
-    remark a2 1
-    remark b2 1
-    remark c2 1
+    radio k 0.9 1.1 cutoff 14 near 1 1 1 far 1 1 1
     start "reference" 0,0
     "#);
     assert_snapshot!(
         check(&farm("3 6.5 51.0001 7.0001 3 0 0 25 0 25 12 1 4 51.0001 207 3 0 0 1e10 0 25 12 1 4 52 7 3 0 0 25 0 25 12")),
         @r#"
-      × obstruction 1 is of an unknown type
+      × obstruction 1 has an unknown type
         ╭─[a.opar:22:1]
      21 │ 0.588
      22 │ 3
         · ┬
-        · ╰── known are 1 (building) and 2 (foliage)
+        · ╰── known types are 1 (building) and 2 (foliage)
      23 │ 6.5
         ╰────
-      help: say what it is: --opar-type 3=building, or =foliage
+      help: state what it is: --opar-type 3=building, or =foliage
 
       × the longitude of obstruction 2 is not on the globe
         ╭─[a.opar:36:1]
@@ -402,7 +338,7 @@ fn every_mistake_is_reported_at_once() {
      39 │ 0
      40 │ 1e10
         · ──┬─
-        ·   ╰── farther than any map reaches
+        ·   ╰── beyond the largest map
      41 │ 0
         ╰────
       help: check it, and the count of delta pairs before it
@@ -421,15 +357,7 @@ fn every_mistake_is_reported_at_once() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 100,0 100,100 0,100
-    remark K1 0.9
-    remark K2 1.1
-    remark distanceCutoff 14
-    remark a1 0.45
-    remark b1 0.284
-    remark c1 1
-    remark a2 1.33
-    remark b2 0.284
-    remark c2 0.588
+    radio k 0.9 1.1 cutoff 14 near 0.45 0.284 1 far 1.33 0.284 0.588
     Obstacle "obstruction 1" polygon 7.02,11.125 32.02,11.125 32.02,23.125 high 6.5
     Obstacle "obstruction 2" polygon -11231628.427,11.125 9988768371.573,11.125 -11231603.427,23.125 high 4
     Obstacle "obstruction 3" polygon 0,111248.277 25,111248.277 25,111260.277 high 4
@@ -437,7 +365,7 @@ fn every_mistake_is_reported_at_once() {
     "#
     );
     assert_snapshot!(check(&lines("Farm 51 7 3 0 0 100 0 200 0 1 1 14 1 1 1 1 1 1")), @r#"
-      × the area has no inside
+      × the area is empty
        ╭─[a.opar:2:1]
      1 │ Farm
      2 │ 51
@@ -451,15 +379,7 @@ fn every_mistake_is_reported_at_once() {
     title "Farm"
     reference 51 7 at 0,0 heading 0
     boundary 0,0 100,0 200,0
-    remark K1 1
-    remark K2 1
-    remark distanceCutoff 14
-    remark a1 1
-    remark b1 1
-    remark c1 1
-    remark a2 1
-    remark b2 1
-    remark c2 1
+    radio k 1 1 cutoff 14 near 1 1 1 far 1 1 1
     start "reference" 0,0
     "#);
 }

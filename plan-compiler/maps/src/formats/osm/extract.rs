@@ -1,8 +1,7 @@
-//! What a file holds, whatever its encoding: gathered object by object, within a budget of memory.
+//! The content of a file in any encoding, collected object by object within a memory budget.
 //!
-//! Of several versions of an object the highest counts, and a version that says that it is deleted
-//! takes the object away; of versions alike each gives what the other lacks, as the tags and the
-//! outline of a way which a server sends one after the other.
+//! The highest version of an object counts; a version marked as deleted removes the object. Equal
+//! versions complete each other: a server may send the tags and the outline of a way separately.
 
 use crate::formats::globe::Bounds;
 use crate::formats::tags::Tags;
@@ -10,19 +9,19 @@ use math::GeoPoint;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// Most memory that the objects of an extract may take, bytes: some 12 million nodes, a city of
-/// four million people, far more than a robot drives in.
+/// Memory budget for the objects of an extract, bytes: about 12 million nodes, a city of four
+/// million people, far more than a robot needs.
 pub(super) const BUDGET_BYTES: usize = 1 << 30;
-/// What a node without tags takes, with its share of the tables that are half empty.
+/// Memory of a node without tags, including its share of half-empty tables, bytes.
 const NODE_BYTES: usize = 72;
-/// What an object takes besides its parts.
+/// Memory of an object without its parts, bytes.
 const OBJECT_BYTES: usize = 192;
-/// What a tag takes besides its letters.
+/// Memory of a tag without its text, bytes.
 const TAG_BYTES: usize = 96;
 const REF_BYTES: usize = 16;
 const MEMBER_BYTES: usize = 32;
 
-/// What a file holds, in its order.
+/// The content of a file, in its order.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Extract {
     pub(super) bounds: Option<Bounds>,
@@ -37,21 +36,21 @@ pub(super) struct Extract {
 pub(super) struct Object {
     pub(super) id: i64,
     pub(super) tags: Tags,
-    /// Where it stands in a text; empty in a binary file.
+    /// Its bytes in a text file; empty for a binary file.
     pub(super) span: Range<usize>,
 }
 
 #[derive(Debug, PartialEq)]
 pub(super) struct Way {
     pub(super) object: Object,
-    /// Nodes.
+    /// Its nodes.
     pub(super) refs: Vec<i64>,
 }
 
 #[derive(Debug, PartialEq)]
 pub(super) struct Relation {
     pub(super) object: Object,
-    /// Of its members those that are ways.
+    /// Those of its members that are ways.
     pub(super) members: Vec<Member>,
 }
 
@@ -61,25 +60,25 @@ pub(super) struct Member {
     pub(super) is_inner: bool,
 }
 
-/// Which version of an object this is, and whether it says that the object is gone.
+/// Version of an object, and whether this version deletes it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Version {
     pub(super) number: u32,
     pub(super) is_deleted: bool,
 }
 
-/// The file has more than the budget allows.
+/// The file exceeds the memory budget.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TooMuch;
 
 impl TooMuch {
     pub(super) const MESSAGE: &str =
-        "it holds more than a robot's map needs: beyond 1 GiB of memory";
+        "it is larger than a robot's map needs to be: over 1 GiB of memory";
     pub(super) const HELP: &str =
         "cut out a smaller part: `osmium extract --bbox WEST,SOUTH,EAST,NORTH --strategy smart`";
 }
 
-/// The newest version of each object, in the order in which the objects first came.
+/// The newest version of each object, in order of first occurrence.
 #[derive(Debug)]
 struct Newest<T> {
     at: HashMap<i64, usize>,
@@ -112,7 +111,7 @@ impl<T> Newest<T> {
     }
 }
 
-/// Gathers what an encoding reads.
+/// Collects the objects that an encoding's reader finds.
 #[derive(Debug)]
 pub(super) struct Builder {
     bounds: Option<Bounds>,
@@ -120,9 +119,9 @@ pub(super) struct Builder {
     nodes: Newest<Object>,
     ways: Newest<Way>,
     relations: Newest<Relation>,
-    /// Bytes that are left.
+    /// Remaining budget, bytes.
     left: usize,
-    /// Members without coordinates, each a node of its own.
+    /// Last id given to a node without coordinates.
     unknown: i64,
 }
 
@@ -139,33 +138,33 @@ impl Builder {
         }
     }
 
-    /// Asks for memory before it is taken.
+    /// Charges memory to the budget before it is allocated.
     pub(super) fn take(&mut self, bytes: usize) -> Result<(), TooMuch> {
         self.left = self.left.checked_sub(bytes).ok_or(TooMuch)?;
         Ok(())
     }
 
-    /// Asks for the memory of one more tag of an object.
+    /// Charges the memory of one more tag.
     pub(super) fn take_tag(&mut self, key: &str, value: &str) -> Result<(), TooMuch> {
         self.take(TAG_BYTES + key.len() + value.len())
     }
 
-    /// Asks for the memory of one more reference.
+    /// Charges the memory of one more reference.
     pub(super) fn take_ref(&mut self) -> Result<(), TooMuch> {
         self.take(REF_BYTES)
     }
 
-    /// Asks for the memory of one more member.
+    /// Charges the memory of one more member.
     pub(super) fn take_member(&mut self) -> Result<(), TooMuch> {
         self.take(MEMBER_BYTES)
     }
 
-    /// A file that is joined from several has the bounds of each.
+    /// Adds bounds: a file joined from several has the bounds of each.
     pub(super) fn bounds(&mut self, bounds: Bounds) {
         self.bounds = Some(self.bounds.map_or(bounds, |known| known.and(bounds)));
     }
 
-    /// A place that a way gives for a node which may stand in the file itself.
+    /// Adds a node's place from a way, unless the file gave the node already.
     pub(super) fn place(&mut self, id: i64, place: GeoPoint) -> Result<(), TooMuch> {
         if !self.places.at.contains_key(&id) {
             self.take(NODE_BYTES)?;
@@ -174,7 +173,7 @@ impl Builder {
         Ok(())
     }
 
-    /// A node of which only the place is known: alike places are the same node.
+    /// Adds a node of which only the place is known; equal places are the same node.
     pub(super) fn unnamed(&mut self, place: Option<GeoPoint>) -> Result<i64, TooMuch> {
         let Some(place) = place else {
             self.unknown += 1;
@@ -242,19 +241,19 @@ fn keep_tags(known: &mut Object, more: Object) {
     }
 }
 
-/// The number of a place, which no server or editor gives a node: they count from 1 upwards or
-/// from -1 downwards.
+/// An id made from a place. It differs from those of servers and editors, which count from 1
+/// upwards or from -1 downwards.
 pub(super) fn id_of(place: GeoPoint) -> i64 {
-    // 31 bits of latitude, 32 of longitude; below them is room for those without a place.
+    // 31 bits of latitude, 32 of longitude; smaller ids are for nodes without a place.
     let lat = i64::from(place.lat_e7) + 900_000_000;
     let lon = i64::from(place.lon_e7) + 1_800_000_000;
     FIRST_PLACE + (lat << 32 | lon)
 }
 
-/// The number of the place 90 degrees south, 180 west.
+/// The id of the place 90 degrees south, 180 west.
 const FIRST_PLACE: i64 = i64::MIN + (1 << 60);
 
-/// The place whose number this is, if it is one.
+/// The place that an id was made from, if any.
 pub(super) fn place_of(id: i64) -> Option<GeoPoint> {
     let number = id.checked_sub(FIRST_PLACE).filter(|number| *number >= 0)?;
     let lat_e7 = i32::try_from((number >> 32) - 900_000_000).ok()?;
@@ -282,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn the_newest_version_counts_in_whatever_order() {
+    fn the_newest_version_counts_in_any_order() {
         let (old, new) = (|| way(1, "old", &[1, 2]), || way(1, "new", &[1, 3]));
         check(vec![(version(1, false), old()), (version(2, false), new())], &[new()]);
         check(vec![(version(2, false), new()), (version(1, false), old())], &[new()]);
@@ -294,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn versions_alike_complete_each_other() {
+    fn equal_versions_complete_each_other() {
         let same = || version(0, false);
         let whole = way(1, "building", &[1, 2]);
         check(vec![(same(), way(1, "building", &[])), (same(), way(1, "", &[1, 2]))], &[whole]);
@@ -309,7 +308,7 @@ mod tests {
         let taken = (0..100).take_while(|n| builder.unnamed(Some(place(*n))).is_ok()).count();
         assert_eq!(taken, 10);
         assert_eq!(builder.take_ref(), Err(TooMuch));
-        // What is known takes nothing.
+        // A known place is free.
         assert_eq!(builder.unnamed(Some(place(3))), Ok(id_of(place(3))));
     }
 

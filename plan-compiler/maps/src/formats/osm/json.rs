@@ -1,7 +1,7 @@
 //! OpenStreetMap's objects as Overpass writes them with `[out:json]`.
 //!
-//! Source: the wiki of OpenStreetMap, "OSM JSON", "Overpass API/Overpass QL". Element by element,
-//! so that no list of them is held beside what they become.
+//! Source: the wiki of OpenStreetMap, "OSM JSON", "Overpass API/Overpass QL". Elements
+//! are read one by one, so that no list of them is held in memory.
 
 use super::extract::{
     BUDGET_BYTES, Builder, Extract, Member, Object, Relation, TooMuch, Version, Way,
@@ -16,19 +16,19 @@ use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
-/// Nodes of a way or members of a relation; OpenStreetMap's own limits are 2,000 and 32,000.
+/// Most nodes of a way or members of a relation; OpenStreetMap's limits are 2,000 and 32,000.
 const MAX_PARTS: usize = 100_000;
-/// Tags of an object, of which its servers take 5,000 at most.
+/// Most tags of an object; OpenStreetMap's servers accept 5,000.
 const MAX_TAGS: usize = 10_000;
 
-/// Whether a text reads like an answer of Overpass.
+/// Whether a text looks like an answer from Overpass.
 pub(super) fn recognises(text: &str) -> bool {
-    // Before the elements stand a version and whose data they are.
+    // A version and a copyright notice precede the elements.
     let head = &text[..text.floor_char_boundary(4096)];
     head.trim_start().starts_with('{') && head.contains("\"elements\"")
 }
 
-/// What an answer holds; `None` where it cannot be read.
+/// Reads an answer; `None` if it cannot be read.
 pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option<Extract> {
     let mut builder = Builder::new(BUDGET_BYTES);
     let mut answer = Answer { builder: &mut builder, remark: None, off_the_globe: 0 };
@@ -57,7 +57,7 @@ fn refused(source: &Arc<Source>, error: &serde_json::Error) -> Problem {
         false => "check whether it was cut off, and fetch it again; `[out:xml]` is read as well",
     };
     let at = json::place_of(&source.text, error);
-    let message = format!("this is no answer of Overpass: {reason}");
+    let message = format!("this is not an answer from Overpass: {reason}");
     Problem::error(message).at(source, at..at, "here").help(help)
 }
 
@@ -67,7 +67,7 @@ struct Answer<'b> {
     off_the_globe: usize,
 }
 
-/// The object at the top.
+/// Reads the top-level object.
 impl<'de> DeserializeSeed<'de> for &mut Answer<'_> {
     type Value = ();
 
@@ -97,7 +97,7 @@ impl<'de> Visitor<'de> for &mut Answer<'_> {
     }
 }
 
-/// The list of elements.
+/// Reads the list of elements.
 struct Elements<'a, 'b>(&'a mut Answer<'b>);
 
 impl<'de> DeserializeSeed<'de> for Elements<'_, '_> {
@@ -137,7 +137,7 @@ struct Element<'t> {
     tags: Pairs<Cow<'t, str>, Cow<'t, str>, MAX_TAGS>,
     #[serde(default)]
     nodes: List<i64, MAX_PARTS>,
-    /// Places of the nodes; null where they lie outside what was asked for.
+    /// Places of the nodes; null for those outside the requested area.
     #[serde(default)]
     geometry: List<Option<Place>, MAX_PARTS>,
     #[serde(default, borrow)]
@@ -200,7 +200,7 @@ impl Answer<'_> {
         Ok(())
     }
 
-    /// The nodes of a way, with their places where those are given.
+    /// The nodes of a way; adds their places if given.
     fn refs(&mut self, nodes: Vec<i64>, places: &[Option<Place>]) -> Result<Vec<i64>, TooMuch> {
         let place = |place: &Option<Place>| place.and_then(Place::on_the_globe);
         let mut refs = Vec::new();

@@ -1,8 +1,8 @@
 //! OpenStreetMap's binary encoding: protocol buffers in compressed blocks.
 //!
-//! Source: the wiki of OpenStreetMap, "PBF Format"; field numbers are of its `.proto` files. What
-//! unpacks to more than the format allows is refused before it is unpacked, and every object asks
-//! for its memory before it takes any: a small file may hold large ones.
+//! Source: the wiki of OpenStreetMap, "PBF Format"; field numbers are of its `.proto` files. A
+//! block that unpacks to more than the format allows is refused, and every object is charged to the
+//! memory budget before it is allocated, because a small file may hold many objects.
 
 use super::extract::{
     BUDGET_BYTES, Builder, Extract, Member, Object, Relation, TooMuch, Version, Way,
@@ -16,17 +16,17 @@ use math::GeoPoint;
 use std::io::Read;
 use std::path::Path;
 
-/// What this reader understands; a file that needs more cannot be read.
+/// Features that this reader supports; a file that requires others is refused.
 const FEATURES: [&[u8]; 4] =
     [b"OsmSchema-V0.6", b"DenseNodes", b"HistoricalInformation", b"LocationsOnWays"];
-/// As the format limits them, bytes.
+/// Limits of the format, bytes.
 const MAX_HEADER_BYTES: usize = 64 << 10;
 const MAX_BLOCK_BYTES: usize = 32 << 20;
 /// Most that the blocks of a file may unpack to, bytes: several times the largest file.
 const MAX_TOTAL_BYTES: usize = 4 << 30;
-/// Texts of a block, which others have 8,000 objects in.
+/// Most texts of a block; blocks usually hold 8,000 objects.
 const MAX_STRINGS: usize = 1 << 20;
-/// How blocks may be compressed that are not read, by their field.
+/// Compressions of blocks that are not supported, by field number.
 const COMPRESSIONS: [(u64, &str); 4] = [(4, "lzma"), (5, "bzip2"), (6, "lz4"), (7, "zstd")];
 
 /// Why a file cannot be read, and how to fix it.
@@ -58,16 +58,16 @@ impl From<TooMuch> for Reason {
 
 /// Whether bytes begin with the header that every such file has.
 pub(super) fn recognises(bytes: &[u8]) -> bool {
-    // Four bytes of length, then field 1, nine bytes long.
+    // Four bytes of length, then field 1 with nine bytes.
     bytes.get(4..).is_some_and(|rest| rest.starts_with(b"\x0a\x09OSMHeader"))
 }
 
-/// What an extract holds, and warnings; an error where the file is damaged.
+/// Reads an extract and warnings; an error if the file is damaged.
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<(Extract, Vec<Problem>), Problem> {
     parse_within(path, bytes, BUDGET_BYTES)
 }
 
-/// As [`parse`], with a budget of memory in bytes.
+/// As [`parse`], with a memory budget in bytes.
 pub(super) fn parse_within(
     path: &Path,
     bytes: &[u8],
@@ -90,7 +90,7 @@ struct Reader {
     has_header: bool,
 }
 
-/// What the objects of a block share.
+/// Values that the objects of a block share.
 struct Block<'a> {
     strings: Vec<&'a str>,
     /// Nanodegrees.
@@ -103,7 +103,7 @@ impl Block<'_> {
         usize::try_from(index).ok().and_then(|at| self.strings.get(at)).copied().ok_or(Damaged)
     }
 
-    /// A place of numbers as the block writes them.
+    /// A place from the block's numbers for latitude and longitude.
     fn place(&self, at: [i64; 2]) -> Option<GeoPoint> {
         let degrees = |axis: usize| {
             let nano = i128::from(at[axis]) * i128::from(self.granularity);
@@ -136,7 +136,7 @@ impl Reader {
         }
         match self.has_header {
             true => Ok(()),
-            false => Err(Reason::new("it is no OpenStreetMap file", FETCH_AGAIN)),
+            false => Err(Reason::new("it is not an OpenStreetMap file", FETCH_AGAIN)),
         }
     }
 
@@ -156,7 +156,7 @@ impl Reader {
                         let feature = feature.chars().filter(|c| !c.is_control()).take(40);
                         let feature: String = feature.collect();
                         let message = format!("it needs a reader that understands {feature}");
-                        let help = "write it anew as a plain extract: `osmium cat -o out.osm.pbf`";
+                        let help = "rewrite it as a plain extract: `osmium cat -o out.osm.pbf`";
                         return Err(Reason::new(message, help));
                     }
                 }
@@ -177,7 +177,7 @@ impl Reader {
                             return Err(Reason::new(message, FETCH_AGAIN));
                         }
                         let (_, text) = text?;
-                        // What is no text matches no tag.
+                        // Invalid UTF-8 matches no tag.
                         block.strings.push(std::str::from_utf8(text.bytes()?).unwrap_or_default());
                     }
                 }
@@ -205,31 +205,30 @@ impl Reader {
     fn add_node(
         &mut self,
         version: Version,
-        id: i64,
+        object: Object,
         place: Option<GeoPoint>,
-        tags: Tags,
     ) -> Result<(), Reason> {
-        // What is deleted has no place.
+        // A deleted node has no place.
         let place = place.or(version.is_deleted.then_some(GeoPoint { lat_e7: 0, lon_e7: 0 }));
         match place {
-            Some(place) => self.builder.node(version, Object { id, tags, span: 0..0 }, place)?,
+            Some(place) => self.builder.node(version, object, place)?,
             None => self.off_the_globe += 1,
         }
         Ok(())
     }
 
     fn plain(&mut self, block: &Block<'_>, bytes: &[u8]) -> Result<(), Reason> {
-        let (mut object, mut at) = (Parts::default(), [0; 2]);
+        let (mut parts, mut at) = (Parts::default(), [0; 2]);
         for field in fields(bytes) {
             match field? {
-                (1, id) => object.id = zigzag(id.number()?),
+                (1, id) => parts.id = zigzag(id.number()?),
                 (8, lat) => at[0] = zigzag(lat.number()?),
                 (9, lon) => at[1] = zigzag(lon.number()?),
-                (number, value) => object.part(number, value)?,
+                (number, value) => parts.part(number, value)?,
             }
         }
-        let tags = object.tags(block, &mut self.builder)?;
-        self.add_node(object.version, object.id, block.place(at), tags)
+        let object = parts.object(block, &mut self.builder)?;
+        self.add_node(parts.version, object, block.place(at))
     }
 
     fn dense(&mut self, block: &Block<'_>, bytes: &[u8]) -> Result<(), Reason> {
@@ -271,24 +270,25 @@ impl Reader {
             let number = versions.next().transpose()?.unwrap_or_default() as u32;
             let is_deleted = visible.next().transpose()? == Some(0);
             let place = block.place([lat?, lon?]);
-            self.add_node(Version { number, is_deleted }, id?, place, Tags(tags))?;
+            let object = Object { id: id?, tags: Tags(tags), span: 0..0 };
+            self.add_node(Version { number, is_deleted }, object, place)?;
         }
         Ok(())
     }
 
     fn way(&mut self, block: &Block<'_>, bytes: &[u8]) -> Result<(), Reason> {
-        let (mut object, mut refs) = (Parts::default(), Packed::default());
+        let (mut parts, mut refs) = (Parts::default(), Packed::default());
         let (mut lats, mut lons) = (Packed::default(), Packed::default());
         for field in fields(bytes) {
             match field? {
-                (1, id) => object.id = id.number()? as i64,
+                (1, id) => parts.id = id.number()? as i64,
                 (8, list) => refs = list.packed()?,
                 (9, list) => lats = list.packed()?,
                 (10, list) => lons = list.packed()?,
-                (number, value) => object.part(number, value)?,
+                (number, value) => parts.part(number, value)?,
             }
         }
-        let tags = object.tags(block, &mut self.builder)?;
+        let object = parts.object(block, &mut self.builder)?;
         let mut nodes = Vec::new();
         let (mut lats, mut lons) = (lats.deltas(), lons.deltas());
         for node in refs.deltas() {
@@ -301,23 +301,22 @@ impl Reader {
                 self.builder.place(node, place)?;
             }
         }
-        let object_of = Object { id: object.id, tags, span: 0..0 };
-        Ok(self.builder.way(object.version, Way { object: object_of, refs: nodes })?)
+        Ok(self.builder.way(parts.version, Way { object, refs: nodes })?)
     }
 
     fn relation(&mut self, block: &Block<'_>, bytes: &[u8]) -> Result<(), Reason> {
-        let (mut object, mut roles) = (Parts::default(), Packed::default());
+        let (mut parts, mut roles) = (Parts::default(), Packed::default());
         let (mut ids, mut kinds) = (Packed::default(), Packed::default());
         for field in fields(bytes) {
             match field? {
-                (1, id) => object.id = id.number()? as i64,
+                (1, id) => parts.id = id.number()? as i64,
                 (8, list) => roles = list.packed()?,
                 (9, list) => ids = list.packed()?,
                 (10, list) => kinds = list.packed()?,
-                (number, value) => object.part(number, value)?,
+                (number, value) => parts.part(number, value)?,
             }
         }
-        let tags = object.tags(block, &mut self.builder)?;
+        let object = parts.object(block, &mut self.builder)?;
         let mut members = Vec::new();
         for way in ids.deltas() {
             let (Some(role), Some(kind)) = (roles.next(), kinds.next()) else {
@@ -333,12 +332,11 @@ impl Reader {
                 _ => return Err(Damaged.into()),
             }
         }
-        let object_of = Object { id: object.id, tags, span: 0..0 };
-        Ok(self.builder.relation(object.version, Relation { object: object_of, members })?)
+        Ok(self.builder.relation(parts.version, Relation { object, members })?)
     }
 }
 
-/// What nodes, ways and relations have in common.
+/// Parts that nodes, ways and relations share.
 #[derive(Default)]
 struct Parts<'a> {
     id: i64,
@@ -366,14 +364,14 @@ impl<'a> Parts<'a> {
         Ok(())
     }
 
-    fn tags(&self, block: &Block<'_>, builder: &mut Builder) -> Result<Tags, Reason> {
+    fn object(&self, block: &Block<'_>, builder: &mut Builder) -> Result<Object, Reason> {
         let mut tags = Vec::new();
         for (key, value) in self.keys.zip(self.values) {
             let (key, value) = (block.text(key?)?, block.text(value?)?);
             builder.take_tag(key, value)?;
             tags.push((key.to_owned(), value.to_owned()));
         }
-        Ok(Tags(tags))
+        Ok(Object { id: self.id, tags: Tags(tags), span: 0..0 })
     }
 }
 
@@ -383,7 +381,7 @@ fn blob(bytes: &[u8]) -> Result<[&[u8]; 3], Reason> {
     let (length, rest) = bytes.split_first_chunk::<4>().ok_or_else(cut_off)?;
     let length = u32::from_be_bytes(*length) as usize;
     if length > MAX_HEADER_BYTES {
-        return Err(Reason::new("it is no OpenStreetMap file", FETCH_AGAIN));
+        return Err(Reason::new("it is not an OpenStreetMap file", FETCH_AGAIN));
     }
     let (header, rest) = rest.split_at_checked(length).ok_or_else(cut_off)?;
     let (mut kind, mut size) = (&[][..], 0);
@@ -410,12 +408,12 @@ fn unpack(blob: &[u8]) -> Result<Vec<u8>, Reason> {
                 decoder
                     .take(MAX_BLOCK_BYTES as u64 + 1)
                     .read_to_end(&mut unpacked)
-                    .map_err(|error| Reason::new(format!("zlib says {error}"), FETCH_AGAIN))?;
+                    .map_err(|error| Reason::new(format!("zlib reports {error}"), FETCH_AGAIN))?;
             }
             (number, _) => {
                 if let Some((_, kind)) = COMPRESSIONS.iter().find(|(field, _)| *field == number) {
-                    let message = format!("it is compressed with {kind}, which is not read");
-                    let help = "write it anew with zlib: `osmium cat IN.osm.pbf -o out.osm.pbf`";
+                    let message = format!("it is compressed with {kind}, which is not supported");
+                    let help = "rewrite it with zlib: `osmium cat IN.osm.pbf -o out.osm.pbf`";
                     return Err(Reason::new(message, help));
                 }
             }
@@ -438,7 +436,7 @@ fn bounds(bytes: &[u8]) -> Result<Option<Bounds>, Damaged> {
             *side = zigzag(value.number()?);
         }
     }
-    // To 1e-7 degrees, as XML gives them.
+    // Rounded to 1e-7 degrees, as in XML.
     let [west, east, north, south] = sides.map(|nano| (nano as f64 / 1e2).round() / 1e7);
     Ok(Bounds::between([south, west], [north, east]))
 }

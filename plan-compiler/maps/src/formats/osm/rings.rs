@@ -1,20 +1,20 @@
-//! The ways of a multipolygon, joined to rings.
+//! Joins the ways of a multipolygon to rings.
 //!
 //! Source: the wiki of OpenStreetMap, "Relation:multipolygon/Algorithm": ways that share an end
-//! node are joined, turned round where needed, until the line closes. Where more than two ends
-//! meet, the file's order decides; the filling of polygons bears rings that touch themselves.
+//! node are joined, reversed if needed, until the line closes. If more than two ends meet, the
+//! file's order decides; polygon filling accepts rings that touch themselves.
 
 use crate::model::Point;
 use geo::coordinate_position::CoordPos;
 use geo::{Coord, CoordinatePosition, LineString, Polygon};
 use std::collections::HashMap;
 
-/// Lists of nodes.
+/// Joined ways, as lists of nodes.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Joined {
-    /// Whose last node is their first.
+    /// Lines that end at their first node.
     pub(super) closed: Vec<Vec<i64>>,
-    /// Whose ends meet nothing.
+    /// Lines with unconnected ends.
     pub(super) open: Vec<Vec<i64>>,
 }
 
@@ -33,7 +33,7 @@ pub(super) fn join(ways: &[&[i64]]) -> Joined {
             continue;
         }
         let mut line = way.to_vec();
-        // Onwards from the end; then, where that does not close it, from the beginning.
+        // Extend the end; if the line does not close, reverse it and extend the beginning.
         for _ in 0..2 {
             while let Some(next) = next_way(&line, &mut at_end, &is_used) {
                 is_used[next] = true;
@@ -49,12 +49,12 @@ pub(super) fn join(ways: &[&[i64]]) -> Joined {
     joined
 }
 
-/// A ring has three nodes, and the first again.
+/// A ring has at least three nodes and repeats the first.
 fn is_closed(line: &[i64]) -> bool {
     line.len() > 3 && line.first() == line.last()
 }
 
-/// A way that goes on where a line ends.
+/// An unused way that continues a line.
 fn next_way(
     line: &[i64],
     at_end: &mut HashMap<i64, Vec<usize>>,
@@ -64,7 +64,7 @@ fn next_way(
         return None;
     }
     let waiting = at_end.get_mut(line.last()?)?;
-    // Each way is looked at once for each of its ends, however many meet there.
+    // Each way is visited once per end, regardless of how many meet there.
     while let Some(way) = waiting.pop() {
         if !is_used[way] {
             return Some(way);
@@ -81,9 +81,9 @@ fn append(line: &mut Vec<i64>, way: &[i64]) {
     }
 }
 
-/// Corners of a hole that are looked at until one lies not on the outline around it.
+/// Most corners of a hole that are tested until one does not lie on the outline.
 const MAX_CORNERS: usize = 256;
-/// Most steps that are spent on finding the holes of one relation's rings.
+/// Most steps for finding the holes of one relation's rings.
 const MAX_STEPS: usize = 1 << 30;
 
 /// Finds which holes lie in which rings.
@@ -91,7 +91,7 @@ pub(super) struct Fit<'a> {
     holes: &'a [Vec<Point>],
     boxes: Vec<Rect>,
     steps_left: usize,
-    /// Holes that were left out because there is no end to them: that blocks more, not less.
+    /// Holes that were ignored because the steps ran out: that blocks more, not less.
     pub(super) undecided: usize,
 }
 
@@ -101,7 +101,7 @@ impl<'a> Fit<'a> {
         Self { holes, boxes, steps_left: MAX_STEPS, undecided: 0 }
     }
 
-    /// The numbers of the holes that a ring holds, its outline included.
+    /// Indices of the holes inside a ring or on its outline.
     pub(super) fn holes_of(&mut self, ring: &[Point]) -> Vec<usize> {
         let around = rect(ring);
         let outline = LineString::from_iter(ring.iter().map(|&[x, y]| Coord { x, y }));
@@ -160,7 +160,7 @@ mod tests {
     fn ways_become_rings() {
         check(&[&[1, 2, 3, 1]], &[&[1, 2, 3, 1]], &[]);
         check(&[&[1, 2], &[2, 3], &[3, 1]], &[&[1, 2, 3, 1]], &[]);
-        // Turned round, and out of order.
+        // Reversed and out of order.
         check(&[&[1, 2], &[4, 1], &[3, 2], &[3, 4]], &[&[1, 2, 3, 4, 1]], &[]);
         check(&[&[1, 2, 3], &[7, 8, 9, 7], &[1, 3]], &[&[1, 2, 3, 1], &[7, 8, 9, 7]], &[]);
         check(&[], &[], &[]);
@@ -184,14 +184,14 @@ mod tests {
             Vec::new(),
         ];
         assert_eq!(Fit::new(&holes).holes_of(&outer), [0, 1, 3]);
-        // A notch: within the box of the ring, and outside the ring.
+        // A notch: inside the box of the ring but outside the ring.
         let notched = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 0.5], [0.0, 4.0]];
         let holes = [vec![[1.5, 3.0], [2.5, 3.0], [2.0, 2.0]]];
         assert!(Fit::new(&holes).holes_of(&notched).is_empty());
     }
 
     #[test]
-    fn rings_without_number_come_to_an_end() {
+    fn the_search_for_holes_is_bounded() {
         let holes = vec![vec![[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]; 40];
         let mut fit = Fit { steps_left: 100, ..Fit::new(&holes) };
         let outer = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];

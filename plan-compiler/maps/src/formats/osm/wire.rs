@@ -1,12 +1,12 @@
-//! Protocol buffers, field by field: nothing is copied and nothing is allocated.
+//! Reads protocol buffers field by field, without copying or allocating.
 //!
 //! Source: Google's "Encoding" page on protocol buffers. Every loop ends with its bytes.
 
-/// The bytes are no protocol buffer.
+/// The bytes are not a protocol buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Damaged;
 
-/// What a field holds.
+/// The value of a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Value<'a> {
     Number(u64),
@@ -28,13 +28,13 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// Numbers in a row.
+    /// The value as packed numbers.
     pub(super) fn packed(self) -> Result<Packed<'a>, Damaged> {
         Ok(Packed { bytes: self.bytes()? })
     }
 }
 
-/// The fields of a message: number and value.
+/// Iterates over the fields of a message: number and value.
 pub(super) struct Fields<'a> {
     bytes: &'a [u8],
 }
@@ -81,14 +81,14 @@ impl<'a> Iterator for Fields<'a> {
     }
 }
 
-/// Numbers one after the other.
+/// Packed numbers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Packed<'a> {
     bytes: &'a [u8],
 }
 
 impl<'a> Packed<'a> {
-    /// Signed numbers, each given as its difference from the one before.
+    /// Decodes signed numbers, each stored as the difference from the previous one.
     pub(super) fn deltas(self) -> impl Iterator<Item = Result<i64, Damaged>> + 'a {
         let mut sum = 0i64;
         self.map(move |number| {
@@ -122,7 +122,7 @@ fn varint(bytes: &mut &[u8]) -> Result<u64, Damaged> {
     for shift in (0..70).step_by(7) {
         let (&byte, rest) = bytes.split_first().ok_or(Damaged)?;
         *bytes = rest;
-        // Of the tenth byte one bit fits; what is beyond it is dropped, as others do.
+        // Only one bit of the tenth byte fits; the rest is dropped, as other decoders do.
         number |= u64::from(byte & 0x7f) << shift.min(63);
         if byte & 0x80 == 0 {
             return Ok(number);

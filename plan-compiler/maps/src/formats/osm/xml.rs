@@ -1,7 +1,7 @@
-//! OpenStreetMap's XML, as its editors, its servers and Overpass write it.
+//! OpenStreetMap XML, as editors, servers and Overpass write it.
 //!
-//! The text is read element by element, in one pass and without a tree of it. Elements have few
-//! attributes and are nested little; what has more is no extract and is refused.
+//! The text is read element by element in one pass, without building a tree. Elements of an extract
+//! have few attributes and little nesting; a file with more is refused.
 
 use super::extract::{
     BUDGET_BYTES, Builder, Extract, Member, Object, Relation, TooMuch, Version, Way,
@@ -19,21 +19,21 @@ use std::ops::Range;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Most of an element that an excerpt shows, bytes.
+/// Most bytes of an element that an excerpt shows.
 const EXCERPT_BYTES: usize = 80;
-/// Attributes of an element; a node with its history has a dozen.
+/// Most attributes of an element; a node with its history has a dozen.
 const MAX_ATTRIBUTES: usize = 64;
-/// Elements within each other; a relation with the outlines of its members has four.
+/// Deepest nesting of elements; a relation with its members' outlines has four levels.
 const MAX_DEPTH: usize = 64;
 
 const FETCH_AGAIN: &str = "check whether the file was cut off, and save or fetch it again";
 
-/// What an extract holds; `None` where the text is no OSM XML at all.
+/// Reads an extract; `None` if the text is not OSM XML.
 pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option<Extract> {
     parse_within(source, problems, BUDGET_BYTES)
 }
 
-/// As [`parse`], with a budget of memory in bytes.
+/// As [`parse`], with a memory budget in bytes.
 pub(super) fn parse_within(
     source: &Arc<Source>,
     problems: &mut Vec<Problem>,
@@ -45,7 +45,7 @@ pub(super) fn parse_within(
     Some(reader.builder.finish())
 }
 
-/// Where the text has an element, of an id or the first of its kind.
+/// Bytes of the element with an id, or of the first of its kind.
 pub(super) fn find(source: &Arc<Source>, kind: &str, id: Option<i64>) -> Option<Range<usize>> {
     let mut events = Events::from_str(&source.text);
     loop {
@@ -65,19 +65,19 @@ pub(super) fn find(source: &Arc<Source>, kind: &str, id: Option<i64>) -> Option<
     }
 }
 
-/// The file is refused; why is among the problems.
+/// The file is refused; the problems give the reason.
 struct Refused;
 
-/// An element's start.
+/// The start tag of an element.
 struct Element<'t> {
     name: &'t str,
     attributes: Vec<Attribute<'t>>,
-    /// Its first line: enough of it for an excerpt.
+    /// Its first line, cut for an excerpt.
     span: Range<usize>,
 }
 
 impl<'t> Element<'t> {
-    /// The element whose tag the text has in a range.
+    /// The element whose tag lies in a range of the text.
     fn of(source: &'t Source, tag: Range<usize>, is_empty: bool) -> Result<Self, String> {
         let first = source.text[tag.clone()].lines().next().unwrap_or_default();
         let span = tag.start..tag.start + first.floor_char_boundary(EXCERPT_BYTES);
@@ -91,7 +91,7 @@ impl<'t> Element<'t> {
         for attribute in all.with_checks(false) {
             let attribute = attribute.map_err(|error| error.to_string())?;
             if attributes.iter().any(|known| known.key == attribute.key) {
-                return Err(format!("attribute '{}' stands there twice", attribute.key.0));
+                return Err(format!("attribute '{}' is given twice", attribute.key.0));
             }
             if attributes.len() >= MAX_ATTRIBUTES {
                 return Err(format!("an element has more than {MAX_ATTRIBUTES} attributes"));
@@ -101,34 +101,34 @@ impl<'t> Element<'t> {
         Ok(Self { name, attributes, span })
     }
 
-    /// The value of an attribute as the text writes it.
+    /// The raw value of an attribute.
     fn get(&self, name: &str) -> Option<&str> {
         let attribute = self.attributes.iter().find(|attribute| attribute.key.0 == name)?;
         Some(attribute.value.as_ref())
     }
 
-    /// The value of an attribute.
+    /// The value of an attribute, with references resolved.
     fn text(&self, name: &str) -> Option<Cow<'t, str>> {
         let attribute = self.attributes.iter().find(|attribute| attribute.key.0 == name)?;
-        // What is no reference stays as it is written.
+        // Invalid references stay as written.
         let read = attribute.normalized_value(XmlVersion::Explicit1_0);
         Some(read.unwrap_or_else(|_| attribute.value.clone()))
     }
 
     fn version(&self) -> Version {
         let number = self.get("version").and_then(|text| text.parse().ok()).unwrap_or_default();
-        // What an editor keeps until it is uploaded, and what a server says is gone.
+        // An editor's pending deletion, or a server's record of one.
         let is_deleted =
             self.get("action") == Some("delete") || self.get("visible") == Some("false");
         Version { number, is_deleted }
     }
 }
 
-/// The object whose parts are being read.
+/// The object that is being read.
 enum Current {
     Node(Version, Object, Option<GeoPoint>),
     Way(Version, Way),
-    /// A relation, and the outline of the member that is being read.
+    /// A relation, and the outline of the current member.
     Relation(Version, Relation, Option<Way>),
     Remark(String, Range<usize>),
     Other,
@@ -193,7 +193,7 @@ impl<'a> Reader<'a> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
             let message = format!("elements are nested deeper than {MAX_DEPTH}");
-            let help = "no extract is; check that this is the file you mean";
+            let help = "extracts never are; check that this is the file you mean";
             self.error(message, element.span, "here", help);
             return Err(Refused);
         }
@@ -220,19 +220,19 @@ impl<'a> Reader<'a> {
                 "apply it to the extract that it changes: `osmium apply-changes old.osm changes.osc -o new.osm`",
             ),
             name if name.eq_ignore_ascii_case("html") => (
-                "the file is a web page, not an extract of OpenStreetMap",
-                "a server that is busy answers so: open it in a browser to read why, and fetch it again",
+                "the file is a web page, not an OpenStreetMap extract",
+                "a busy server may send this: open it in a browser to see why, and fetch it again",
             ),
             _ => (
-                "the file is no extract of OpenStreetMap",
-                "save the data as .osm; other files are no maps",
+                "the file is not an OpenStreetMap extract",
+                "save the data as .osm; other files are not maps",
             ),
         };
         self.error(message.into(), root.span.clone(), "not <osm>", help);
         Err(Refused)
     }
 
-    /// An element of the file itself.
+    /// Begins a top-level element.
     fn begin(&mut self, element: &Element<'_>) -> Result<(), Refused> {
         let version = element.version();
         self.current = match element.name {
@@ -246,7 +246,7 @@ impl<'a> Reader<'a> {
             }
             "remark" => Current::Remark(String::new(), element.span.clone()),
             "node" => match self.object(element) {
-                // What is deleted has no place.
+                // A deleted node has no place.
                 Some(object) if version.is_deleted => {
                     Current::Node(version, object, Some(GeoPoint { lat_e7: 0, lon_e7: 0 }))
                 }
@@ -266,7 +266,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// A part of the current object.
+    /// Reads a part of the current object.
     fn part(&mut self, element: &Element<'_>) -> Result<(), TooMuch> {
         let mut current = std::mem::replace(&mut self.current, Current::Other);
         let object = match &mut current {
@@ -339,7 +339,7 @@ impl<'a> Reader<'a> {
         done.or_else(|TooMuch| self.too_much(0..0))
     }
 
-    /// A number that an element must have.
+    /// A mandatory number of an element; reports if it is missing or invalid.
     fn number<T: FromStr>(&mut self, element: &Element<'_>, name: &str) -> Option<T> {
         let kind = element.name;
         let Some(text) = element.get(name) else {
@@ -383,7 +383,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// As osmosis writes them: `box="south,west,north,east"`.
+    /// Bounds as osmosis writes them: `box="south,west,north,east"`.
     fn bound(&mut self, element: &Element<'_>) {
         let sides = element.get("box").unwrap_or_default().split(',');
         let sides: Vec<f64> = sides.filter_map(|side| side.trim().parse().ok()).collect();
@@ -399,28 +399,28 @@ impl<'a> Reader<'a> {
             None => {
                 let span = element.span.clone();
                 let help = "minlat and minlon are its south-west corner, in degrees";
-                self.error("the bounds are no box on the globe".into(), span, "these", help);
+                self.error("the bounds are not a box on the globe".into(), span, "these", help);
             }
         }
     }
 
-    /// A server's own word on why its answer is not whole.
+    /// Reports a server's remark on why its answer is incomplete.
     fn remark(&mut self, text: &str, span: Range<usize>) {
         self.problems.push(
             Problem::warning(format!("the server remarks: {text}"))
-                .at(self.source, span, "the file may not be whole")
+                .at(self.source, span, "the file may be incomplete")
                 .help("fetch it again, or a smaller part"),
         );
     }
 }
 
-/// The place that a reference to a node gives beside its number.
+/// The place that a node reference carries.
 fn place_beside(element: &Element<'_>) -> Option<GeoPoint> {
     let number = |name: &str| element.get(name)?.trim().parse().ok();
     GeoPoint::from_degrees(number("lat")?, number("lon")?)
 }
 
-/// As exact as the binary encoding, degrees.
+/// Rounds degrees to the precision of the binary encoding.
 fn to_e7(degrees: f64) -> f64 {
     (degrees * 1e7).round() / 1e7
 }

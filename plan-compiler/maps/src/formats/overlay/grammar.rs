@@ -2,7 +2,7 @@
 
 use Part::{Choice, Literal, Name, Number, OptionalName, OptionalNumber, Point, Points};
 
-/// What a statement begins with.
+/// Kinds of statements, by their keyword.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Keyword {
     Scenario,
@@ -20,7 +20,7 @@ pub(super) enum Keyword {
     Wall,
     Boundary,
     PassagePoint,
-    /// Drawn for people; no meaning to a planner.
+    /// Drawn for people; ignored by the planner.
     Annotation,
     ObsoleteStart,
 }
@@ -32,16 +32,16 @@ pub(super) enum Section {
     Measures,
 }
 
-/// One part of a statement. The words are those that a message uses for it.
+/// One part of a statement. Strings are the part's name in messages.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Part {
     /// A bare word or a quoted string.
     Name,
-    /// A name that the language asks for and no planner needs.
+    /// A name that the language requires and the planner ignores.
     OptionalName(&'static str),
     /// One coordinate.
     Point,
-    /// Coordinates as far as they go; where a number may follow, an odd one left over is it.
+    /// One or more coordinates. If `then` is set, an odd last number is that value.
     Points {
         then: Option<&'static str>,
     },
@@ -51,15 +51,15 @@ pub(super) enum Part {
     Choice(&'static [&'static str]),
 }
 
-/// How a statement is written.
+/// Syntax of a statement.
 #[derive(Debug)]
 pub(super) struct Form {
-    /// Its keywords: all spellings.
+    /// All spellings of its keyword.
     pub(super) spellings: &'static [&'static str],
     pub(super) keyword: Keyword,
     pub(super) section: Section,
     pub(super) parts: &'static [Part],
-    /// What stands after the keyword, for people.
+    /// The parts after the keyword, as shown in help.
     pub(super) usage: &'static str,
 }
 
@@ -81,7 +81,7 @@ const fn measure(
     Form { spellings, keyword, section: Section::Measures, parts, usage }
 }
 
-/// How an OBJECT may be moved; the first is an obstacle.
+/// Mobility of an OBJECT; the first is an obstacle.
 pub(super) const STYLES: &[&str] = &["FIXED", "MOVABLE", "CONTAINER"];
 
 const LINE: &[Part] = &[Name, Points { then: None }];
@@ -173,12 +173,12 @@ pub(super) const FORMS: &[Form] = &[
     measure(&["SP"], Keyword::ObsoleteStart, &[Name, Point], "name x y"),
 ];
 
-/// The form that a word begins, in any case.
+/// The form with this keyword, in any letter case.
 pub(super) fn form_of(word: &str) -> Option<&'static Form> {
     FORMS.iter().find(|form| form.spellings.iter().any(|s| s.eq_ignore_ascii_case(word)))
 }
 
-/// Whether a word stands inside statements, so that no statement begins with it.
+/// Whether a word occurs inside statements, so that it cannot begin one.
 pub(super) fn is_inner_word(word: &str) -> bool {
     let literals = FORMS.iter().flat_map(|form| form.parts).filter_map(|part| match part {
         Literal(literal) => Some(literal),
@@ -188,7 +188,7 @@ pub(super) fn is_inner_word(word: &str) -> bool {
     inner.any(|inner| inner.eq_ignore_ascii_case(word))
 }
 
-/// The keyword that looks most like a word, if one does.
+/// The keyword most similar to a word, if any is.
 pub(super) fn nearest_keyword(word: &str) -> Option<&'static str> {
     let word = word.to_ascii_uppercase();
     FORMS

@@ -1,13 +1,13 @@
-//! Overlay text to tokens: words, quoted strings, numbers.
+//! Splits overlay text into tokens: words, quoted strings, numbers.
 
 use crate::problem::{Problem, Source};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Unknown characters that are each reported; after these only their number is.
+/// Unknown characters that are reported one by one; the rest are counted.
 const MAX_UNKNOWN_REPORTED: usize = 20;
 
-/// One token and the bytes it stands at.
+/// One token and its bytes in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Token {
     pub(super) kind: Kind,
@@ -20,19 +20,19 @@ pub(super) enum Kind {
     Word,
     /// A quoted name; the span includes the quotes.
     Quoted,
-    /// Finite.
+    /// A finite number.
     Number(f64),
     /// The colon of `CONTROL MEASURES:`.
     Colon,
-    /// Something that was reported already: whoever meets it stays silent.
+    /// A token that was reported already; the parser does not report it again.
     Broken,
 }
 
-/// What a text consists of.
+/// The tokens of a text.
 #[derive(Debug, Default)]
 pub(super) struct Lexed {
     pub(super) tokens: Vec<Token>,
-    /// Of the comment `--RESOLUTION 1.0`, metres; the last one counts.
+    /// Resolution from the comment `--RESOLUTION 1.0`, metres; the last one counts.
     pub(super) resolution_m: Option<f64>,
 }
 
@@ -90,7 +90,7 @@ impl Lexer<'_> {
     }
 
     fn quoted(&mut self, rest: &str) {
-        // A quote ends on its line; a whole file may be one line, which is not searched every time.
+        // A quote ends on its line. Stop at the first quote: the file may be one long line.
         let inside = rest[1..].find(['"', '\n', '\r']);
         if let Some(inside) = inside.filter(|&inside| rest[1 + inside..].starts_with('"')) {
             return self.push(Kind::Quoted, inside + 2);
@@ -98,29 +98,29 @@ impl Lexer<'_> {
         let line = &rest[..line_length(rest)];
         let written = line.trim_end().len();
         self.problems.push(
-            Problem::error("a quoted name has no end")
-                .at(self.source, self.at..self.at + written, "no second quote on this line")
+            Problem::error("a quoted name is not closed")
+                .at(self.source, self.at..self.at + written, "no closing quote on this line")
                 .help("close the name with \" on the same line"),
         );
         self.push(Kind::Broken, line.len());
     }
 
     fn number(&mut self, rest: &str, length: usize) {
-        let ugly = rest[length..]
+        let whole = rest[length..]
             .find(|c| !matches!(c, '0'..='9' | '.'))
             .map_or(rest.len(), |after| length + after);
         let value: Option<f64> =
             rest[..length].parse().ok().filter(|value: &f64| value.is_finite());
         match value {
-            Some(value) if ugly == length => self.push(Kind::Number(value), length),
+            Some(value) if whole == length => self.push(Kind::Number(value), length),
             _ => {
-                let label = if ugly > length { "more than one point" } else { "too large" };
+                let label = if whole > length { "more than one point" } else { "too large" };
                 self.problems.push(
-                    Problem::error(format!("{} is not a number", &rest[..ugly]))
-                        .at(self.source, self.at..self.at + ugly, label)
+                    Problem::error(format!("{} is not a number", &rest[..whole]))
+                        .at(self.source, self.at..self.at + whole, label)
                         .help("write a number as 12, -0.5 or 1.2e3"),
                 );
-                self.push(Kind::Broken, ugly);
+                self.push(Kind::Broken, whole);
             }
         }
     }
@@ -153,13 +153,13 @@ impl Lexer<'_> {
         })
     }
 
-    /// The original plan generator hides its cell size in a comment, `--RESOLUTION 1.0`.
+    /// The original plan generator keeps its cell size in a comment, `--RESOLUTION 1.0`.
     fn look_for_resolution(&mut self, comment: &str) {
         let mut words = comment.trim_start_matches('-').split_whitespace();
         if !words.next().is_some_and(|word| word.eq_ignore_ascii_case("RESOLUTION")) {
             return;
         }
-        // Prose that begins with the word is no command.
+        // Prose that begins with the word is not a command.
         let Some(value) = words.next().and_then(|word| word.parse::<f64>().ok()) else { return };
         if value > 0.0 && value.is_finite() {
             self.lexed.resolution_m = Some(value);
@@ -177,8 +177,8 @@ fn line_length(text: &str) -> usize {
     text.find(['\n', '\r']).unwrap_or(text.len())
 }
 
-/// Length of a name: letters, digits, `_`, `-` and, for file names and `LD/LC`, `.` and `/`
-/// between them, then one optional `*`.
+/// Length of a name: letters, digits, `_`, `-`; between them `.` and `/` for file names and
+/// `LD/LC`; then an optional `*`.
 fn word_length(text: &str) -> usize {
     let is_inner = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-');
     let mut length = 0;
@@ -194,8 +194,8 @@ fn word_length(text: &str) -> usize {
     }
 }
 
-/// Length of `[+-] digits [. digits] [e [+-] digits]` with a digit in front of or after the
-/// point, if the text begins with one.
+/// Length of `[+-] digits [. digits] [e [+-] digits]` at the start of a text; a digit must stand
+/// before or after the point.
 fn number_length(text: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let digits = |from: usize| {
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn a_resolution_hides_in_a_comment() {
+    fn a_comment_may_give_the_resolution() {
         check("--RESOLUTION 1.0", "(1 m)");
         check("-- resolution 0.25 m\n1", "1 | (0.25 m)");
         check("-- RESOLUTION is good", "");
@@ -287,7 +287,7 @@ mod tests {
     #[test]
     fn mistakes_are_reported_once_each() {
         check("1, 2", "1 | 2 | [\",\" means nothing here]");
-        check("PP \"Home 1 2\nPP", "PP | BROKEN | PP | [a quoted name has no end]");
+        check("PP \"Home 1 2\nPP", "PP | BROKEN | PP | [a quoted name is not closed]");
         check("1.2.3 4", "BROKEN | 4 | [1.2.3 is not a number]");
         check("1e999", "BROKEN | [1e999 is not a number]");
         check("\u{1f600}# 5", "5 | [\"\u{1f600}#\" means nothing here]");

@@ -1,4 +1,4 @@
-//! Overlay statements to the map: what each means to a planner, in metres.
+//! Turns overlay statements into the map, in metres.
 
 use super::grammar::Keyword;
 use super::parser::{Coordinate, CoordinateValue, Statement};
@@ -11,11 +11,11 @@ use math::scalar::wide;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The side of a map that does not say how large it is, metres: the language's default.
+/// Side of a map without a MISSION-AREA, metres: the language's default.
 const DEFAULT_SIDE_M: f64 = 1000.0;
-/// Height of a wall that does not say how high it is, metres: the language's default.
+/// Height of a wall without a height, metres: the language's default.
 const DEFAULT_WALL_HEIGHT_M: f64 = 1.0;
-/// Two places of one map that are farther apart are a mistake, degrees.
+/// Largest distance between two places of one map, degrees.
 const FAR_APART_DEG: f64 = 1.0;
 /// The passage point at which robots start.
 const START: &str = "StartPlace";
@@ -31,7 +31,7 @@ pub(super) fn interpret(
     let map = Map { resolution_m, ..Map::empty(Extent { corner: [0.0; 2], size: side }) };
     let mut reader =
         Reader { source, problems, map, heading_rad: 0.0, origin: Origin::default(), seen: vec![] };
-    // The origin first: it moves every coordinate, wherever in the file it stands.
+    // The origin first, because it moves every coordinate in the file.
     for statement in statements {
         reader.information(statement);
     }
@@ -42,7 +42,7 @@ pub(super) fn interpret(
     reader.map
 }
 
-/// What ORIGIN says, and what the first UTM coordinate settles where it says nothing.
+/// The ORIGIN; without one, the first UTM coordinate determines zone and anchor.
 #[derive(Debug, Default)]
 struct Origin {
     /// Added to plain coordinates and subtracted from UTM ones, metres.
@@ -50,9 +50,9 @@ struct Origin {
     /// The zone that all UTM coordinates are projected in.
     zone: Option<Zone>,
     is_utm: bool,
-    /// A place whose map point is known through UTM, and where true north is there.
+    /// A place with its map point from UTM, and the direction of true north there.
     anchor: Option<Reference>,
-    /// Whether a plain coordinate met a UTM origin, and that was said.
+    /// Whether a plain coordinate under a UTM origin was reported.
     mixed: bool,
 }
 
@@ -62,7 +62,7 @@ struct Reader<'a> {
     map: Map,
     heading_rad: f64,
     origin: Origin,
-    /// Facts that count once, with what they said.
+    /// Statements that count once, with their values.
     seen: Vec<(Keyword, Vec<f64>)>,
 }
 
@@ -77,7 +77,7 @@ impl Reader<'_> {
         self.problems.push(problem);
     }
 
-    /// Says so where a fact is given twice and the two differ.
+    /// Warns if a statement is given twice with different values.
     fn once(&mut self, statement: &Statement, value: &[f64]) {
         let keyword = statement.form.keyword;
         let before = self.seen.iter_mut().find(|(seen, _)| *seen == keyword);
@@ -98,7 +98,7 @@ impl Reader<'_> {
     }
 }
 
-/// What describes the whole map.
+/// Statements that describe the whole map.
 impl Reader<'_> {
     fn information(&mut self, statement: &Statement) {
         let numbers: Vec<f64> = statement.numbers.iter().map(|(value, _)| *value).collect();
@@ -118,7 +118,7 @@ impl Reader<'_> {
                 self.once(statement, &numbers);
                 match GeoPoint::from_degrees(lat, lon) {
                     Some(_) if lat.abs() > FARTHEST_LATITUDE_DEG => self.at_a_pole(&statement.span),
-                    // The map's centre: known when the area is.
+                    // It is the map's centre; `finish` sets `at` when the area is known.
                     Some(place) => {
                         let at = [0.0; 2];
                         self.map.reference = Some(Reference { place, at, heading_rad: 0.0 });
@@ -146,7 +146,7 @@ impl Reader<'_> {
             self.map.extent.size = size;
         } else {
             self.error(
-                "MISSION-AREA has no inside",
+                "MISSION-AREA is empty",
                 &statement.span,
                 "width and height must be above zero",
                 "write MISSION-AREA width height, in metres",
@@ -164,7 +164,7 @@ impl Reader<'_> {
             }
             CoordinateValue::Utm { lat, lon } => {
                 self.once(statement, &[lat, lon]);
-                // Its own map point is (0, 0), which is the origin less itself.
+                // Its own map point is (0, 0): the origin minus itself.
                 self.origin.is_utm = true;
                 if let Some(at) = self.project(lat, lon, &coordinate.span) {
                     self.origin.at = at;
@@ -174,7 +174,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Two statements about where on the globe the map lies should agree.
+    /// Warns if GLOBAL_REF_POINT and the UTM coordinates disagree.
     fn compare(&mut self, reference: &Reference) {
         let Some(anchor) = self.origin.anchor else { return };
         let degrees = |place: GeoPoint| [place.lat_deg(), place.lon_deg()];
@@ -184,7 +184,7 @@ impl Reader<'_> {
             return;
         }
         let help = if apart([lon, lat]) <= FAR_APART_DEG {
-            format!("the two are swapped, it seems: write GLOBAL_REF_POINT {lon} {lat}")
+            format!("the two seem to be swapped: write GLOBAL_REF_POINT {lon} {lat}")
         } else {
             "latitude comes first; west and south are negative".into()
         };
@@ -206,7 +206,7 @@ impl Reader<'_> {
             let reference = *reference;
             self.compare(&reference);
         } else if let Some(anchor) = self.origin.anchor {
-            // The map's axes are the grid's, which HEADING turns further.
+            // The map's axes are those of the UTM grid, rotated by HEADING.
             let heading_rad = self.heading_rad + anchor.heading_rad;
             self.map.reference = Some(Reference { heading_rad, ..anchor });
         }
@@ -224,7 +224,7 @@ impl Reader<'_> {
     }
 }
 
-/// From what is written to the map's metres.
+/// Conversion of coordinates to the map's metres.
 impl Reader<'_> {
     fn locate(&mut self, coordinate: &Coordinate) -> Option<Point> {
         let origin = self.origin.at;
@@ -253,7 +253,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Refuses what lies beyond any map.
+    /// Refuses points beyond any map.
     fn near(&mut self, at: Point, span: &Range<usize>) -> Option<Point> {
         let is_near = at.iter().all(|value| value.abs() <= FARTHEST_M);
         if !is_near {
@@ -262,7 +262,7 @@ impl Reader<'_> {
         is_near.then_some(at)
     }
 
-    /// Easting and northing in the one zone of this map.
+    /// Easting and northing in the map's single zone.
     fn project(&mut self, lat: f64, lon: f64, span: &Range<usize>) -> Option<Point> {
         if GeoPoint::from_degrees(lat, lon).is_none() {
             self.off_the_globe(span);
@@ -297,8 +297,8 @@ impl Reader<'_> {
         self.error(
             "this place is too near to a pole",
             span,
-            &format!("a map serves up to {FARTHEST_LATITUDE_DEG} degrees north and south"),
-            "check the latitude; a map without a place on the globe needs no such line",
+            &format!("maps are supported up to {FARTHEST_LATITUDE_DEG} degrees north and south"),
+            "check the latitude; a map without a position on the globe does not need this line",
         );
     }
 
@@ -312,7 +312,7 @@ impl Reader<'_> {
     }
 }
 
-/// What stands on the map.
+/// Statements that add to the map.
 impl Reader<'_> {
     fn measure(&mut self, statement: &Statement) {
         let number = statement.numbers.first().cloned();
@@ -347,7 +347,7 @@ impl Reader<'_> {
         self.map.features.push(Feature { shape, role, name, height_m, span });
     }
 
-    /// `number` times `to_radius` is the radius: an OBSTACLE gives it, an OBJECT its diameter.
+    /// The radius is `number * to_radius`: an OBSTACLE gives its radius, an OBJECT its diameter.
     fn circle(
         &mut self,
         statement: &Statement,
@@ -358,7 +358,7 @@ impl Reader<'_> {
         let centre = self.points(statement).and_then(|points| points.first().copied());
         if !(0.0..=FARTHEST_M).contains(&number) {
             let label = if number < 0.0 { "below zero" } else { "too large" };
-            self.error("no circle is of this size", &span, label, "write it in metres");
+            self.error("the circle's size is invalid", &span, label, "write it in metres");
             return;
         }
         let Some(centre) = centre else { return };
@@ -369,7 +369,7 @@ impl Reader<'_> {
 
     fn wall(&mut self, statement: &Statement) {
         let Some(mut points) = self.points(statement) else { return };
-        // A wall of one point is allowed: a line from it to itself.
+        // A wall of one point is allowed: it is a line from the point to itself.
         if let &[only] = points.as_slice() {
             points.push(only);
         }
@@ -385,7 +385,7 @@ impl Reader<'_> {
                 "a zone needs at least three points",
                 &statement.span,
                 "its name makes it a zone",
-                "add points, or name the line otherwise",
+                "add points, or rename the line",
             );
             return;
         }
@@ -401,22 +401,22 @@ impl Reader<'_> {
             self.map.start = Some(point);
         } else {
             self.warn(
-                "there is a second StartPlace".into(),
+                "StartPlace is given twice".into(),
                 &statement.span,
                 "ignored",
-                "keep one of them, or name this one otherwise",
+                "keep one of them, or rename this one",
             );
         }
     }
 }
 
-/// Trimmed, without the trailing `*` that keeps a label from being drawn.
+/// A name, trimmed, without the trailing `*` that hides its label.
 fn clean(name: &str) -> String {
     let name = name.trim();
     name.strip_suffix('*').unwrap_or(name).trim_end().into()
 }
 
-/// What the name of a BOUNDARY makes of it.
+/// The role of a BOUNDARY, by its name.
 fn zone_role(name: &str) -> Option<Role> {
     let name = name.to_ascii_lowercase();
     if name.contains("nocommzone") {

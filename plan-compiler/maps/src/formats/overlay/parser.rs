@@ -1,7 +1,7 @@
-//! Overlay tokens to statements, gathering every mistake on the way.
+//! Parses overlay tokens into statements and collects every mistake.
 //!
-//! After a mistake the parser goes on at the next keyword, or at a word that begins a line
-//! and may be a misspelt one, so that one mistake gives one message and hides no other.
+//! After a mistake the parser continues at the next keyword, or at a word that begins a line and
+//! may be a misspelt keyword. So one mistake gives one message and does not hide others.
 
 use super::grammar::{Form, Part, Section, form_of, is_inner_word, nearest_keyword};
 use super::lexer::{Kind, Lexed, Token};
@@ -24,18 +24,18 @@ pub(super) enum CoordinateValue {
     Utm { lat: f64, lon: f64 },
 }
 
-/// A statement that has all that its form asks for.
+/// A statement with all parts of its form.
 #[derive(Clone, Debug)]
 pub(super) struct Statement {
     pub(super) form: &'static Form,
     /// From the keyword to the last part.
     pub(super) span: Range<usize>,
-    /// Without quotes; the first name only.
+    /// Its first name, without quotes.
     pub(super) name: String,
     pub(super) points: Vec<Coordinate>,
-    /// With where they stand.
+    /// Numbers and their bytes in the file.
     pub(super) numbers: Vec<(f64, Range<usize>)>,
-    /// Which one of a choice.
+    /// Index into the words of a choice.
     pub(super) choice: usize,
 }
 
@@ -48,7 +48,7 @@ pub(super) fn parse(
     let tokens = lexed.tokens.as_slice();
     let mut parser = Parser { source, tokens, next: 0, problems };
     let mut statements = Vec::new();
-    // None until CONTROL MEASURES, which is asked for once only.
+    // `None` until CONTROL MEASURES; its absence is reported once.
     let mut measures = None;
     while let Some(token) = parser.peek() {
         let word = parser.word(token);
@@ -127,7 +127,7 @@ impl<'a> Parser<'a> {
             && (form_of(self.word(token)).is_some() || self.is_word(token, "CONTROL"))
     }
 
-    /// Goes on at the next keyword, or at a word that begins a line: a misspelt keyword.
+    /// Skips to the next keyword, or to a word that begins a line: a misspelt keyword.
     fn resynchronise(&mut self) {
         while let Some(token) = self.peek() {
             let begins_line = token.kind == Kind::Word
@@ -146,9 +146,9 @@ impl<'a> Parser<'a> {
         blank.is_empty() || blank.ends_with(['\n', '\r'])
     }
 
-    /// Reports what is missing before the next token; silent where the lexer spoke.
+    /// Reports what is missing before the next token, unless the lexer reported that token.
     fn expected(&mut self, what: &str, statement: &str, usage: &str) {
-        // The next line is not to blame for what this one lacks.
+        // Do not point at the next line for what this one lacks.
         let last = self.next.checked_sub(1).and_then(|last| self.tokens.get(last));
         let last = last.map_or(0..0, |token| token.span.clone());
         let (span, found) = match self.peek() {
@@ -174,14 +174,14 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// The frame of a file: its two sections and what belongs in neither.
+/// The two sections of a file, and tokens that belong to neither.
 impl Parser<'_> {
     fn control_measures(&mut self) {
         self.next += 1;
         if self.take_word("MEASURES").is_none() {
             return self.expected("word MEASURES:", "CONTROL", "MEASURES:");
         }
-        // The colon is asked for by the language, and its absence changes nothing.
+        // The language requires the colon, but its absence is harmless.
         self.take_if(|token| token.kind == Kind::Colon);
     }
 
@@ -203,14 +203,13 @@ impl Parser<'_> {
         );
     }
 
-    /// A token where a statement should begin: reported, then everything to the next keyword
-    /// is skipped.
+    /// Reports a token where a statement should begin, and skips to the next keyword.
     fn stray(&mut self, token: &Token) {
         let word = self.word(token);
         let problem = match token.kind {
             Kind::Broken | Kind::Colon => None,
             Kind::Word => {
-                // Of a flood of mistakes the last are not shown, and looking takes time.
+                // Searching takes time; do not search for problems beyond the shown ones.
                 let is_shown = self.problems.len() < MAX_PROBLEMS;
                 let meant = if is_shown { nearest_keyword(word) } else { None };
                 let help = match meant {
@@ -220,7 +219,7 @@ impl Parser<'_> {
                 Some((format!("{word} is not a keyword"), help))
             }
             Kind::Quoted | Kind::Number(_) => Some((
-                format!("{word} belongs to no statement"),
+                format!("{word} is not part of a statement"),
                 "the statement before it is complete: remove it, or add the keyword it lacks"
                     .into(),
             )),
@@ -303,7 +302,7 @@ impl Parser<'_> {
                 self.next += 1;
                 Some(text.into())
             }
-            // A keyword that a coordinate follows is a name that needs quotes.
+            // A keyword followed by a coordinate is a name that needs quotes.
             Kind::Word if following.is_some_and(|next| matches!(next.kind, Kind::Number(_))) => {
                 self.problems.push(
                     Problem::error(format!("{text} is a keyword and cannot be a bare name"))
@@ -342,7 +341,9 @@ impl Parser<'_> {
             self.problems.push(
                 Problem::warning(format!("{written} lacks its {what}"))
                     .at(self.source, last, format!("expected the {what} after this"))
-                    .help(format!("add a {what}, which MissionLab asks for; planning does not")),
+                    .help(format!(
+                        "add a {what}; MissionLab requires it, planning does not use it"
+                    )),
             );
         }
     }
@@ -384,8 +385,8 @@ impl Parser<'_> {
         Some(Coordinate { value: CoordinateValue::Utm { lat, lon }, span: start..end })
     }
 
-    /// At least one coordinate. Numbers pair up; an odd one left over is the number `then`,
-    /// or a mistake where the form knows of none.
+    /// At least one coordinate. Numbers pair up; an odd last one is the number `then`, or a mistake
+    /// if the form has none.
     fn points(
         &mut self,
         then: Option<&str>,

@@ -12,7 +12,7 @@ fn check(text: &str) -> String {
     outcome(&read(&source))
 }
 
-/// Measures on a map of 100 m by 100 m with nothing else in it.
+/// Measures on an otherwise empty map of 100 m by 100 m.
 fn measures(text: &str) -> String {
     check(&format!("MISSION-AREA 100 100\nCONTROL MEASURES:\n{text}\n"))
 }
@@ -124,7 +124,7 @@ fn utm_coordinates_are_relative_to_the_origin() {
 }
 
 #[test]
-fn the_neighbouring_zone_continues_the_origin_s() {
+fn the_neighbouring_zone_continues_that_of_the_origin() {
     // One hundred-thousandth of a degree of longitude at 50 degrees north is 0.716 m.
     assert_snapshot!(check(
         "MISSION-AREA 20 20 ORIGIN UTM LAT 50 LON 5.999995 CONTROL MEASURES:
@@ -220,7 +220,7 @@ proptest! {
         let mut text = String::from("--RESOLUTION 0.5\n");
         let mut choices = seed.iter().cycle();
         let mut rest = EVERYTHING;
-        // Token by token: keywords in either case, anything that may stand between.
+        // Token by token: keywords in either case, any separator between tokens.
         while let Some(token) = next_token(&mut rest) {
             let &(lower, gap) = choices.next().unwrap();
             let is_keyword = grammar::form_of(token).is_some()

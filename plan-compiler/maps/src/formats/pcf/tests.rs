@@ -1,4 +1,4 @@
-//! What the reader makes of texts, and of the maps beside them.
+//! Plans and the maps beside them in, map or mistakes out.
 
 use super::*;
 use crate::formats::dump::outcome;
@@ -35,7 +35,7 @@ anything
 
 const YARD: &str = "type octile\nheight 2\nwidth 3\nmap\n.@.\n...\n";
 
-/// Reads a plan in a folder with these files; folders are cut from what is said.
+/// Reads a plan in a folder with these files; removes the folder's path from messages.
 fn check_among(files: &[(&str, &str)], text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -82,7 +82,7 @@ fn folders_line_ends_and_end_marks_change_nothing() {
 }
 
 #[test]
-fn a_map_that_cannot_be_had_is_told() {
+fn an_unavailable_map_is_reported() {
     assert_snapshot!(check_among(&[], PLAN), @"
       × there is no file yard.map
        ╭─[a.pcf:7:1]
@@ -110,7 +110,7 @@ fn a_map_that_cannot_be_had_is_told() {
     no map
     ");
     assert_snapshot!(check_among(&[("yard.map", PLAN)], PLAN), @"
-      × yard.map is a plan, too, and no map
+      × yard.map is also a plan, not a map
        ╭─[a.pcf:7:1]
      6 │ #Map File Name
      7 │ yard.map
@@ -123,7 +123,7 @@ fn a_map_that_cannot_be_had_is_told() {
     no map
     ");
     assert_snapshot!(check_among(&[("yard.map", "Dear reader,\n")], PLAN), @"
-      × `Dear` is no part of the header
+      × `Dear` is not part of the header
        ╭─[yard.map:1:1]
      1 │ Dear reader,
        · ──────┬─────
@@ -133,9 +133,9 @@ fn a_map_that_cannot_be_had_is_told() {
 
     no map
     ");
-    // A plan that names itself, and is none by its content.
+    // A plan that names itself, and a plan by name only.
     assert_snapshot!(check_among(&[("a.pcf", "nothing")], &PLAN.replace("yard.map", "a.pcf")), @"
-      × a.pcf is a plan, too, and no map
+      × a.pcf is also a plan, not a map
        ╭─[a.pcf:7:1]
      6 │ #Map File Name
      7 │ a.pcf
@@ -150,7 +150,7 @@ fn a_map_that_cannot_be_had_is_told() {
 }
 
 #[test]
-fn every_mistake_is_told() {
+fn every_mistake_is_reported() {
     let text = PLAN.replace("ORDERED", "SORTED").replace("<1,0>\n#N", "1,0\n#N");
     let text = text.replace("Elements\n2", "Elements\n3").replace("<2.5, 0.5>", "<2.5>");
     assert_snapshot!(check(&text), @r#"
@@ -159,7 +159,7 @@ fn every_mistake_is_told() {
       8 │ #Element Ordering
       9 │ SORTED
         · ───┬──
-        ·    ╰── this word is not known here
+        ·    ╰── unknown word
      10 │ #Tethered
         ╰────
       help: write ORDERED or LEAST-COMMITMENT
@@ -169,7 +169,7 @@ fn every_mistake_is_told() {
      12 │ #Plan contingency location
      13 │ 1,0
         · ─┬─
-        ·  ╰── a position is needed
+        ·  ╰── expected a position
      14 │ #Number of Elements
         ╰────
       help: write <x,y> in metres
@@ -179,7 +179,7 @@ fn every_mistake_is_told() {
      17 │ 1
      18 │ <2.5>
         · ──┬──
-        ·   ╰── a position is needed
+        ·   ╰── expected a position
      19 │ RECONBUILDING
         ╰────
       help: write <x,y> in metres
@@ -252,7 +252,7 @@ fn every_mistake_is_told() {
     no map
     ");
     assert_snapshot!(check(&PLAN.replace("MOVETO\n1", "FLYTO\n1").replace("NG\n2", "NG\ntwo")), @r#"
-      × `FLYTO` is no element of a plan
+      × `FLYTO` is not an element of a plan
         ╭─[a.pcf:16:1]
      15 │ 2
      16 │ FLYTO
@@ -267,7 +267,7 @@ fn every_mistake_is_told() {
      19 │ RECONBUILDING
      20 │ two
         · ─┬─
-        ·  ╰── a whole number is needed
+        ·  ╰── expected a whole number
      21 │ <0,0>
         ╰────
       help: write 1, 2 and so on
@@ -290,7 +290,7 @@ fn every_mistake_is_told() {
     point "contingency" 1,0
     "#);
     assert_snapshot!(check_among(&[("yard.map", &YARD.replace(".@.", ".x."))], PLAN), @r#"
-      × `x` is no kind of cell
+      × `x` is not a valid cell
        ╭─[yard.map:5:2]
      4 │ map
      5 │ .x.

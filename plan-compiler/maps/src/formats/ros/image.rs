@@ -11,12 +11,12 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Bytes that decoding may take: the largest image, eight bits a pixel, several times over.
+/// Most bytes that decoding may allocate: several times the largest image at 8 bits per pixel.
 const MAX_DECODED_BYTES: u64 = 1 << 30;
-/// Images of a folder that are listed where the one that is named is not there.
+/// Most images of a folder that are listed if the named one is missing.
 const LISTED: usize = 8;
 
-/// Lightness by pixel.
+/// An image as lightness per pixel.
 pub(super) struct Grey {
     pub(super) columns: u32,
     pub(super) rows: u32,
@@ -24,8 +24,8 @@ pub(super) struct Grey {
 }
 
 impl Grey {
-    /// Lightness of a pixel, 0 to 1, and whether any of what lies behind it shows; row 0 is the
-    /// image's first. Colours count as the mean of red, green and blue.
+    /// Lightness of a pixel, 0 to 1, and whether the pixel is transparent; row 0 is the image's
+    /// first. The lightness of a colour is the mean of red, green and blue.
     pub(super) fn pixel(&self, column: u32, row: u32) -> (f64, bool) {
         let eight = |values: &[u8], alpha: u8| (mean(values, 255.0), alpha < u8::MAX);
         let sixteen = |values: &[u16], alpha: u16| (mean(values, 65_535.0), alpha < u16::MAX);
@@ -50,13 +50,13 @@ impl Grey {
                 let [red, green, blue, alpha] = image.get_pixel(column, row).0;
                 sixteen(&[red, green, blue], alpha)
             }
-            // No decoder of ours makes another kind; nothing is known of its pixels.
+            // The enabled decoders make no other kind; treat its pixels as unknown.
             _ => (0.0, true),
         }
     }
 }
 
-/// The mean of values as a share of the largest there can be.
+/// The mean of values as a fraction of the largest possible value.
 fn mean<T: Copy + Into<f64>>(values: &[T], largest: f64) -> f64 {
     let sum: f64 = values.iter().map(|&value| value.into()).sum();
     sum / (values.len() as f64 * largest)
@@ -77,20 +77,20 @@ pub(super) fn read(
         wrong(problem.message, help.unwrap_or_default())
     })?;
     decode(&bytes).map_err(|reason| {
-        let message = format!("{} is no image that can be read: {reason}", path.display());
+        let message = format!("{} cannot be read as an image: {reason}", path.display());
         wrong(message, "save it as a PGM, PNG or BMP of at most 16384 pixels a side".into())
     })
 }
 
-/// Where an image lies: beside the YAML file unless its name says otherwise. Windows parts folders
-/// by backslashes, which are letters of a name elsewhere.
+/// Path of an image, relative to the YAML file. Backslashes separate folders on Windows and are
+/// letters of a name elsewhere.
 fn path_of(yaml: &Path, name: &str) -> PathBuf {
     let path = yaml.with_file_name(name);
     let slashes = yaml.with_file_name(name.replace('\\', "/"));
     if !path.exists() && slashes.exists() { slashes } else { path }
 }
 
-/// What to write where an image of that name lies beside the YAML file after all.
+/// Help if an image of that name lies beside the YAML file.
 fn moved(yaml: &Path, path: &Path) -> Option<String> {
     let name = path.to_str()?.rsplit(['/', '\\']).next()?;
     let is_there = yaml.with_file_name(name).is_file();
@@ -121,7 +121,7 @@ fn decode(bytes: &[u8]) -> Result<Grey, String> {
     Ok(Grey { columns, rows, pixels })
 }
 
-/// Why an image cannot be read; where it was cut off the library speaks of its buffers.
+/// Why an image cannot be read; for a truncated file the library mentions only its buffers.
 fn reason(error: ImageError) -> String {
     match error {
         ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
@@ -159,7 +159,7 @@ fn is_image_name(name: &str) -> bool {
     })
 }
 
-/// Says of an image that it is no map without its YAML file.
+/// An error if the file is an image, which is not a map without its YAML file.
 pub(crate) fn refuse_alone(path: &Path, bytes: &[u8]) -> Option<Problem> {
     let is_pnm = matches!(bytes, [b'P', b'1'..=b'7', b' ' | b'\t' | b'\r' | b'\n', ..]);
     if !is_pnm && !bytes.starts_with(b"\x89PNG\r\n") {

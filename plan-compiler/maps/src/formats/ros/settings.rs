@@ -1,4 +1,4 @@
-//! The YAML file: its values, and where each mistake in them stands.
+//! Reads the YAML file and locates every mistake in it.
 
 use crate::names::nearest;
 use crate::problem::{Problem, Source};
@@ -13,29 +13,29 @@ pub(super) enum Mode {
     /// Free, occupied or unknown.
     #[default]
     Trinary,
-    /// A probability between the thresholds.
+    /// Between the thresholds, a probability.
     Scale,
-    /// Grey itself is a percentage.
+    /// Grey is a percentage.
     Raw,
 }
 
-/// What the file says; what could not be understood is `None` or map_saver's default.
+/// Values of the file; a value that cannot be read is `None` or map_saver's default.
 #[derive(Debug)]
 pub(super) struct Settings {
-    /// The image's name and where it stands.
+    /// The image's name and its bytes in the file.
     pub(super) image: Option<(String, Range<usize>)>,
     pub(super) resolution_m: Option<f64>,
-    /// x, y, metres, and yaw, radians counter-clockwise.
+    /// x and y, metres; yaw, radians counter-clockwise.
     pub(super) origin: Option<[f64; 3]>,
     pub(super) negate: bool,
     pub(super) occupied_thresh: f64,
     pub(super) free_thresh: f64,
-    /// Where the file says that, if it does.
+    /// Bytes of the value of `free_thresh`, if the file gives it.
     pub(super) free_thresh_span: Option<Range<usize>>,
     pub(super) mode: Mode,
 }
 
-/// Every key that is understood.
+/// All known keys.
 const KEYS: [&str; 7] =
     ["image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode"];
 /// What map_saver writes.
@@ -43,22 +43,22 @@ const OCCUPIED_THRESH: f64 = 0.65;
 /// What map_saver writes.
 const FREE_THRESH: f64 = 0.196;
 
-const HELP: &str = "a map's file has a line `key: value` each: image, resolution, origin, ...";
+const HELP: &str = "a map's file has one `key: value` per line: image, resolution, origin, ...";
 const OTHER_YAML: &str = "name the file that map_saver wrote: it has lines `image:`, \
                           `resolution:` and `origin:`; a file of parameters may name it as \
                           `yaml_filename`";
-/// Keys, values and brackets of a file, at most: a map has some thirty.
+/// Most keys, values and brackets of a file: a map has about thirty.
 const MAX_EVENTS: usize = 10_000;
-/// Lists in lists, at most; the parser's own data is taken apart by recursion.
+/// Deepest nesting of lists; the parser drops its data recursively.
 const MAX_DEPTH: usize = 32;
-/// A whole turn, give or take what files round.
+/// A whole turn, plus rounding in files.
 const TURN_RAD: f64 = 6.3;
 
-/// The character, counted from the start, at which a file has become too long or too deep.
+/// Index of the character at which a file becomes too long or too deep, if it does.
 fn too_much(text: &str) -> Option<usize> {
     let mut depth = 0_usize;
     for (count, event) in Parser::new_from_str(text).enumerate() {
-        // The loader says what is wrong.
+        // The loader reports the error.
         let Ok((event, span)) = event else { return None };
         match event {
             Event::SequenceStart(..) | Event::MappingStart(..) => depth += 1,
@@ -72,12 +72,12 @@ fn too_much(text: &str) -> Option<usize> {
     None
 }
 
-/// The byte of every character, where these are not the same.
+/// The byte index of every character; empty for ASCII, where both indices are equal.
 fn character_starts(text: &str) -> Vec<usize> {
     if text.is_ascii() { Vec::new() } else { text.char_indices().map(|(byte, _)| byte).collect() }
 }
 
-/// Reads the values and tells every mistake in them.
+/// Reads the values and reports every mistake.
 pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Settings {
     let mut settings = Settings {
         image: None,
@@ -89,13 +89,13 @@ pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Settin
         free_thresh_span: None,
         mode: Mode::default(),
     };
-    // YAML lets tabs part a key from its value; this parser does not. A tab for a blank leaves every
-    // place where it is.
+    // YAML allows a tab between key and value; this parser does not. Replacing a tab by a blank
+    // keeps all positions.
     let text = source.text.replace('\t', " ");
     let mut reader = Reader { source, problems, starts: character_starts(&text) };
     if let Some(at) = too_much(&text) {
         let at = reader.byte(at);
-        reader.error("this is no map's YAML file".into(), at..at, "it goes on and on", HELP);
+        reader.error("this is not a map's YAML file".into(), at..at, "too long or too deep", HELP);
         return settings;
     }
     let documents = MarkedYaml::load_from_str(&text);
@@ -112,8 +112,8 @@ pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Settin
                 reader.settings(&pairs, &mut settings);
             } else {
                 let span = pairs.first().map_or(0..0, |pair| pair.key_span.clone());
-                let message = "this YAML file describes no map";
-                reader.error(message.into(), span, "no key of a map", OTHER_YAML);
+                let message = "this YAML file does not describe a map";
+                reader.error(message.into(), span, "not a key of a map", OTHER_YAML);
             }
         }
         Ok(_) => {
@@ -123,7 +123,7 @@ pub(super) fn parse(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Settin
     settings
 }
 
-/// A key with its value and where both stand.
+/// A key and its value, with their bytes in the file.
 struct Pair<'y> {
     key: &'y str,
     key_span: Range<usize>,
@@ -134,7 +134,7 @@ struct Pair<'y> {
 struct Reader<'a> {
     source: &'a Arc<Source>,
     problems: &'a mut Vec<Problem>,
-    /// As [`character_starts`] has them.
+    /// Result of [`character_starts`].
     starts: Vec<usize>,
 }
 
@@ -143,7 +143,7 @@ impl Reader<'_> {
         self.problems.push(Problem::error(message).at(self.source, span, label).help(help));
     }
 
-    /// The parser counts characters.
+    /// Byte index of a character index, which the parser reports.
     fn byte(&self, character: usize) -> usize {
         let end = self.source.text.len();
         match self.starts.as_slice() {
@@ -181,10 +181,10 @@ impl Reader<'_> {
                 }
                 "mode" => settings.mode = self.mode(pair).unwrap_or_default(),
                 other => {
-                    let warning = Problem::warning(format!("`{other}` means nothing here")).at(
+                    let warning = Problem::warning(format!("`{other}` is not a known key")).at(
                         self.source,
                         pair.key_span.clone(),
-                        "it is not read",
+                        "ignored",
                     );
                     self.problems.push(match nearest(other, KEYS.into_iter()) {
                         Some(meant) => warning.help(format!("did you mean `{meant}`?")),
@@ -201,7 +201,7 @@ impl Reader<'_> {
         ];
         for (key, example) in needed.into_iter().filter(|(key, _)| find(key).is_none()) {
             self.problems.push(
-                Problem::error(format!("the file gives no `{key}`"))
+                Problem::error(format!("`{key}` is missing"))
                     .help(format!("add a line, for example `{example}`")),
             );
         }
@@ -209,7 +209,7 @@ impl Reader<'_> {
             [("negate", 0.0), ("occupied_thresh", OCCUPIED_THRESH), ("free_thresh", FREE_THRESH)];
         for (key, value) in assumed.into_iter().filter(|(key, _)| find(key).is_none()) {
             self.problems.push(
-                Problem::warning(format!("the file gives no `{key}`; {value} is assumed"))
+                Problem::warning(format!("`{key}` is missing; {value} is assumed"))
                     .help(format!("add a line `{key}: {value}`")),
             );
         }
@@ -239,9 +239,9 @@ impl Reader<'_> {
             _ => {
                 let help = "write the image's name, for example `image: map.pgm`";
                 self.error(
-                    "`image` names no file".into(),
+                    "`image` is not the name of a file".into(),
                     pair.span.clone(),
-                    "a name is needed",
+                    "expected a name",
                     help,
                 );
                 None
@@ -255,7 +255,7 @@ impl Reader<'_> {
             self.error(
                 "`resolution` is not a length".into(),
                 pair.span.clone(),
-                "metres per pixel are needed",
+                "expected metres per pixel",
                 "write the side of a pixel, for example `resolution: 0.05`",
             );
         }
@@ -268,7 +268,7 @@ impl Reader<'_> {
             _ => &[],
         };
         let numbers = items.iter().enumerate().map(|(index, item)| {
-            // What a saver writes whose map came without an orientation.
+            // Savers write this for a map without an orientation.
             let is_lost = index == 2 && is_not_a_number(&item.data);
             if is_lost {
                 self.lost_yaw(pair);
@@ -282,7 +282,7 @@ impl Reader<'_> {
             self.error(
                 "`origin` is not three numbers".into(),
                 pair.span.clone(),
-                "x, y and yaw are needed",
+                "expected x, y and yaw",
                 "write the south-west corner in metres and the yaw in radians: `origin: [-10, -10, 0]`",
             );
         }
@@ -312,7 +312,7 @@ impl Reader<'_> {
             YamlData::Value(Scalar::FloatingPoint(number)) => {
                 [false, true].into_iter().find(|flag| f64::from(*flag) == number.into_inner())
             }
-            // Quoted, or as YAML once spelled it; map_server takes these too.
+            // Quoted, or in YAML 1.1 spelling; map_server accepts these too.
             YamlData::Value(Scalar::String(word)) => {
                 match word.trim().to_ascii_lowercase().as_str() {
                     "0" | "false" | "no" | "off" => Some(false),
@@ -333,9 +333,9 @@ impl Reader<'_> {
         let share = number(pair.value).filter(|share| (0.0..=1.0).contains(share));
         if share.is_none() {
             self.error(
-                format!("`{}` is not a share", pair.key),
+                format!("`{}` is not a fraction", pair.key),
                 pair.span.clone(),
-                "0 to 1 is needed",
+                "expected 0 to 1",
                 "map_saver writes occupied_thresh: 0.65 and free_thresh: 0.196",
             );
         }
@@ -361,7 +361,7 @@ impl Reader<'_> {
     }
 }
 
-/// A finite number of a size that maps have. It may be quoted: map_server takes that too.
+/// A finite number within the size of maps. It may be quoted, as map_server allows.
 fn number<'y>(value: &YamlData<'y, MarkedYaml<'y>>) -> Option<f64> {
     let number = match value {
         YamlData::Value(Scalar::Integer(number)) => *number as f64,

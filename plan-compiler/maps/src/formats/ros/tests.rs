@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 mod others;
 
-/// Reads a YAML text that lies beside some files; the folder's name is left out of messages.
+/// Reads a YAML text beside these files; removes the folder's path from messages.
 fn check_with(files: &[(&str, &[u8])], text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes) in files {
@@ -88,16 +88,16 @@ fn the_settings_decide() {
       .##
       ###
     ");
-    // 205 is 0.196...: just unknown by map_saver's threshold, free by the other custom.
+    // 205 is 0.196...: just unknown by map_saver's threshold, free by Nav2's.
     assert_snapshot!(check(&YAML.replace("0.196", "0.25")), @"
-      ⚠ 1 cells of grey 205, which map savers write for unknown, are free, since free_thresh is 0.25
+      ⚠ 1 cells of grey 205, which map savers write for unknown, are free because free_thresh is 0.25
        ╭─[a.yaml:6:14]
      5 │ occupied_thresh: 0.65
      6 │ free_thresh: 0.25
        ·              ──┬─
-       ·                ╰── the grey's occupancy is 0.19607, which is below
+       ·                ╰── grey 205 has occupancy 0.196, which is below
        ╰────
-      help: write `free_thresh: 0.196` if nothing is known of these cells
+      help: write `free_thresh: 0.196` if these cells are unknown
 
     extent -1,2 + 1.5,1
     resolution 0.5
@@ -124,7 +124,7 @@ fn the_settings_decide() {
       #??.
     ");
     for mode in ["trinary", "Trinary", "raw"] {
-        // What is not opaque is unknown in every mode; of what is, raw takes 255 as unknown too.
+        // Transparent pixels are unknown in every mode; raw takes an opaque 255 as unknown too.
         let got = check_with(&[("a.pgm", &png)], &format!("{YAML}mode: {mode}\n"));
         let cells = if mode == "raw" { ".???" } else { "#??." };
         assert!(got.ends_with(&format!("  {cells}\n")), "{mode}: {got}");
@@ -132,7 +132,7 @@ fn the_settings_decide() {
 }
 
 #[test]
-fn a_yaw_turns_the_cells() {
+fn a_yaw_rotates_the_cells() {
     assert_snapshot!(check(&YAML.replace("2, 0.0", "2, 1.5708")), @"
     extent -2,2 + 1,1.5
     resolution 0.5
@@ -154,7 +154,7 @@ fn a_yaw_turns_the_cells() {
 }
 
 #[test]
-fn every_mistake_is_told() {
+fn every_mistake_is_reported() {
     assert_snapshot!(check_with(
         &[("map.pgm", GREYS), ("b.png", b""), ("notes.txt", b"")],
         "image: mpa.pgm\nresolution: fine\norigin: [1, 2]\nnegate: 2\nocupied_thresh: 0.65\nfree_thresh: 7\nmode: tri\n",
@@ -173,7 +173,7 @@ fn every_mistake_is_told() {
      1 │ image: mpa.pgm
      2 │ resolution: fine
        ·             ──┬─
-       ·               ╰── metres per pixel are needed
+       ·               ╰── expected metres per pixel
      3 │ origin: [1, 2]
        ╰────
       help: write the side of a pixel, for example `resolution: 0.05`
@@ -183,7 +183,7 @@ fn every_mistake_is_told() {
      2 │ resolution: fine
      3 │ origin: [1, 2]
        ·         ──┬──
-       ·           ╰── x, y and yaw are needed
+       ·           ╰── expected x, y and yaw
      4 │ negate: 2
        ╰────
       help: write the south-west corner in metres and the yaw in radians: `origin: [-10, -10, 0]`
@@ -198,22 +198,22 @@ fn every_mistake_is_told() {
        ╰────
       help: write `negate: 0`, or 1 where white is occupied
 
-      ⚠ `ocupied_thresh` means nothing here
+      ⚠ `ocupied_thresh` is not a known key
        ╭─[a.yaml:5:1]
      4 │ negate: 2
      5 │ ocupied_thresh: 0.65
        · ───────┬──────
-       ·        ╰── it is not read
+       ·        ╰── ignored
      6 │ free_thresh: 7
        ╰────
       help: did you mean `occupied_thresh`?
 
-      × `free_thresh` is not a share
+      × `free_thresh` is not a fraction
        ╭─[a.yaml:6:14]
      5 │ ocupied_thresh: 0.65
      6 │ free_thresh: 7
        ·              ┬
-       ·              ╰── 0 to 1 is needed
+       ·              ╰── expected 0 to 1
      7 │ mode: tri
        ╰────
       help: map_saver writes occupied_thresh: 0.65 and free_thresh: 0.196
@@ -226,7 +226,7 @@ fn every_mistake_is_told() {
        ╰────
       help: write `mode: trinary`, `scale` or `raw`, or leave the line out
 
-      ⚠ the file gives no `occupied_thresh`; 0.65 is assumed
+      ⚠ `occupied_thresh` is missing; 0.65 is assumed
       help: add a line `occupied_thresh: 0.65`
 
     no map
@@ -237,7 +237,7 @@ fn every_mistake_is_told() {
      1 │ image: a.pgm
      2 │ resolution: -1
        ·             ─┬
-       ·              ╰── metres per pixel are needed
+       ·              ╰── expected metres per pixel
      3 │ origin: [-1.0, 2, 0.0]
        ╰────
       help: write the side of a pixel, for example `resolution: 0.05`
@@ -263,19 +263,19 @@ fn every_mistake_is_told() {
        ╰────
       help: there is no image in that folder; put it beside the YAML file
 
-      × the file gives no `resolution`
+      × `resolution` is missing
       help: add a line, for example `resolution: 0.05`
 
-      × the file gives no `origin`
+      × `origin` is missing
       help: add a line, for example `origin: [0, 0, 0]`
 
-      ⚠ the file gives no `negate`; 0 is assumed
+      ⚠ `negate` is missing; 0 is assumed
       help: add a line `negate: 0`
 
-      ⚠ the file gives no `occupied_thresh`; 0.65 is assumed
+      ⚠ `occupied_thresh` is missing; 0.65 is assumed
       help: add a line `occupied_thresh: 0.65`
 
-      ⚠ the file gives no `free_thresh`; 0.196 is assumed
+      ⚠ `free_thresh` is missing; 0.196 is assumed
       help: add a line `free_thresh: 0.196`
 
     no map
@@ -287,7 +287,7 @@ fn every_mistake_is_told() {
        · ▲
      2 │ - 2
        ╰────
-      help: a map's file has a line `key: value` each: image, resolution, origin, ...
+      help: a map's file has one `key: value` per line: image, resolution, origin, ...
 
     no map
     ");
@@ -299,7 +299,7 @@ fn every_mistake_is_told() {
        ·           ▲
        ·           ╰── here
        ╰────
-      help: a map's file has a line `key: value` each: image, resolution, origin, ...
+      help: a map's file has one `key: value` per line: image, resolution, origin, ...
 
     no map
     ");
@@ -321,12 +321,12 @@ fn images_that_cannot_be_read_are_explained() {
         (b"\x89PNG\r\n\x1a\n", ""),
     ] {
         let got = check_with(&[("a.pgm", bytes)], YAML);
-        assert!(got.contains(&format!("is no image that can be read: {reason}")), "{got}");
+        assert!(got.contains(&format!("cannot be read as an image: {reason}")), "{got}");
     }
 }
 
 #[test]
-fn an_image_alone_is_no_map() {
+fn an_image_alone_is_not_a_map() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.pgm");
     let message = |bytes: &[u8]| refuse_alone(&path, bytes).map(|problem| problem.help.unwrap());

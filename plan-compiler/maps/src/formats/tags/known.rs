@@ -1,8 +1,8 @@
-//! What blocks or weakens radio unless somebody says otherwise.
+//! Tags that block or weaken radio by default.
 
 use crate::model::Role;
 
-/// What a tag makes of its object.
+/// The effect of a tag on its object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Kind {
     pub(super) role: Role,
@@ -13,7 +13,7 @@ pub(super) struct Kind {
     pub(super) is_gate: bool,
 }
 
-/// Gates that a vehicle may pass if they stand open.
+/// Gates that a vehicle can pass when they are open.
 const GATES: &[&str] = &[
     "gate",
     "lift_gate",
@@ -24,7 +24,7 @@ const GATES: &[&str] = &[
     "wicket_gate",
     "bump_gate",
 ];
-/// Values of `barrier` that stop nobody.
+/// Values of `barrier` that do not block.
 const PASSABLE: &[&str] = &[
     "kerb",
     "cattle_grid",
@@ -34,17 +34,17 @@ const PASSABLE: &[&str] = &[
     "checkpoint",
     "height_restrictor",
 ];
-/// Keys whose objects are lines even where they close, unless they say that they are areas.
+/// Keys whose objects are lines even if closed, unless tagged as areas.
 const LINES: &[&str] = &["barrier", "highway", "railway", "waterway", "power", "aerialway"];
 
-/// Metres around a point: a lamp post or a pole with what stands about its foot.
+/// Radius of a lamp post or pole with its foot, metres.
 const POST_M: f64 = 0.3;
-/// A trunk with its roots; also a boulder, and a barrier of unknown kind.
+/// Radius of a trunk with its roots, a boulder, or a barrier of unknown kind, metres.
 const TREE_M: f64 = 0.5;
-/// Feet of a pylon, a tank.
+/// Radius of a pylon's feet or a tank, metres.
 const TOWER_M: f64 = 2.0;
 
-/// Key, values (none for any), whether a line, radius of a point in metres.
+/// Key, values (empty for any), whether it is a line, radius of a point in metres.
 type Row = (&'static str, &'static [&'static str], bool, f64);
 
 const ROWS: &[Row] = &[
@@ -86,7 +86,7 @@ const ROWS: &[Row] = &[
     ("highway", &["steps"], true, 0.0),
     ("highway", &["street_lamp"], false, POST_M),
 ];
-/// What weakens radio.
+/// Tags of areas that weaken radio.
 const WOODS: [(&str, &str); 2] = [("natural", "wood"), ("landuse", "forest")];
 
 impl Kind {
@@ -100,7 +100,7 @@ impl Kind {
         is_gate: false,
     };
 
-    /// What a tag means by itself.
+    /// The default effect of a tag.
     pub(super) fn known(key: &str, value: &str) -> Option<Self> {
         if key.eq_ignore_ascii_case("building") || key.eq_ignore_ascii_case("building:part") {
             return Some(Self { wants_outline: true, ..Self::AREA });
@@ -119,7 +119,7 @@ impl Kind {
         Some(Self { is_line, radius_m, wants_outline, ..Self::AREA })
     }
 
-    /// What a tag means that somebody wants to block.
+    /// The effect of a tag that the user blocks.
     pub(super) fn of(key: &str, value: &str) -> Self {
         if is(key, "barrier") {
             let radius_m = if is(value, "bollard") { POST_M } else { TREE_M };
@@ -130,12 +130,12 @@ impl Kind {
         Self::known(key, value).unwrap_or_else(other)
     }
 
-    /// Whether a tag is that of a gate which a vehicle may pass if it stands open.
+    /// Whether a tag marks a gate that a vehicle can pass when it is open.
     pub(super) fn is_gate(key: &str, value: &str) -> bool {
         is(key, "barrier") && is_among(value, GATES)
     }
 
-    /// Whether a tag is that of a gap with nothing in it.
+    /// Whether a tag marks a gap without a gate.
     pub(super) fn is_entrance(key: &str, value: &str) -> bool {
         is(key, "barrier") && is(value, "entrance")
     }

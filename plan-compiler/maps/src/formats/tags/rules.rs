@@ -1,33 +1,33 @@
-//! What a user says about tags, by key and value.
+//! A user's rules for tags, by key and value.
 
 use crate::problem::{Place, Problem};
 use std::fmt;
 use std::str::FromStr;
 
-/// A tag that a user speaks of: `natural=water`, or `waterway` for every value of a key.
+/// A tag in a rule: `natural=water`, or `waterway` for every value of a key.
 #[derive(Clone, Debug)]
 pub struct TagRule {
     /// The key; compared without regard to case.
     pub key: String,
     /// The value; `None` for any.
     pub value: Option<String>,
-    /// Where it stands in a mission file; `None` for one of the command line.
+    /// Its place in a mission file; `None` if it came from the command line.
     pub place: Option<Place>,
 }
 
-/// What shall block and what shall not, whatever its tags mean by themselves.
+/// Rules that override the default meaning of tags.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TagRules {
-    /// Obstacles.
+    /// Tags of obstacles.
     pub block: Vec<TagRule>,
-    /// Free ground.
+    /// Tags of free ground.
     pub free: Vec<TagRule>,
-    /// Whether gates that do not say that they are locked open the barrier that they stand in.
+    /// Whether gates without `locked` open their barrier.
     pub open_gates: bool,
 }
 
 impl TagRules {
-    /// Whether nothing is said.
+    /// Whether the rules are the default.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
@@ -53,7 +53,7 @@ impl TagRule {
     }
 }
 
-/// Where it was said does not matter to what it says.
+/// Compares key and value, not the place.
 impl PartialEq for TagRule {
     fn eq(&self, other: &Self) -> bool {
         (&self.key, &self.value) == (&other.key, &other.value)

@@ -7,7 +7,7 @@ fn tags(text: &str) -> Tags {
     Tags(pairs.map(|(key, value)| (key.into(), value.into())).collect())
 }
 
-fn said(rules: &TagRules, text: &str, is_point: bool) -> String {
+fn meaning_of(rules: &TagRules, text: &str, is_point: bool) -> String {
     let tags = tags(text);
     Judge::new(rules).meaning(&tags, is_point).map_or("nothing".into(), |meaning| {
         let line = if meaning.is_line { " line" } else { "" };
@@ -22,11 +22,11 @@ fn said(rules: &TagRules, text: &str, is_point: bool) -> String {
 }
 
 fn check(text: &str, meaning: &str) {
-    assert_eq!(said(&TagRules::default(), text, false), meaning, "{text}");
+    assert_eq!(meaning_of(&TagRules::default(), text, false), meaning, "{text}");
 }
 
 fn check_point(text: &str, meaning: &str) {
-    assert_eq!(said(&TagRules::default(), text, true), meaning, "{text}");
+    assert_eq!(meaning_of(&TagRules::default(), text, true), meaning, "{text}");
 }
 
 fn rules(block: &[&str], free: &[&str], open_gates: bool) -> TagRules {
@@ -35,7 +35,7 @@ fn rules(block: &[&str], free: &[&str], open_gates: bool) -> TagRules {
 }
 
 #[test]
-fn tags_have_a_meaning_or_none() {
+fn tags_have_a_known_meaning() {
     check("building=yes, name=Shed", "Obstacle \"Shed\"");
     check("building=no", "nothing");
     check("building=", "nothing");
@@ -78,7 +78,7 @@ fn what_would_stop_a_rover_blocks() {
 }
 
 #[test]
-fn spelling_matters_not() {
+fn letter_case_does_not_matter() {
     check("BUILDING=YES", "Obstacle \"\"");
     check(" Barrier = Fence", "Obstacle line \"\"");
     check("barrier=wall;fence", "Obstacle line \"\"");
@@ -90,7 +90,11 @@ fn spelling_matters_not() {
 #[test]
 fn a_rule_with_a_value_outranks_one_without_and_block_wins_among_alike() {
     let check = |block: &[&str], free: &[&str], text: &str, expected: &str| {
-        assert_eq!(said(&rules(block, free, false), text, false), expected, "{block:?} {free:?}");
+        assert_eq!(
+            meaning_of(&rules(block, free, false), text, false),
+            expected,
+            "{block:?} {free:?}"
+        );
     };
     check(&[], &["natural=water", "waterway"], "natural=water, water=lake", "nothing");
     check(&[], &["natural=water", "waterway"], "waterway=river", "nothing");
@@ -106,7 +110,7 @@ fn a_rule_with_a_value_outranks_one_without_and_block_wins_among_alike() {
 }
 
 #[test]
-fn gates_are_shut_unless_somebody_opens_them() {
+fn gates_are_shut_by_default() {
     let opening = |rules: &TagRules, text: &str| Judge::new(rules).opening_m(&tags(text));
     let shut = TagRules::default();
     check("barrier=gate", "Obstacle line \"\"");
@@ -118,25 +122,25 @@ fn gates_are_shut_unless_somebody_opens_them() {
     assert_eq!(opening(&open, "barrier=lift_gate, maxwidth=3"), Some(3.0));
     assert_eq!(opening(&open, "barrier=gate, locked=yes"), None);
     assert_eq!(opening(&open, "barrier=stile"), None);
-    assert_eq!(said(&open, "barrier=gate", false), "nothing");
+    assert_eq!(meaning_of(&open, "barrier=gate", false), "nothing");
     let freed = rules(&[], &["barrier=gate"], false);
     assert_eq!(opening(&freed, "barrier=gate, locked=yes"), Some(GATE_WIDTH_M));
     assert_eq!(opening(&rules(&["barrier=gate"], &[], true), "barrier=gate"), None);
 }
 
 #[test]
-fn rules_that_meet_nothing_are_told() {
+fn rules_that_match_nothing_are_reported() {
     let rules = rules(&["natural=watter"], &["waterway"], true);
     let judge = Judge::new(&rules);
     assert_eq!(judge.meaning(&tags("waterway=river"), false), None);
     let mut problems = Vec::new();
-    judge.tell(&mut problems);
-    let told: Vec<String> = problems.iter().map(ToString::to_string).collect();
+    judge.report(&mut problems);
+    let reports: Vec<String> = problems.iter().map(ToString::to_string).collect();
     assert_eq!(
-        told,
+        reports,
         [
-            "nothing on the map is natural=watter, which `block` asks for",
-            "the map has no gates, which `open_gates` asks for"
+            "`block` natural=watter matches nothing on the map",
+            "`open_gates` has no effect: the map has no gates"
         ]
     );
     for wrong in ["", "=water", "natural=", "*", "nat*=water"] {
@@ -145,12 +149,12 @@ fn rules_that_meet_nothing_are_told() {
 }
 
 #[test]
-fn what_is_not_used_is_listed_by_kind() {
+fn unused_objects_are_listed_by_kind() {
     let mut unused = Unused::default();
     for text in ["highway=track, name=a", "highway=track", "Layer=Walls, id=3", "name=x", ""] {
         unused.add(&tags(text));
     }
-    assert_eq!(unused.list(), "highway=track 2, Layer=Walls 1, name=x 1, nothing said 1");
+    assert_eq!(unused.list(), "highway=track 2, Layer=Walls 1, name=x 1, no tags 1");
     (0..100).for_each(|n| unused.add(&tags(&format!("shop={n:02}"))));
     assert!(unused.list().ends_with("shop=07 1 and others 92"), "{}", unused.list());
 }

@@ -1,21 +1,21 @@
-//! What a file holds that is not on the map, by kind and count.
+//! Counts a file's objects that are not on the map, by kind.
 
 use super::Tags;
 use std::collections::HashMap;
 
-/// Kinds that are told apart: a file with more is not what a person reads about.
+/// Most kinds that are counted separately.
 const MAX_KINDS: usize = 4096;
-/// Kinds that are listed, the most frequent first.
+/// Most kinds that are listed, the most frequent first.
 const LISTED: usize = 12;
-/// Characters of a kind that are shown.
+/// Most characters shown of a kind.
 const SHOWN: usize = 40;
-/// Keys that say what an object is, the most telling first.
+/// Keys that identify an object, the most telling first.
 const TELLING: [&str; 18] = [
     "building", "barrier", "natural", "waterway", "man_made", "landuse", "leisure", "amenity",
     "highway", "railway", "power", "shop", "tourism", "historic", "place", "boundary", "layer",
     "type",
 ];
-/// Keys that say where something is known from, not what it is.
+/// Keys that describe the data's source rather than the object.
 const BOOKKEEPING: [&str; 10] = [
     "name",
     "id",
@@ -29,7 +29,7 @@ const BOOKKEEPING: [&str; 10] = [
     "timestamp",
 ];
 
-/// Objects that are passed over.
+/// Objects that are ignored.
 #[derive(Debug, Default)]
 pub(in crate::formats) struct Unused {
     kinds: HashMap<String, usize>,
@@ -67,7 +67,7 @@ impl Unused {
     }
 }
 
-/// The tag that says best what an object is.
+/// The tag that identifies an object best.
 fn kind(tags: &Tags) -> String {
     let telling = TELLING
         .iter()
@@ -84,6 +84,6 @@ fn kind(tags: &Tags) -> String {
             let shown = text.chars().map(|c| if c.is_control() { ' ' } else { c });
             shown.take(SHOWN).collect()
         }
-        None => "nothing said".into(),
+        None => "no tags".into(),
     }
 }

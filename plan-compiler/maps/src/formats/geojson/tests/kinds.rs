@@ -1,4 +1,4 @@
-//! What converters, servers and editors send: each kind once, small.
+//! Small samples of what converters, servers and editors write.
 
 use super::*;
 use crate::formats::tags::TagRules;
@@ -11,9 +11,9 @@ const HALL: &str = "[[[-0.0016439, 51.4778461], [-0.0013561, 51.4778461], [-0.00
 fn read_as(text: &str, options: &ReadOptions) -> (Option<Map>, String) {
     let source = Arc::new(Source { name: "a.geojson".into(), text: text.into() });
     let (map, problems) = read(&source, options);
-    let said = drawn(&problems, false).replace('\u{2502}', " ");
+    let messages = drawn(&problems, false).replace('\u{2502}', " ");
     let map = map.filter(|_| !has_errors(&problems));
-    (map, said.split_whitespace().collect::<Vec<_>>().join(" "))
+    (map, messages.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
 fn collection(features: &[String], head: &str) -> String {
@@ -21,24 +21,24 @@ fn collection(features: &[String], head: &str) -> String {
 }
 
 fn map(text: &str) -> (Map, String) {
-    let (map, said) = read_as(text, &ReadOptions::default());
-    (map.unwrap_or_else(|| panic!("no map of {text}\n{said}")), said)
+    let (map, messages) = read_as(text, &ReadOptions::default());
+    (map.unwrap_or_else(|| panic!("no map of {text}\n{messages}")), messages)
 }
 
 fn obstacles(map: &Map) -> usize {
     map.features.iter().filter(|feature| feature.role == Role::Obstacle).count()
 }
 
-fn says(text: &str, words: &[&str]) {
-    let (_, said) = read_as(text, &ReadOptions::default());
-    words.iter().for_each(|word| assert!(said.contains(word), "{word} missing in\n{said}"));
+fn reports(text: &str, words: &[&str]) {
+    let (_, messages) = read_as(text, &ReadOptions::default());
+    words.iter().for_each(|word| assert!(messages.contains(word), "{word} missing in\n{messages}"));
 }
 
 fn hall(properties: &str) -> String {
     feature("Polygon", HALL, properties)
 }
 
-/// Whatever is cut off within a letter that takes several bytes: an error with its place.
+/// A cut inside a multi-byte letter gives an error with its place.
 #[test]
 fn what_is_cut_off_after_any_letter_is_an_error_with_its_place() {
     let whole = collection(
@@ -47,13 +47,14 @@ fn what_is_cut_off_after_any_letter_is_an_error_with_its_place() {
     );
     for (end, _) in whole.char_indices().skip(1) {
         for tail in ["", "\u{e9}", "\u{1f333}\u{1f333}", "\u{fffd}\n\u{fffd}"] {
-            let (map, said) = read_as(&format!("{}{tail}", &whole[..end]), &ReadOptions::default());
-            assert!(map.is_none() && said.contains("a.geojson:"), "{end} {tail}: {said}");
+            let (map, messages) =
+                read_as(&format!("{}{tail}", &whole[..end]), &ReadOptions::default());
+            assert!(map.is_none() && messages.contains("a.geojson:"), "{end} {tail}: {messages}");
         }
     }
     let garbage =
         format!("{{ \"{}e\": \"Featu{}reColl", "\u{fffd}".repeat(80), "\u{fffd}".repeat(6));
-    says(&garbage, &["this is not GeoJSON", "a.geojson:1:"]);
+    reports(&garbage, &["this is not GeoJSON", "a.geojson:1:"]);
 }
 
 #[test]
@@ -65,15 +66,15 @@ fn properties_of_converters_are_understood() {
         r#""BUILDING": "YES""#,
         r#""barrier": "wall;fence""#,
     ] {
-        let (map, said) = map(&collection(&[hall(properties)], ""));
-        assert_eq!(obstacles(&map), 1, "{properties}\n{said}");
+        let (map, messages) = map(&collection(&[hall(properties)], ""));
+        assert_eq!(obstacles(&map), 1, "{properties}\n{messages}");
     }
 }
 
 #[test]
-fn nothing_vanishes_without_a_word() {
+fn ignored_features_are_reported() {
     let field = hall(r#""Layer": "Obstacles", "SubClasses": "AcDbEntity""#);
-    says(
+    reports(
         &collection(&[field], ""),
         &[
             "\u{26a0} nothing on the map is an obstacle",
@@ -81,28 +82,28 @@ fn nothing_vanishes_without_a_word() {
         ],
     );
     let lots = [hall(r#""LANDUSE": "lot""#), hall(r#""LANDUSE": "lot""#), hall("")];
-    says(
+    reports(
         &collection(&lots, ""),
         &[
-            "\u{26a0} nothing on the map is an obstacle; not used: LANDUSE=lot 2, nothing said 1",
+            "\u{26a0} nothing on the map is an obstacle; not used: LANDUSE=lot 2, no tags 1",
             "--block KEY=VALUE",
         ],
     );
     let centre =
         feature("Point", "[-0.0015, 51.4779]", r#""building": "yes", "@geometry": "center""#);
-    says(
+    reports(
         &collection(&[centre], ""),
-        &["\u{26a0} drawn as a point, which has no outline: building=yes 1"],
+        &["\u{26a0} drawn as points, without an outline: building=yes 1"],
     );
     let null = r#"{"type": "Feature", "properties": {"building": "yes"}, "geometry": null}"#;
-    says(
+    reports(
         &collection(&[null.into(), hall(r#""building": 1"#)], ""),
         &["\u{26a0} without coordinates, so not on the map: building=yes 1"],
     );
 }
 
 #[test]
-fn geometries_without_positions_are_nowhere() {
+fn geometries_without_positions_are_not_drawn() {
     for (kind, coordinates) in [
         ("Point", "[]"),
         ("Polygon", "[[]]"),
@@ -111,11 +112,11 @@ fn geometries_without_positions_are_nowhere() {
         ("MultiPoint", "[]"),
     ] {
         let empty = feature(kind, coordinates, r#""name": "a""#);
-        let (map, said) = map(&collection(&[empty, hall(r#""building": "yes""#)], ""));
+        let (map, messages) = map(&collection(&[empty, hall(r#""building": "yes""#)], ""));
         assert_eq!((obstacles(&map), map.points.len()), (1, 0), "{kind}");
         assert!(
-            said.contains("\u{26a0} without coordinates, so not on the map: name=a 1"),
-            "{said}"
+            messages.contains("\u{26a0} without coordinates, so not on the map: name=a 1"),
+            "{messages}"
         );
     }
 }
@@ -133,8 +134,8 @@ fn systems_are_known_by_name_and_by_code() {
         assert_eq!(obstacles(&map(&with(crs)).0), 1, "{crs}");
     }
     let help = "ogr2ogr -t_srs EPSG:4326";
-    says(&with(r#"{"type": "EPSG", "properties": {"code": 3857}}"#), &["in EPSG:3857", help]);
-    says(
+    reports(&with(r#"{"type": "EPSG", "properties": {"code": 3857}}"#), &["in EPSG:3857", help]);
+    reports(
         &with(r#"{"type": "name", "properties": {"name": "EPSG:32630"}}"#),
         &["in EPSG:32630", help],
     );
@@ -155,22 +156,22 @@ fn features_one_after_the_other_are_a_map() {
         assert_eq!((obstacles(&map), map.points.len()), (1, 1), "{text}");
     }
     assert_eq!(obstacles(&map(&format!("\u{1e}{one}\n")).0), 1);
-    says(
+    reports(
         &format!("{one}\n{}", &two[..40]),
-        &["record 2 of the sequence is no feature", "a.geojson:2:"],
+        &["record 2 of the sequence is not a feature", "a.geojson:2:"],
     );
-    says(&format!("{one}\n{{\"type\": \"Point\"}}"), &["records[1] is no feature"]);
+    reports(&format!("{one}\n{{\"type\": \"Point\"}}"), &["records[1] is not a feature"]);
 }
 
 #[test]
-fn what_is_taken_for_geojson_is_named() {
-    says(r#"{"type": "Topology", "objects": {}, "arcs": []}"#, &["TopoJSON", "mapshaper"]);
-    says(
+fn formats_mistaken_for_geojson_are_named() {
+    reports(r#"{"type": "Topology", "objects": {}, "arcs": []}"#, &["TopoJSON", "mapshaper"]);
+    reports(
         r#"{"geometryType": "esriGeometryPolygon", "features": [{"attributes": {}}]}"#,
         &["ArcGIS", "ogr2ogr"],
     );
-    says(r#"{"type": "Polygon", "coordinates": []}"#, &["wrap geometries in features"]);
-    says(
+    reports(r#"{"type": "Polygon", "coordinates": []}"#, &["wrap geometries in features"]);
+    reports(
         &collection(&[feature("Point", r#"["-0.0015", "51.4779"]"#, "")], ""),
         &["without quotes"],
     );
@@ -180,20 +181,20 @@ fn what_is_taken_for_geojson_is_named() {
 fn swapped_coordinates_are_suspected() {
     let swapped = "[[[51.4778461, -0.0016439], [51.4778461, -0.0013561], [51.4779539, -0.0013561], [51.4778461, -0.0016439]]]";
     let wrong = feature("Polygon", swapped, r#""building": "yes""#);
-    says(
+    reports(
         &collection(std::slice::from_ref(&wrong), ""),
         &[
-            "\u{26a0} the map lies at latitude -0.0015, longitude 51.4779, where no land is",
+            "\u{26a0} the map lies at latitude -0.0015, longitude 51.4779, on open sea or ice",
             "swapped",
         ],
     );
     let bbox = "\"bbox\": [-0.0018, 51.4777, -0.0012, 51.4781], ";
-    says(
+    reports(
         &collection(&[wrong], bbox),
-        &["outside the bounds", "latitude and longitude are swapped in one of both"],
+        &["outside its stated bounds", "latitude and longitude are swapped in one of the two"],
     );
-    let (_, said) = map(&collection(&[hall(r#""building": "yes""#)], ""));
-    assert!(!said.contains('\u{26a0}'), "{said}");
+    let (_, messages) = map(&collection(&[hall(r#""building": "yes""#)], ""));
+    assert!(!messages.contains('\u{26a0}'), "{messages}");
 }
 
 #[test]
@@ -202,16 +203,16 @@ fn the_file_or_the_user_says_where_the_origin_is() {
     let head = "\"origin\": [-0.0015, 51.4779], ";
     let origin = GeoPoint::from_degrees(51.4779, -0.0015);
     for features in [vec![hall("\"building\": 1")], vec![hall("\"building\": 1"), shed]] {
-        let (there, said) = map(&collection(&features, head));
-        assert_eq!(there.reference.map(|it| it.place), origin, "{said}");
+        let (there, messages) = map(&collection(&features, head));
+        assert_eq!(there.reference.map(|it| it.place), origin, "{messages}");
         let other = GeoPoint::from_degrees(51.4778, -0.0016);
         let options = ReadOptions { origin: other, ..ReadOptions::default() };
         let (there, _) = read_as(&collection(&features, head), &options);
         assert_eq!(there.and_then(|map| map.reference).map(|it| it.place), other);
     }
-    says(&collection(&[hall("")], "\"origin\": [0, 91], "), &["the origin is off the globe"]);
-    says(&collection(&[hall("")], "\"origin\": 3, "), &["the origin is no position"]);
-    says(
+    reports(&collection(&[hall("")], "\"origin\": [0, 91], "), &["the origin is off the globe"]);
+    reports(&collection(&[hall("")], "\"origin\": 3, "), &["the origin is not a position"]);
+    reports(
         &collection(&[hall("")], "\"origin\": [51.4779, -0.0015], "),
         &["are swapped, in the origin or in the map"],
     );
@@ -225,8 +226,8 @@ fn gates_open_the_fence_whose_corner_they_are() {
     let text = collection(&[fence, gate], "");
     assert_eq!(obstacles(&map(&text).0), 1);
     let tags = TagRules { open_gates: true, ..TagRules::default() };
-    let (open, said) = read_as(&text, &ReadOptions { tags, ..ReadOptions::default() });
-    assert_eq!(open.map(|map| obstacles(&map)), Some(2), "{said}");
+    let (open, messages) = read_as(&text, &ReadOptions { tags, ..ReadOptions::default() });
+    assert_eq!(open.map(|map| obstacles(&map)), Some(2), "{messages}");
 }
 
 #[test]
@@ -250,10 +251,10 @@ fn a_position_takes_no_more_memory_than_its_numbers() {
 }
 
 #[test]
-fn lists_without_number_are_refused_before_they_are_read() {
+fn endless_lists_are_refused_before_they_are_read() {
     let many =
         format!("{{\"type\": \"FeatureCollection\", \"features\": [{}]}}", "[],".repeat(MAX_LISTS));
-    says(&many, &["the file has 8388609 lists"]);
+    reports(&many, &["the file has 8388609 lists"]);
     let many = feature("Point", "[0, 0]", &"\"a\": 0, ".repeat(20_000));
-    says(&collection(&[many.replace(", }", "}")], ""), &["more than 10000 members"]);
+    reports(&collection(&[many.replace(", }", "}")], ""), &["more than 10000 members"]);
 }

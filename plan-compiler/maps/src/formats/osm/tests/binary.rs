@@ -1,5 +1,5 @@
-//! What only the binary encoding has: compressions, places in ways, versions; and small files that
-//! hold much.
+//! Features of the binary encoding: compressions, places in ways, versions, and small files with
+//! many objects.
 
 use super::super::pbf;
 use super::super::wire::Damaged;
@@ -19,7 +19,7 @@ fn zlib(bytes: &[u8]) -> Vec<u8> {
     block("OSMData", &Message::default().number(2, bytes.len() as u64).bytes(3, &packed))
 }
 
-/// Why a file is refused within a budget; nothing where it is read.
+/// Why a file is refused within a budget; empty if it is read.
 fn refused(blocks: &[Vec<u8>], budget: usize) -> String {
     let bytes = [header(), blocks.concat()].concat();
     let read = pbf::parse_within(Path::new("a.pbf"), &bytes, budget);
@@ -27,11 +27,11 @@ fn refused(blocks: &[Vec<u8>], budget: usize) -> String {
 }
 
 const TOO_MUCH: &str =
-    "a.pbf cannot be read: it holds more than a robot's map needs: beyond 1 GiB of memory";
+    "a.pbf cannot be read: it is larger than a robot's map needs to be: over 1 GiB of memory";
 
-/// Each a kind of object that is a byte or two in the file and many in memory.
+/// Objects that take a byte or two in the file and many in memory, one case per kind.
 #[test]
-fn small_files_that_hold_much_are_refused_within_one_block() {
+fn small_files_with_many_objects_are_refused_within_one_block() {
     let zeros = |count: usize| vec![0u64; count];
     let way = Message::default().number(1, 1).packed(8, zeros(4 * MIB));
     let relation = Message::default()
@@ -57,12 +57,12 @@ fn small_files_that_hold_much_are_refused_within_one_block() {
     for (index, group) in groups.iter().enumerate() {
         let packed = zlib(&data(&[""], group).0);
         assert!(packed.len() < 64 << 10, "{index}: {}", packed.len());
-        // Nodes alike are one node; all others ask for their memory.
+        // Equal nodes are one node; all others are charged to the budget.
         let expected = if index == 6 { "" } else { TOO_MUCH };
         if index != 6 {
             assert_eq!(refused(std::slice::from_ref(&packed), 16 * MIB), expected, "{index}");
         }
-        // Spread over blocks they are no less.
+        // The same spread over several blocks.
         if index == 0 {
             assert_eq!(refused(&vec![packed; 3], 128 * MIB), TOO_MUCH);
         }
@@ -101,12 +101,12 @@ fn compressions_are_read_or_named() {
     for (field, kind) in [(4, "lzma"), (5, "bzip2"), (6, "lz4"), (7, "zstd")] {
         let blob = Message::default().number(2, 9).bytes(field, b"whatever");
         let expected =
-            format!("a.pbf cannot be read: it is compressed with {kind}, which is not read");
+            format!("a.pbf cannot be read: it is compressed with {kind}, which is not supported");
         assert_eq!(refused(&[block("OSMData", &blob)], 1 << 30), expected);
     }
 }
 
-/// As `osmium add-locations-to-ways` writes it: no nodes, and their places in the ways.
+/// As `osmium add-locations-to-ways` writes it: places in the ways instead of nodes.
 #[test]
 fn places_in_ways_are_used() {
     let way = Message::default().number(1, 1).packed(2, [1]).packed(3, [2]);
@@ -151,7 +151,7 @@ fn versions_are_read_wherever_they_stand() {
 }
 
 #[test]
-fn numbers_that_run_on_are_damage() {
+fn endless_numbers_are_damage() {
     let mut fields = super::super::wire::fields(&[0xff; 12]);
     assert_eq!(fields.next(), Some(Err(Damaged)));
     assert_eq!(fields.next(), None);

@@ -1,4 +1,4 @@
-//! What servers, editors and converters send: each kind once, small.
+//! Small samples of what servers, editors and converters write.
 
 use super::*;
 use crate::formats::tags::TagRules;
@@ -26,20 +26,20 @@ fn refs(nodes: &[usize]) -> String {
 
 fn read_as(text: &str, options: &ReadOptions) -> (Map, String) {
     let (map, problems) = read(&source(text), options);
-    let said = drawn(&problems, false);
-    (map.unwrap_or_else(|| panic!("no map\n{said}")), said)
+    let messages = drawn(&problems, false);
+    (map.unwrap_or_else(|| panic!("no map\n{messages}")), messages)
 }
 
 fn in_osm(objects: &str) -> (Map, String) {
     read_as(&format!("<osm version=\"0.6\">{objects}</osm>"), &ReadOptions::default())
 }
 
-/// Refused with words.
+/// Expects an error with these words.
 fn refuses(text: &str, words: &[&str]) {
     let (map, problems) = read(&source(text), &ReadOptions::default());
-    let said = drawn(&problems, false).split_whitespace().collect::<Vec<_>>().join(" ");
+    let messages = drawn(&problems, false).split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(map.is_none(), "{text}");
-    words.iter().for_each(|word| assert!(said.contains(word), "{word} missing in\n{said}"));
+    words.iter().for_each(|word| assert!(messages.contains(word), "{word} missing in\n{messages}"));
 }
 
 /// The corners of the only feature's rings.
@@ -84,15 +84,15 @@ fn places_in_ways_and_members_are_used() {
         member(7, &[1, 2, 3]),
         member(8, &[1, 4, 3])
     );
-    let (map, said) = in_osm(&relation);
-    assert_eq!(rings(&map), [4], "{said}");
-    // Cut off at the border of what was asked for.
-    let (_, said) = in_osm(&relation.replace(&bare(2), "<nd/>"));
-    assert!(said.contains("nodes missing: 1"), "{said}");
+    let (map, messages) = in_osm(&relation);
+    assert_eq!(rings(&map), [4], "{messages}");
+    // Cut off at the border of the requested area.
+    let (_, messages) = in_osm(&relation.replace(&bare(2), "<nd/>"));
+    assert!(messages.contains("nodes missing: 1"), "{messages}");
 }
 
 #[test]
-fn members_that_stand_there_twice_count_once() {
+fn repeated_members_count_once() {
     let ways =
         format!("<way id=\"1\">{}</way><way id=\"2\">{}</way>", refs(&[1, 2, 3]), refs(&[3, 4, 1]));
     let member = |id: usize| format!("<member type=\"way\" ref=\"{id}\" role=\"outer\"/>");
@@ -102,8 +102,8 @@ fn members_that_stand_there_twice_count_once() {
         member(2),
         member(1)
     );
-    let (map, said) = in_osm(&format!("{BOUNDS}{}{ways}{relation}", nodes()));
-    assert_eq!(rings(&map), [4], "{said}");
+    let (map, messages) = in_osm(&format!("{BOUNDS}{}{ways}{relation}", nodes()));
+    assert_eq!(rings(&map), [4], "{messages}");
 }
 
 #[test]
@@ -139,14 +139,14 @@ fn courtyards_that_share_a_wall_are_one() {
     };
     let (map, _) = in_osm(&format!("{nodes}{ways}{}", relation(BUILDING_TAG)));
     assert_eq!(rings(&map), [4, 6]);
-    // As before 2017: what it is stands at the outer way, and the relation has a source.
+    // As before 2017: the outer way has the tags, the relation only a source.
     let old = ways.replacen("</way>", &format!("{BUILDING_TAG}</way>"), 1);
     let (map, _) = in_osm(&format!("{nodes}{old}{}", relation("<tag k=\"source\" v=\"survey\"/>")));
     assert_eq!(rings(&map), [4, 6]);
 }
 
 #[test]
-fn what_is_deleted_is_gone_and_the_newest_version_counts() {
+fn deleted_objects_are_gone_and_the_newest_version_counts() {
     let way = |attributes: &str, tag: &str| {
         format!("<way id=\"1\" {attributes}>{}{tag}</way>", refs(&[1, 2, 3, 4, 1]))
     };
@@ -161,34 +161,36 @@ fn what_is_deleted_is_gone_and_the_newest_version_counts() {
 }
 
 #[test]
-fn what_has_a_meaning_and_no_outline_is_told() {
-    let told = |objects: &str, words: &[&str]| {
-        let (map, said) = in_osm(&format!("{BOUNDS}{objects}"));
-        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-        words.iter().for_each(|word| assert!(said.contains(word), "{word} missing in\n{said}"));
-        assert!(said.contains('\u{26a0}'), "{said}");
+fn objects_without_their_outline_are_reported() {
+    let reports = |objects: &str, words: &[&str]| {
+        let (map, messages) = in_osm(&format!("{BOUNDS}{objects}"));
+        let messages = messages.split_whitespace().collect::<Vec<_>>().join(" ");
+        words
+            .iter()
+            .for_each(|word| assert!(messages.contains(word), "{word} missing in\n{messages}"));
+        assert!(messages.contains('\u{26a0}'), "{messages}");
         map
     };
     let nowhere = "without coordinates, so not on the map: building=yes 1";
-    told(
+    reports(
         &format!("<way id=\"1\"><center lat=\"51.4779\" lon=\"-0.0015\"/>{BUILDING_TAG}</way>"),
         &[nowhere, "out geom;"],
     );
-    told(&format!("<way id=\"1\">{}{BUILDING_TAG}</way>", refs(&[1, 2, 3])), &[nowhere]);
-    told(
+    reports(&format!("<way id=\"1\">{}{BUILDING_TAG}</way>", refs(&[1, 2, 3])), &[nowhere]);
+    reports(
         &format!(
             "<relation id=\"1\"><tag k=\"type\" v=\"multipolygon\"/>{BUILDING_TAG}</relation>"
         ),
         &[nowhere],
     );
     let node = format!("<node id=\"1\" lat=\"51.4779\" lon=\"-0.0015\">{BUILDING_TAG}</node>");
-    let map = told(&node, &["drawn as a point, which has no outline: building=yes 1"]);
+    let map = reports(&node, &["drawn as points, without an outline: building=yes 1"]);
     assert_eq!(map.features.len(), 1);
 }
 
 #[test]
 fn ways_without_any_node_are_named() {
-    let words = ["the file has 1 ways and relations, and no place of any node", "out geom;"];
+    let words = ["the file has 1 ways and relations, but no positions of nodes", "out geom;"];
     refuses(&format!("<osm><way id=\"1\">{}{BUILDING_TAG}</way></osm>", refs(&[1, 2])), &words);
     let way =
         "{\"type\": \"way\", \"id\": 1, \"nodes\": [1, 2], \"tags\": {\"building\": \"yes\"}}";
@@ -196,18 +198,18 @@ fn ways_without_any_node_are_named() {
 }
 
 #[test]
-fn a_map_in_which_nothing_blocks_says_what_it_holds() {
+fn a_map_without_obstacles_lists_its_objects() {
     let way = |id: usize, key: &str, value: &str| {
         format!("<way id=\"{id}\">{}<tag k=\"{key}\" v=\"{value}\"/></way>", refs(&[1, 2]))
     };
     let ways =
         [way(1, "highway", "track"), way(2, "highway", "track"), way(3, "landuse", "meadow")];
-    let (_, said) = in_osm(&format!("{BOUNDS}{}{}", nodes(), ways.concat()));
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(said.contains("\u{26a0} nothing on the map is an obstacle; not used: highway=track 2, landuse=meadow 1"), "{said}");
-    // An empty field that somebody fenced off with bounds is what it says.
-    let (_, said) = in_osm(&format!("{BOUNDS}{}", nodes()));
-    assert!(!said.contains('\u{26a0}'), "{said}");
+    let (_, messages) = in_osm(&format!("{BOUNDS}{}{}", nodes(), ways.concat()));
+    let messages = messages.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(messages.contains("\u{26a0} nothing on the map is an obstacle; not used: highway=track 2, landuse=meadow 1"), "{messages}");
+    // An empty field with bounds is accepted.
+    let (_, messages) = in_osm(&format!("{BOUNDS}{}", nodes()));
+    assert!(!messages.contains('\u{26a0}'), "{messages}");
 }
 
 #[test]
@@ -219,8 +221,11 @@ fn water_blocks_a_rover_and_carries_a_boat() {
     assert_eq!(rings(&map), [4]);
     let free = vec!["natural=water".parse().expect("a rule")];
     let tags = TagRules { free, ..TagRules::default() };
-    let (map, said) = read_as(&file, &ReadOptions { tags, ..ReadOptions::default() });
-    assert!(map.features.is_empty() && said.contains("not used: 1 (natural=water 1)"), "{said}");
+    let (map, messages) = read_as(&file, &ReadOptions { tags, ..ReadOptions::default() });
+    assert!(
+        map.features.is_empty() && messages.contains("not used: natural=water 1"),
+        "{messages}"
+    );
 }
 
 #[test]
@@ -239,7 +244,7 @@ fn gates_open_their_fence_on_request() {
         tags: TagRules { open_gates: true, ..TagRules::default() },
         ..ReadOptions::default()
     };
-    let (map, said) = read_as(&file, &open);
+    let (map, messages) = read_as(&file, &open);
     let ends: Vec<Point> = map
         .features
         .iter()
@@ -248,11 +253,11 @@ fn gates_open_their_fence_on_request() {
             other => panic!("{other:?}"),
         })
         .collect();
-    assert_eq!(ends.len(), 4, "{said}");
+    assert_eq!(ends.len(), 4, "{messages}");
     let gap = ends[2][0] - ends[1][0];
     assert!((gap - 3.0).abs() < 1e-6, "{gap}");
-    let (_, said) = read_as(&file.replace("gate", "stile"), &open);
-    assert!(said.contains("the map has no gates"), "{said}");
+    let (_, messages) = read_as(&file.replace("gate", "stile"), &open);
+    assert!(messages.contains("the map has no gates"), "{messages}");
 }
 
 #[test]
@@ -260,14 +265,17 @@ fn an_origin_that_is_given_is_kept() {
     let origin = GeoPoint::from_degrees(51.4779, -0.0015);
     let options = ReadOptions { origin, ..ReadOptions::default() };
     let place = |objects: &str| {
-        let (map, said) = read_as(&format!("<osm>{}{objects}</osm>", nodes()), &options);
-        assert!(said.contains("0,0 is the origin that was given"), "{said}");
+        let (map, messages) = read_as(&format!("<osm>{}{objects}</osm>", nodes()), &options);
+        assert!(messages.contains("0,0 is the given origin"), "{messages}");
         map.reference.map(|reference| reference.place)
     };
     assert_eq!(place(""), origin);
     assert_eq!(place("<node id=\"9\" lat=\"51.49\" lon=\"-0.001\"/>"), origin);
-    let (_, said) = in_osm(&nodes());
-    assert!(said.contains("--origin") && said.contains("depends on the file"), "{said}");
+    let (_, messages) = in_osm(&nodes());
+    assert!(
+        messages.contains("--origin") && messages.contains("depends on the file"),
+        "{messages}"
+    );
 }
 
 #[test]
@@ -300,19 +308,22 @@ fn an_answer_of_overpass_in_json_is_the_same_map() {
     );
     let (map, _) = read_as(&answer(&relation, ""), &ReadOptions::default());
     assert_eq!(rings(&map), [4]);
-    let (_, said) = read_as(
+    let (_, messages) = read_as(
         &answer(&nodes.join(", "), ", \"remark\": \"Query timed out\""),
         &ReadOptions::default(),
     );
-    assert!(said.contains("the server remarks: Query timed out"), "{said}");
-    refuses(&answer("{\"type\": \"node\"}", ""), &["no answer of Overpass", "missing field `id`"]);
+    assert!(messages.contains("the server remarks: Query timed out"), "{messages}");
+    refuses(
+        &answer("{\"type\": \"node\"}", ""),
+        &["not an answer from Overpass", "missing field `id`"],
+    );
     let whole = answer("{\"type\": \"way\", \"id\": 1, \"\u{e9}", "");
     let cut = whole.split_inclusive('\u{e9}').next().expect("a letter");
-    refuses(cut, &["no answer of Overpass", "a.osm:1:"]);
+    refuses(cut, &["not an answer from Overpass", "a.osm:1:"]);
 }
 
 #[test]
-fn what_is_no_extract_is_named() {
+fn files_that_are_not_extracts_are_named() {
     refuses(
         "<osmChange version=\"0.6\"><delete><way id=\"1\"/></delete></osmChange>",
         &["list of changes (.osc)", "osmium apply-changes"],
@@ -321,24 +332,28 @@ fn what_is_no_extract_is_named() {
         "<?xml version=\"1.0\"?><!DOCTYPE html><html><p>Error: runtime error, see <osm</p></html>",
         &["web page"],
     );
-    refuses("<gpx></gpx>", &["no extract of OpenStreetMap"]);
+    refuses("<gpx></gpx>", &["not an OpenStreetMap extract"]);
 }
 
-/// Quadratic work and endless nesting are refused by limits, not borne.
+/// Limits refuse quadratic work and endless nesting.
 #[test]
 fn attributes_and_nesting_are_bounded() {
     let attributes: String = (0..100_000).map(|n| format!(" a{n}=\"\"")).collect();
     refuses(&format!("<osm><node{attributes}/></osm>"), &["more than 64 attributes"]);
-    refuses("<osm><node id=\"1\" id=\"2\"/></osm>", &["stands there twice"]);
+    refuses("<osm><node id=\"1\" id=\"2\"/></osm>", &["is given twice"]);
     refuses(&format!("<osm>{}", "<a>".repeat(100_000)), &["nested deeper than 64"]);
     refuses(&format!("<osm>{}", "<node/>".repeat(100_000)), &["<node> has no id"]);
 }
 
 #[test]
-fn a_text_that_holds_much_is_refused_by_its_budget() {
+fn a_text_beyond_the_budget_is_refused() {
     let text = format!("<osm><way id=\"1\">{}</way></osm>", "<nd ref=\"1\"/>".repeat(1000));
     let mut problems = Vec::new();
     assert!(xml::parse_within(&source(&text), &mut problems, 8 << 10).is_none());
-    assert!(problems[0].message.contains("more than a robot's map needs"), "{}", problems[0]);
+    assert!(
+        problems[0].message.contains("larger than a robot's map needs to be"),
+        "{}",
+        problems[0]
+    );
     assert!(xml::parse_within(&source(&text), &mut Vec::new(), 32 << 10).is_some());
 }

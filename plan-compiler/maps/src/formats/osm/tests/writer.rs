@@ -1,4 +1,4 @@
-//! The binary encoding written, for tests: one block, uncompressed, no more than is read.
+//! Writes the binary encoding for tests: one uncompressed block with the fields that are read.
 //!
 //! Source: the wiki of OpenStreetMap, "PBF Format"; field numbers are of its `.proto` files.
 
@@ -11,7 +11,7 @@ pub(super) enum Nodes {
     Plain,
 }
 
-/// Bytes of a message.
+/// Bytes of a protocol buffer message.
 #[derive(Clone, Default)]
 pub(super) struct Message(pub(super) Vec<u8>);
 
@@ -44,18 +44,18 @@ impl Message {
     }
 }
 
-/// Signed numbers with small ones first.
+/// Zigzag encoding of a signed number.
 pub(super) fn zigzag(value: i64) -> u64 {
     ((value << 1) ^ (value >> 63)) as u64
 }
 
-/// Each number as its difference from the one before.
+/// Packs each number as the difference from the previous one.
 pub(super) fn deltas(values: impl IntoIterator<Item = i64>) -> Vec<u64> {
     let mut before = 0;
     values.into_iter().map(|value| zigzag(value - std::mem::replace(&mut before, value))).collect()
 }
 
-/// Texts by number; the first is no text.
+/// Table of texts; the first is empty.
 struct Strings(Vec<String>);
 
 impl Strings {
@@ -79,13 +79,13 @@ fn blob(kind: &str, message: &Message) -> Vec<u8> {
     block(kind, &Message::default().bytes(1, &message.0))
 }
 
-/// A block of a file, however it is compressed.
+/// A block of a file with any compression.
 pub(super) fn block(kind: &str, blob: &Message) -> Vec<u8> {
     let header = Message::default().bytes(1, kind.as_bytes()).number(3, blob.0.len() as u64);
     [&(header.0.len() as u32).to_be_bytes()[..], &header.0, &blob.0].concat()
 }
 
-/// A file of one group of objects, whose texts are these.
+/// A file with one group of objects and these texts.
 pub(super) fn file(strings: &[&str], group: &Message) -> Vec<u8> {
     let block = data(strings, group);
     [header(), blob("OSMData", &block)].concat()
@@ -146,7 +146,7 @@ pub(super) fn write(extract: &Extract, nodes: Nodes) -> Vec<u8> {
 /// Every node by number, with its tags.
 fn all_nodes(extract: &Extract) -> Vec<(i64, [i64; 2], Option<&Object>)> {
     let mut ids: Vec<i64> = extract.places.keys().copied().collect();
-    // Tagged nodes in their own order: it is the order of what is drawn.
+    // Tagged nodes in their order, which is the order of drawing.
     ids.sort_by_key(|id| {
         (extract.nodes.iter().position(|node| node.id == *id).map_or(-1, |at| at as i64), *id)
     });
@@ -188,7 +188,7 @@ fn plain(extract: &Extract, strings: &mut Strings) -> Message {
     group
 }
 
-/// A file that asks its reader for a feature more.
+/// A file that requires a further feature.
 pub(super) fn with_feature(file: &[u8], feature: &str) -> Vec<u8> {
     let header = Message::default().bytes(4, feature.as_bytes());
     [blob("OSMHeader", &header), file.to_vec()].concat()

@@ -42,7 +42,7 @@ fn misspelt_keywords_are_named_with_the_one_meant() {
 }
 
 #[test]
-fn what_a_statement_lacks_is_named() {
+fn missing_parts_of_a_statement_are_named() {
     assert_snapshot!(measures(
         "WALL a\nOBSTACLE 1 2\nPP\nPP b 1\nBOUNDARY c 1 2 3\nOBJECT 1 2 3 LOOSE blue\nOBJECT 1 2 3 FIXED\nPP d 7 8"
     ), @r#"
@@ -114,7 +114,7 @@ fn what_a_statement_lacks_is_named() {
         ·                ╰── expected the colour after this
      10 │ PP d 7 8
         ╰────
-      help: add a colour, which MissionLab asks for; planning does not
+      help: add a colour; MissionLab requires it, planning does not use it
 
     extent 0,0 + 100,100
     Obstacle "" circle 1,2 radius 1.5
@@ -123,9 +123,9 @@ fn what_a_statement_lacks_is_named() {
 }
 
 #[test]
-fn too_much_of_a_statement_is_named() {
+fn surplus_parts_of_a_statement_are_named() {
     assert_snapshot!(measures("PP b 1 2 3 4\nOBSTACLE 1 2 3 4 5\nPP d 7 8 \"m\""), @r#"
-      × 4 belongs to no statement
+      × 4 is not part of a statement
        ╭─[a.ovl:3:12]
      2 │ CONTROL MEASURES:
      3 │ PP b 1 2 3 4
@@ -135,7 +135,7 @@ fn too_much_of_a_statement_is_named() {
        ╰────
       help: the statement before it is complete: remove it, or add the keyword it lacks
 
-      × 5 belongs to no statement
+      × 5 is not part of a statement
        ╭─[a.ovl:4:18]
      3 │ PP b 1 2 3 4
      4 │ OBSTACLE 1 2 3 4 5
@@ -145,7 +145,7 @@ fn too_much_of_a_statement_is_named() {
        ╰────
       help: the statement before it is complete: remove it, or add the keyword it lacks
 
-      × "m" belongs to no statement
+      × "m" is not part of a statement
        ╭─[a.ovl:5:10]
      4 │ OBSTACLE 1 2 3 4 5
      5 │ PP d 7 8 "m"
@@ -202,12 +202,12 @@ fn names_that_cannot_be_bare_are_explained() {
 #[test]
 fn damaged_tokens_are_reported_once() {
     assert_snapshot!(measures("PP \"a 1 2\nPP b 1.2.3 4\nPP c, 5 6\nPP d 1e999 2\nPP e 7 8"), @r#"
-      × a quoted name has no end
+      × a quoted name is not closed
        ╭─[a.ovl:3:4]
      2 │ CONTROL MEASURES:
      3 │ PP "a 1 2
        ·    ───┬──
-       ·       ╰── no second quote on this line
+       ·       ╰── no closing quote on this line
      4 │ PP b 1.2.3 4
        ╰────
       help: close the name with " on the same line
@@ -262,7 +262,7 @@ fn coordinates_must_be_on_the_globe_and_finite() {
        ╰────
       help: if the two are swapped, write GLOBAL_REF_POINT 0 95
 
-      × MISSION-AREA has no inside
+      × MISSION-AREA is empty
        ╭─[a.ovl:3:1]
      2 │ ORIGIN 1 0
      3 │ MISSION-AREA 0 10
@@ -322,7 +322,7 @@ fn coordinates_must_be_on_the_globe_and_finite() {
 #[test]
 fn impossible_shapes_are_refused() {
     assert_snapshot!(measures("OBSTACLE 1 2 -3\nOBSTACLE 1 2 1e300\nOBJECT 1 2 -3 FIXED blue\nBOUNDARY NoFlyZone 1 2 3 4"), @r#"
-      × no circle is of this size
+      × the circle's size is invalid
        ╭─[a.ovl:3:14]
      2 │ CONTROL MEASURES:
      3 │ OBSTACLE 1 2 -3
@@ -332,7 +332,7 @@ fn impossible_shapes_are_refused() {
        ╰────
       help: write it in metres
 
-      × no circle is of this size
+      × the circle's size is invalid
        ╭─[a.ovl:4:14]
      3 │ OBSTACLE 1 2 -3
      4 │ OBSTACLE 1 2 1e300
@@ -342,7 +342,7 @@ fn impossible_shapes_are_refused() {
        ╰────
       help: write it in metres
 
-      × no circle is of this size
+      × the circle's size is invalid
        ╭─[a.ovl:5:12]
      4 │ OBSTACLE 1 2 1e300
      5 │ OBJECT 1 2 -3 FIXED blue
@@ -359,7 +359,7 @@ fn impossible_shapes_are_refused() {
        · ─────────────┬────────────
        ·              ╰── its name makes it a zone
        ╰────
-      help: add points, or name the line otherwise
+      help: add points, or rename the line
 
     extent 0,0 + 100,100
     "#);
@@ -434,7 +434,7 @@ fn facts_given_twice_and_obsolete_ones_are_warned_about() {
        ╰────
       help: remove the other one
 
-      ⚠ there is a second StartPlace
+      ⚠ StartPlace is given twice
        ╭─[a.ovl:6:1]
      5 │ PP StartPlace 1 2
      6 │ PP StartPlace* 3 4
@@ -442,7 +442,7 @@ fn facts_given_twice_and_obsolete_ones_are_warned_about() {
        ·          ╰── ignored
      7 │ SP start 5 6
        ╰────
-      help: keep one of them, or name this one otherwise
+      help: keep one of them, or rename this one
 
       ⚠ SP is obsolete and ignored
        ╭─[a.ovl:7:1]

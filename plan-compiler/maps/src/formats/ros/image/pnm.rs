@@ -1,13 +1,13 @@
-//! Whether a PGM, PPM or PBM holds exactly the samples that its header promises.
+//! Checks that a PGM, PPM or PBM holds exactly the samples that its header promises.
 //!
-//! What a header of eight bytes says decides where every row begins. A file that went through a
-//! program that changes line ends, or whose header does not fit, decodes without a fault and is
-//! shifted by a pixel a row; the number of bytes gives it away.
+//! The short header decides where every row begins. A file with converted line ends or a wrong
+//! header decodes without an error, but is shifted by a pixel per row; only the number of bytes
+//! reveals it.
 
 use image::codecs::pnm::{PnmDecoder, PnmHeader, PnmSubtype, SampleEncoding};
 use std::io::Cursor;
 
-/// Why the bytes of an image that can be decoded are not what they say.
+/// An error if the bytes of a decodable image contradict its header.
 pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
     let decoder = PnmDecoder::new(Cursor::new(bytes)).map_err(|error| error.to_string())?;
     let (at, header) = decoder.into_inner();
@@ -20,25 +20,27 @@ pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
         (data.len().saturating_sub(promised), promised.saturating_sub(data.len()));
     if more > 0 && head.contains(&b'\r') {
         return Err("its header has the line ends of Windows (CR LF), so that every row would be \
-                    shifted; the file was changed as text is, or written by a wrong program"
+                    shifted; the file was converted as if it were text, or written by a faulty program"
             .into());
     }
     if more > 0 {
-        return Err(format!("it holds {more} bytes more than its header says"));
+        return Err(format!("it holds {more} bytes more than its header declares"));
     }
-    // The decoder refuses what is cut off; only headers that it reads otherwise come here.
+    // The decoder refuses truncated files; only headers that it reads differently get here.
     if missing > 0 {
-        return Err(format!("it holds {missing} bytes less than its header says"));
+        return Err(format!("it holds {missing} bytes less than its header declares"));
     }
     let largest = header.maximal_sample();
     let is_above = |sample: &u8| u32::from(*sample) > largest;
     if sample_bytes(&header) == 1 && !is_bitmap(&header) && data.iter().any(is_above) {
-        return Err(format!("it holds values above the largest that its header says, {largest}"));
+        return Err(format!(
+            "it holds values above the largest that its header declares, {largest}"
+        ));
     }
     Ok(())
 }
 
-/// Samples as text.
+/// Checks samples that are written as text.
 fn plain(header: &PnmHeader, data: &[u8]) -> Result<(), String> {
     let count = if is_bitmap(header) {
         data.iter().filter(|byte| !byte.is_ascii_whitespace()).count()
@@ -50,7 +52,7 @@ fn plain(header: &PnmHeader, data: &[u8]) -> Result<(), String> {
         for word in words {
             if number(word).is_some_and(|number| number > largest) {
                 return Err(format!(
-                    "it holds values above the largest that its header says, {largest}"
+                    "it holds values above the largest that its header declares, {largest}"
                 ));
             }
             count += 1;
@@ -58,7 +60,7 @@ fn plain(header: &PnmHeader, data: &[u8]) -> Result<(), String> {
         count
     };
     match count.checked_sub(samples(header)) {
-        Some(more @ 1..) => Err(format!("it holds {more} values more than its header says")),
+        Some(more @ 1..) => Err(format!("it holds {more} values more than its header declares")),
         _ => Ok(()),
     }
 }
@@ -76,7 +78,7 @@ fn is_bitmap(header: &PnmHeader) -> bool {
     matches!(header.subtype(), PnmSubtype::Bitmap(_))
 }
 
-/// How many samples a header promises; of a binary bitmap how many bytes.
+/// Number of samples that a header promises; for a binary bitmap, number of bytes.
 fn samples(header: &PnmHeader) -> usize {
     let (width, height) = (header.width() as usize, header.height() as usize);
     let per_row = match header.subtype() {

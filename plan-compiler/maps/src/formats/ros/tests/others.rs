@@ -1,4 +1,4 @@
-//! Files as other programs write them, and as they come out of editors, mails and copies.
+//! Files as other programs write them, and as editors, mail and copying change them.
 
 use super::*;
 use ::image::{DynamicImage, ImageFormat};
@@ -12,7 +12,7 @@ fn encoded(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
 
 #[test]
 fn what_is_not_opaque_is_unknown_in_every_kind_of_image() {
-    // Black, white, a hole in the white, and a veil over it.
+    // Black, white, a transparent pixel, and a translucent one.
     let pixels = [[0, 0, 0, 255], [255, 255, 255, 255], [255, 255, 255, 0], [255, 255, 255, 254]];
     let colours = ::image::RgbaImage::from_raw(4, 1, pixels.concat()).unwrap();
     let colours = DynamicImage::from(colours);
@@ -42,7 +42,7 @@ fn a_pgm_holds_what_its_header_says() {
     let plain = check_with(&[("a.pgm", good)], YAML);
     assert_eq!(plain, check(YAML));
     for (bytes, reason) in [
-        // As a program that changes line ends leaves it.
+        // After a program converted its line ends.
         (&b"P5\r\n3 2\r\n255\r\n\x00\xcd\xff\xff\xfe\xff"[..], "the line ends of Windows"),
         (b"P5\n3 2\n255\r\n\x00\xcd\xff\xff\xfe\xff", "the line ends of Windows"),
         (b"P5\n3 2\n255\n\x00\xcd\xff\xff\xfe\xff\xff\xff", "it holds 2 bytes more"),
@@ -111,7 +111,7 @@ fn a_yaw_beyond_a_turn_is_probably_degrees() {
 }
 
 #[test]
-fn a_threshold_that_frees_the_unknown_is_told_only_where_it_does() {
+fn a_threshold_that_frees_unknown_cells_is_reported() {
     let quarter = YAML.replace("0.196", "0.25");
     let without = b"P2 2 1 255 0 254";
     assert!(!check_with(&[("a.pgm", without)], &quarter).contains('⚠'));
@@ -119,7 +119,7 @@ fn a_threshold_that_frees_the_unknown_is_told_only_where_it_does() {
         assert!(!check(&text).contains("which map savers write"), "{text}");
     }
     assert!(check(&format!("{quarter}mode: trinary\n")).contains("⚠ 1 cells of grey 205"));
-    // A file that does not say is read as ROS 1 had it.
+    // Without a threshold the default of ROS 1 applies.
     let silent = check(&YAML.replace("free_thresh: 0.196\n", ""));
     assert!(silent.ends_with("  #?.\n  ...\n"), "{silent}");
 }
@@ -144,20 +144,20 @@ fn an_image_is_found_where_it_was_copied_to() {
 }
 
 #[test]
-fn yaml_of_something_else_says_so_once() {
+fn foreign_yaml_gives_one_error() {
     let got = check("amcl:\n  ros__parameters:\n    use_sim_time: true\nplanner_server: {}\n");
     assert_eq!(got.matches('×').count(), 1, "{got}");
-    assert!(got.contains("describes no map") && got.contains("yaml_filename"), "{got}");
+    assert!(got.contains("does not describe a map") && got.contains("yaml_filename"), "{got}");
 }
 
 #[test]
-fn yaml_without_end_is_refused_before_it_is_taken_apart() {
+fn endless_yaml_is_refused_before_it_is_parsed() {
     for text in [
         format!("image: {}", "[".repeat(200_000)),
         format!("image: a.pgm\nresolution: 1\n{}", "- ".repeat(100_000)),
         format!("image: a.pgm\norigin: {}1{}\n", "[".repeat(5_000), "]".repeat(5_000)),
         (0..60_000).map(|index| format!("key{index}: 1\n")).collect(),
-        // A list that names itself again and again.
+        // A list that refers to itself repeatedly.
         (0..40).map(|n| format!("k{n}: &a{} [*a{n}, *a{n}]\n", n + 1)).collect::<String>()
             + "image: a.pgm\nresolution: 1\n",
     ] {
@@ -167,9 +167,9 @@ fn yaml_without_end_is_refused_before_it_is_taken_apart() {
 }
 
 #[test]
-fn an_image_turned_beyond_the_grid_is_refused_before_memory_is_taken() {
+fn an_image_rotated_beyond_the_grid_is_refused_before_allocation() {
     let mut wide = b"P4 16384 2000\n".to_vec();
     wide.resize(wide.len() + 16_384 * 2_000 / 8, 0);
     let got = check_with(&[("a.pgm", &wide)], &YAML.replace("2, 0.0", "2, 0.1"));
-    assert!(got.contains("turned by its yaw the image of 16384 x 2000 pixels"), "{got}");
+    assert!(got.contains("rotated by its yaw, the image of 16384 x 2000 pixels"), "{got}");
 }
