@@ -1,5 +1,5 @@
-//! The same field by other crates, each used as its documentation advises, with the same
-//! neighbours and costs. What does not depend on the goal is built before it is timed.
+//! The same field found by other crates, each used as its documentation advises, with the same
+//! neighbours and costs. What does not depend on the goal is built before the timing.
 
 use crate::maps::cells;
 use ::maps::Bitmap;
@@ -12,7 +12,7 @@ use plan_compiler::search::{Corners, step};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
 
-/// The steps from a cell, with what they cost.
+/// The steps from a cell, with their costs.
 fn steps(map: &Bitmap, cell: Cell, corners: Corners) -> impl Iterator<Item = (Cell, u32)> {
     Direction::ALL.into_iter().filter_map(move |direction| {
         let is_straight = direction.code().is_multiple_of(2);
@@ -86,8 +86,7 @@ impl GridSearch {
     }
 }
 
-/// `pathfinding`: Dijkstra over successors that are found as they are asked for. Returns the
-/// costs by cell.
+/// `pathfinding`: Dijkstra over successors that are computed on demand. Returns the costs by cell.
 pub(crate) fn pathfinding(
     map: &Bitmap,
     goal: Cell,
@@ -130,7 +129,7 @@ impl Petgraph {
     }
 }
 
-/// `eikonal`: its shortest paths on a grid (not its fast marching), which cut corners.
+/// `eikonal`: its shortest paths on a grid (not its fast marching method), which cut corners.
 pub(crate) struct Eikonal(eikonal::CostField);
 
 impl Eikonal {

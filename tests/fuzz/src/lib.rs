@@ -15,7 +15,7 @@
 //! Deliberately absent: the reading of files from odd places (pipes, folders), which the tests of
 //! the command line cover.
 
-#[path = "../../../plan-compiler/src/cli.rs"]
+#[path = "../../../plan-compiler/src/cli/mod.rs"]
 #[allow(dead_code, reason = "only what reads words is used")]
 mod cli;
 

@@ -172,11 +172,11 @@ fn a_schema_and_a_format_are_added_by_the_steps_of_the_readme() {
     format.beside("plan-compiler/maps/src/formats.rs", &old[..], &new[..]);
     grow_the_list(&format.path("plan-compiler/maps/src/formats.rs"));
     format.edit(
-        "plan-compiler/src/cli.rs",
+        "plan-compiler/src/cli/help.rs",
         &[("movingai::CONVENTIONS,", "\n        sketch::CONVENTIONS,")],
     );
     // Where the list of imports ends, whatever else stands in it.
-    format.edit("plan-compiler/src/cli.rs", &[("use maps::formats::{", "sketch, ")]);
+    format.edit("plan-compiler/src/cli/help.rs", &[("use maps::formats::{", "sketch, ")]);
 
     // The schema: its golden vectors hold, and a mission can weigh it.
     let said = format.cargo("", &["test", "--package", "schemas", "--lib"]);
