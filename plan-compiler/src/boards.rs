@@ -1,6 +1,6 @@
 //! The boards whose flash the compiler knows, and whether a blob fits there.
 //!
-//! The table is `boards/table/boards.toml`, which each board's own linker script is written from too.
+//! The table is `boards/table/boards.toml`, from which each board's linker script is generated too.
 //! The compiler needs it to refuse a blob that no flashing tool could write, and to put the
 //! address into files that carry one.
 
@@ -8,22 +8,20 @@ pub use board_table::{BOARDS, Board};
 
 use maps::problem::Problem;
 
-/// What is wrong with putting a blob of `blob_bytes` into the board's plan region, or worth
-/// knowing about it.
+/// The error or note about putting a blob of `blob_bytes` into the board's plan region, if any.
 pub fn check(board: &Board, blob_bytes: usize) -> Option<Problem> {
     let (name, room, slot) = (&board.name, board.memory.plans.bytes, board.slot_bytes());
     if blob_bytes > room {
         let message = format!(
-            "the plans take {blob_bytes} bytes, {} more than the {room} of the plan region \
-             of {name}",
+            "the plans take {blob_bytes} bytes, {} more than {name}'s plan region of {room} bytes",
             blob_bytes - room
         );
         return Some(Problem::error(message).help(help(blob_bytes)));
     }
     (blob_bytes > slot).then(|| {
         Problem::note(format!(
-            "the plans take {blob_bytes} bytes, more than one of the two slots of {slot} in \
-             the plan region of {name}: no second blob fits beside them"
+            "the plans take {blob_bytes} bytes, more than one of the two {slot}-byte slots in \
+             {name}'s plan region: there is no room for a second blob"
         ))
     })
 }
@@ -34,7 +32,7 @@ fn help(blob_bytes: usize) -> String {
     let larger: Vec<String> =
         larger.map(|board| format!("{} ({})", board.name, board.memory.plans.bytes)).collect();
     if larger.is_empty() {
-        format!("{shrink}; they fit on no known board")
+        format!("{shrink}; they do not fit on any known board")
     } else {
         format!("{shrink}; they fit unchanged on: {}", larger.join(", "))
     }
@@ -55,6 +53,6 @@ mod tests {
         assert_eq!(severity(196_609), Some(Severity::Error));
         let help = |bytes| check(board, bytes).unwrap().help.unwrap();
         assert!(help(196_609).contains("stm32f405 (262144), pico2"), "{}", help(196_609));
-        assert!(help(2 << 20).contains("on no known board"), "{}", help(2 << 20));
+        assert!(help(2 << 20).contains("not fit on any known board"), "{}", help(2 << 20));
     }
 }

@@ -1,4 +1,4 @@
-//! One layer before it is packed: the cost and the advice of every cell.
+//! A layer before packing: the cost and the advice of every cell.
 //!
 //! Arrays are row-major, row 0 in the south, `columns` cells a row. A cell's code says what
 //! its look-up answers; its cost is [`UNREACHED`] unless the code is a move or the goal.
@@ -27,7 +27,7 @@ pub struct Field {
     pub rows: u32,
     /// Cost to the goal, in units of 1/5741 cell; [`UNREACHED`] where there is no route.
     pub cost: Vec<u32>,
-    /// What to do there: a move (0 to 7), [`GOAL`], [`NO_ROUTE`], [`NO_ESCAPE`] or
+    /// The code of every cell: a move (0 to 7), [`GOAL`], [`NO_ROUTE`], [`NO_ESCAPE`] or
     /// [`ESCAPE`] plus a direction.
     pub code: Vec<u8>,
 }
@@ -42,7 +42,7 @@ pub const fn advised(code: u8) -> Option<Direction> {
     if code < MOVES { Some(Direction::from_code(code)) } else { None }
 }
 
-/// The direction in which a blocked cell is left; `None` where there is none or it is free.
+/// The escape direction of a blocked cell; `None` if it has none or the cell is free.
 pub const fn escape(code: u8) -> Option<Direction> {
     if code >= ESCAPE { Some(Direction::from_code(code - ESCAPE)) } else { None }
 }

@@ -1,11 +1,11 @@
-//! A blob as a flashing tool takes it: its bytes, Intel HEX or UF2.
+//! A blob in the formats of flashing tools: its bytes, Intel HEX or UF2.
 //!
-//! Intel HEX and UF2 carry the address, so that nobody can mistype it. HEX after Intel's
+//! Intel HEX and UF2 contain the address, so that users cannot mistype it. HEX follows Intel's
 //! "Hexadecimal Object File Format Specification", revision A: data records of 16 bytes under
-//! extended linear addresses. UF2 after Microsoft's specification: blocks of 512 bytes, each
-//! of which says where its 256 bytes belong.
+//! extended linear addresses. UF2 follows Microsoft's specification: blocks of 512 bytes, each with
+//! the address of its 256 data bytes.
 //!
-//! Deliberately absent: reading them back. The blob itself is what every other command takes.
+//! Deliberately absent: reading them back. Every other command takes the blob itself.
 
 use crate::boards::{BOARDS, Board};
 use std::borrow::Cow;
@@ -15,25 +15,28 @@ use std::path::Path;
 /// How a blob is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Image {
-    /// Its bytes and nothing else.
+    /// Its bytes only.
     Raw,
     /// Intel HEX.
     Hex {
-        /// Where the blob goes in flash.
+        /// Flash address of the blob.
         address: u32,
     },
     /// UF2.
     Uf2 {
-        /// Where the blob goes in flash.
+        /// Flash address of the blob.
         address: u32,
-        /// Whose boot loaders take it.
+        /// UF2 family of the boot loaders that accept the file.
         family: u32,
     },
 }
 
 impl Image {
-    /// By the name of the file: `.hex` and `.uf2` are what they say, all others hold the blob
-    /// itself. A sentence where the board is missing or cannot take it.
+    /// The format that a file's extension asks for: `.hex`, `.uf2`, or the blob itself for all
+    /// others.
+    ///
+    /// # Errors
+    /// A sentence for the user if the board is missing or does not accept the format.
     pub fn of(path: &Path, board: Option<&Board>) -> Result<Self, String> {
         let extension = path.extension().and_then(|extension| extension.to_str());
         let extension = extension.unwrap_or_default().to_ascii_lowercase();
@@ -43,8 +46,8 @@ impl Image {
                 let names: Vec<&str> = BOARDS.iter().map(|board| board.name.as_str()).collect();
                 let names = names.join(", ");
                 return Err(format!(
-                    "a .{extension} holds the address of the plans in flash, so the board must be \
-                     named: --board with one of {names}"
+                    "a .{extension} file contains the plans' flash address, so name the board: \
+                     --board with one of {names}"
                 ));
             }
             _ => return Ok(Self::Raw),
@@ -54,7 +57,7 @@ impl Image {
             ("hex", _) => Ok(Self::Hex { address }),
             (_, Some(family)) => Ok(Self::Uf2 { address, family }),
             (_, None) => Err(format!(
-                "{} has no boot loader that takes UF2: name the output .hex or .bin",
+                "{} has no boot loader that accepts UF2; write a .hex or .bin file instead",
                 board.name
             )),
         }
@@ -72,14 +75,14 @@ impl Image {
 
 /// Bytes of one data record, as most tools write them.
 const RECORD_BYTES: usize = 16;
-/// What an extended linear address reaches.
+/// Bytes that one extended linear address covers.
 const SEGMENT_BYTES: usize = 0x1_0000;
 
 const DATA: u8 = 0x00;
 const END_OF_FILE: u8 = 0x01;
 const EXTENDED_LINEAR_ADDRESS: u8 = 0x04;
 
-/// Intel HEX of bytes that start at an address, which starts a segment of 64 KiB.
+/// Intel HEX of bytes from an address on; the address must be a multiple of 64 KiB.
 fn hex(address: u32, bytes: &[u8]) -> String {
     debug_assert_eq!(address as usize % SEGMENT_BYTES, 0);
     let mut text = String::with_capacity(bytes.len() * 3);
@@ -93,7 +96,7 @@ fn hex(address: u32, bytes: &[u8]) -> String {
     text
 }
 
-/// One line: length, address, kind and bytes, then what makes their sum zero.
+/// One line: length, address, kind and bytes, then a checksum that makes their sum zero.
 fn record(text: &mut String, kind: u8, address: u16, bytes: &[u8]) {
     let [high, low] = address.to_be_bytes();
     let head = [bytes.len() as u8, high, low, kind];
@@ -108,16 +111,16 @@ fn record(text: &mut String, kind: u8, address: u16, bytes: &[u8]) {
 
 const UF2_START: [u32; 2] = [0x0A32_4655, 0x9E5D_5157];
 const UF2_END: u32 = 0x0AB1_6F30;
-/// The flag that says that the block names its family.
+/// Flag: the block contains the family.
 const FAMILY_PRESENT: u32 = 0x2000;
 /// Bytes of a block.
 const BLOCK_BYTES: usize = 512;
 /// Bytes of a block that reach the flash: one page.
 const PAYLOAD_BYTES: usize = 256;
-/// Flash that is erased. Boot loaders take whole pages only.
+/// Erased flash, which fills the last page: boot loaders accept whole pages only.
 const ERASED: u8 = 0xFF;
 
-/// UF2 of bytes that start at an address. The last page is filled up as erased flash.
+/// UF2 of bytes from an address on.
 fn uf2(address: u32, family: u32, bytes: &[u8]) -> Vec<u8> {
     let blocks = bytes.len().div_ceil(PAYLOAD_BYTES);
     let mut out = Vec::with_capacity(blocks * BLOCK_BYTES);

@@ -1,4 +1,4 @@
-//! Plans as an Iplan.dat: a map of costs for each layer, as MissionLab wrote them.
+//! Plans as an Iplan.dat: a map of costs per layer, in MissionLab's format.
 //!
 //! Every file has a contingency map: the first layer of the plan of that name, otherwise of
 //! the plan that the robot follows. Each other layer is an element MOVETO with one map, in
@@ -13,7 +13,7 @@ use plan_format::{Answer, Blob, Cell, Grid, Layer, ParallelPlan};
 use std::f64::consts::SQRT_2;
 use std::io::{self, Write};
 
-/// What of a blob cannot be said in an Iplan.dat, and what its reader should know.
+/// Reports what an Iplan.dat cannot express of a blob, and what its user should know.
 pub fn check(blob: &Blob<'_>) -> Vec<Problem> {
     let grid = blob.grid();
     let mut problems = Vec::new();
@@ -26,30 +26,31 @@ pub fn check(blob: &Blob<'_>) -> Vec<Problem> {
         });
         let farthest = costs.fold(0.0, f64::max);
         if farthest >= OBSTACLE {
-            let message = format!("layer `{name}` has ways of {farthest} m");
+            let message = format!("layer `{name}` has routes of {farthest} m");
             problems.push(Problem::error(message).help(
-                "an Iplan.dat holds costs below 9998 m: cut the part out that the robot drives in",
+                "an Iplan.dat holds costs below 9998 m: crop the map to the area that the robot uses",
             ));
         }
         let is_blocked = |cell| matches!(layer.look_up(cell), Answer::Blocked { .. });
         let blocked = Bitmap::from_fn(grid.columns, grid.rows, is_blocked);
         if first.as_ref().is_some_and(|first| *first != blocked) {
-            let message = format!("layer `{name}` has other obstacles than the first one");
+            let message =
+                format!("the obstacles of layer `{name}` differ from those of the first layer");
             problems.push(Problem::warning(message).help(
-                "each map of the file has the obstacles of its layer, which MissionLab reads, but \
-                 `build` does not; a mission says which layers its goals have",
+                "MissionLab reads a file whose maps have different obstacles, but `build` does not; \
+                 a mission can choose the layers of its goals",
             ));
         }
         first.get_or_insert(blocked);
     }
     if first.is_none() {
-        let problem = Problem::error("the blob holds no blob at all");
+        let problem = Problem::error("the blob contains no plans");
         problems.push(problem.help("build it with a goal: an Iplan.dat needs one"));
     }
     let [x, y] = offset(grid).map(micrometres);
     if [x, y] != [0.0; 2] {
         problems.push(Problem::note(format!(
-            "an Iplan.dat begins at 0,0: its positions are the map's less {x},{y}"
+            "an Iplan.dat starts at 0,0: its positions are the map's minus {x},{y}"
         )));
     }
     problems
@@ -57,7 +58,7 @@ pub fn check(blob: &Blob<'_>) -> Vec<Problem> {
 
 /// Writes the plans of a blob that passed [`check`]; `name` is that of the file they come from.
 pub fn write(out: &mut dyn Write, blob: &Blob<'_>, name: &str) -> io::Result<()> {
-    // A name is a line.
+    // A name takes one line.
     let name: String = name.chars().filter(|symbol| !symbol.is_control()).collect();
     let title = name.split('.').find(|part| !part.is_empty()).unwrap_or("plan");
     let contingency = blob.find(CONTINGENCY);
@@ -85,7 +86,7 @@ fn is_contingency(parallel: &ParallelPlan<'_>) -> bool {
     parallel.name() == CONTINGENCY
 }
 
-/// The spaces at the ends of a map's first lines are that program's.
+/// Writes one map. MissionLab too ends the first lines of a map with a space.
 fn write_map(
     out: &mut dyn Write,
     grid: &Grid,
@@ -121,7 +122,7 @@ fn offset(grid: &Grid) -> [f64; 2] {
     grid.corner_m.map(|corner| corner + grid.resolution_m / 2.0)
 }
 
-/// What the file holds of a cell.
+/// The value of a cell in the file.
 fn value(answer: Answer, grid: &Grid) -> f64 {
     match answer {
         Answer::Goal => 0.0,
@@ -131,17 +132,17 @@ fn value(answer: Answer, grid: &Grid) -> f64 {
     }
 }
 
-/// A cost as that program counted it.
+/// A cost in metres, as MissionLab computed it.
 fn metres(cost: u32, grid: &Grid) -> f64 {
     let (straight, diagonal) = steps(cost);
     let diagonal_m = millimetres(SQRT_2 * grid.resolution_m);
     millimetres(f64::from(straight) * grid.resolution_m + f64::from(diagonal) * diagonal_m)
 }
 
-/// The straight and diagonal steps that make up a cost. From 5,741 diagonal steps on others
-/// make up the same cost, and those with the fewest are taken.
+/// The straight and diagonal steps of a cost. From 5,741 diagonal steps on, the answer is
+/// ambiguous, and the one with the fewest diagonal steps is returned.
 fn steps(cost: u32) -> (u32, u32) {
-    /// What a diagonal step is multiplied by to leave 1 when divided by a straight step.
+    /// Inverse of a diagonal step modulo a straight step.
     const INVERSE: u64 = 3363;
     const _: () = assert!(DIAGONAL_STEP as u64 * INVERSE % STRAIGHT_STEP as u64 == 1);
     let diagonal = (u64::from(cost) * INVERSE % u64::from(STRAIGHT_STEP)) as u32;

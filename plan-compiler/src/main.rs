@@ -46,7 +46,7 @@ fn main() -> ExitCode {
             say(&format!("error: {message}\n\nFor more information, try '--help'.\n"));
             WRONG_USAGE.into()
         }
-        // Whoever reads the output has had enough.
+        // The reader of the output closed the pipe.
         Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
             ExitCode::SUCCESS
         }
@@ -62,25 +62,25 @@ fn colour() -> bool {
     io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty())
 }
 
-/// Prints help, or what is wrong with the command line. That quotes its arguments, which may hold
-/// anything; where they do, colours give way.
+/// Prints help, or what is wrong with the command line. The message quotes arguments; if one
+/// contains control characters, the message is made safe for a terminal and loses its colours.
 fn print_usage(error: &clap::Error, arguments: &[String]) {
     let is_hostile = arguments.iter().any(|argument| safe_line(argument) != *argument);
     if error.use_stderr() && is_hostile {
         say(&error.render().to_string());
     } else {
-        // Where help cannot be written there is nobody to tell.
+        // A failure to print help cannot be reported either.
         let _ = error.print();
     }
 }
 
-/// Says something to a person.
+/// Writes text for a person to standard error.
 fn say(text: &str) {
     eprint(&safe(text));
 }
 
-/// Writes what is already safe for a terminal to standard error and ignores failure: there is
-/// nobody left to tell.
+/// Writes text that is already safe for a terminal to standard error. Ignores failure, which cannot
+/// be reported anywhere.
 fn eprint(text: &str) {
     use std::io::Write;
     let _ = io::stderr().write_all(text.as_bytes());

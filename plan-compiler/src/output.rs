@@ -1,7 +1,7 @@
-//! What leaves the compiler: files that are whole or not there, and arrays.
+//! What leaves the compiler: complete files, and arrays.
 //!
-//! A file is written beside its destination and renamed onto it, so that nobody ever sees
-//! half of it and a failure leaves what was there before.
+//! A file is written beside its destination and renamed onto it, so that no reader sees half of it
+//! and a failure keeps the old file.
 
 use maps::problem::Problem;
 use plan_format::grid::cost_metres;
@@ -10,7 +10,7 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-/// Writes a file as a whole, or not at all.
+/// Writes a file completely, or not at all.
 pub fn write_file(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -30,7 +30,7 @@ pub fn write_file(
     }
 }
 
-/// What can be told of a destination before the work whose result goes there.
+/// Reports a destination that cannot be written, before the work starts.
 pub fn check(path: &Path) -> Option<Problem> {
     if path.is_dir() {
         return Some(is_a_directory(path));
@@ -48,14 +48,14 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let mut builder = tempfile::Builder::new();
     builder.prefix(".plan-compiler-");
-    // The library's default is for secrets; a plan is an ordinary file.
+    // The library's default permissions are for secrets; a plan is an ordinary file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = BufWriter::new(builder.tempfile_in(folder.unwrap_or(Path::new(".")))?);
     fill(&mut file)?;
     let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-    // Not synced to the disc, which takes longer than many a build: of what a power cut leaves,
-    // a blob that is not whole is refused by its checksum.
+    // Not synced to the disk, which takes longer than many builds. If a power cut leaves half a
+    // blob, its checksum refuses it.
     file.persist(path).map_err(|error| error.error)?;
     Ok(())
 }
@@ -64,17 +64,18 @@ fn cannot_write(path: &Path, error: &io::Error) -> Problem {
     let problem = |what: &str| Problem::error(format!("cannot write {}: {what}", path.display()));
     match error.kind() {
         io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => {
-            problem("there is no such folder").help("make the folder first, or choose another -o")
+            problem("the folder does not exist")
+                .help("create the folder, or choose another output with -o")
         }
         io::ErrorKind::PermissionDenied => {
-            problem("no permission").help("choose an -o in a folder of yours")
+            problem("permission denied").help("choose an output in a folder that you may write to")
         }
-        io::ErrorKind::StorageFull => problem("the disc is full"),
+        io::ErrorKind::StorageFull => problem("the disk is full"),
         _ => problem(&error.to_string()),
     }
 }
 
-/// What of a layer is exported.
+/// What to export of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum What {
     /// Cost to the goal, metres, float32; infinite where blocked or without a route.
@@ -90,7 +91,7 @@ pub enum What {
 pub enum ArrayFormat {
     /// NumPy's own, version 1.0.
     Npy,
-    /// A line a row, numbers parted by commas.
+    /// One line per row, numbers separated by commas.
     Csv,
 }
 
@@ -147,9 +148,9 @@ fn code(answer: Answer, what: What) -> i8 {
     }
 }
 
-/// The header of an array in NumPy's format: magic, version, length, a Python literal.
+/// The header of an array in NumPy's format: magic, version, length and a Python literal.
 fn npy_header(what: What, grid: &Grid) -> Vec<u8> {
-    /// The whole header, so that the numbers after it are aligned for mapping.
+    /// Length of the header; a multiple of 64 aligns the numbers after it for memory mapping.
     const BYTES: usize = 128;
     /// Magic, version and length.
     const PREFIX_BYTES: usize = 10;
@@ -194,7 +195,7 @@ mod tests {
     fn folders_that_are_not_there_are_said_to_be_missing() {
         let folder = tempfile::tempdir().unwrap();
         let error = |path: &Path| write_file(path, |_| Ok(())).unwrap_err().message;
-        assert!(error(&folder.path().join("no/plans.bin")).ends_with("there is no such folder"));
+        assert!(error(&folder.path().join("no/plans.bin")).ends_with("the folder does not exist"));
         assert!(error(folder.path()).ends_with("is a directory"));
     }
 

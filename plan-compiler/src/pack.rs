@@ -1,9 +1,9 @@
 //! From a field to the superblocks of a layer.
 //!
-//! The work grows with the number of cells alone: optimal moves by row, roots in the order of
-//! buckets, blocks one after the other. What is stored obeys the advice rule by construction,
-//! because a cell refers to a root only if the reader's own arithmetic then gives its cost and one
-//! of its allowed moves; cells of a field that contradicts itself are stored as they are.
+//! The time depends only on the number of cells: moves are found row by row, roots bucket by
+//! bucket, and blocks one after the other. The stored advice is correct by construction, because a
+//! cell refers to a root only if the reader's own arithmetic then gives its cost and one of its
+//! allowed moves. Cells of a field that contradicts itself are stored with their own code and cost.
 
 mod codes;
 mod cover;
@@ -21,13 +21,13 @@ use plan_format::layout::{
 };
 use plan_format::{Counts, PackedLayer, PackedPlane};
 
-/// Packs a field. Cells that its arrays lack are free without a route.
+/// Packs a field. Cells missing from its arrays count as free without a route.
 pub fn pack(field: &Field) -> PackedLayer {
     pulp::Arch::new().dispatch(Pack(field))
 }
 
-/// The packing itself, compiled once for each kind of vector unit; what it spends its time on is
-/// inlined, so that it is compiled along.
+/// The packing itself, compiled once for each kind of vector unit. Its hot functions are inlined,
+/// so they are compiled for that unit too.
 struct Pack<'f>(&'f Field);
 
 impl pulp::WithSimd for Pack<'_> {
@@ -74,7 +74,7 @@ fn counts(field: &Field) -> Counts {
     Counts { free, blocked, unreachable }
 }
 
-/// The superblocks of blocks that stand in the order of their grid.
+/// The superblocks of blocks in row-major order.
 #[inline(always)]
 fn plane(
     blocks: &[Block],

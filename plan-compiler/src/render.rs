@@ -1,11 +1,11 @@
-//! A picture of a layer: obstacles, bands of cost and the advice (W, figure 2), with what a reader
-//! of maps looks for: a legend, a scale, north, coordinates on the edges, names of goals.
+//! A picture of a layer: obstacles, cost bands and the advice (W, figure 2), with a legend, a
+//! scale, north, coordinates on the edges and the names of goals.
 //!
-//! One SVG text serves both files: a PNG is that text rasterised with a font that ships with the
-//! program. Neither file grows with the map: cells are an image of the picture's own pixels, one
-//! arrow stands for a block of cells, and letters and lines follow the picture's size.
+//! One SVG text serves both formats: a PNG is that text rasterised with a font that ships with the
+//! program. The size of neither file depends on the map: cells are an image with the picture's own
+//! pixels, one arrow stands for a block of cells, and text and lines scale with the picture.
 //!
-//! Deliberately absent: maps in the background, colours of the user's own.
+//! Deliberately absent: background maps and user-defined colours.
 
 mod cells;
 mod legend;
@@ -32,25 +32,25 @@ use svg::node::element::{ClipPath, Definitions, Group, Rectangle, Title};
 use text::Anchor;
 use view::View;
 
-/// What is drawn over the cells. Positions in the map's metres.
+/// What is drawn over the cells. Positions are in the map's metres.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Overlay<'a> {
-    /// Exact shapes; blocked cells are then what the robot's radius adds.
+    /// Exact shapes; the other blocked cells are then those that the robot's radius adds.
     pub features: &'a [Feature],
-    /// Where it was driven, in pieces.
+    /// Routes, in pieces.
     pub routes: &'a [Piece<'a>],
-    /// Places with what the legend calls them.
+    /// Marks with their positions and names in the legend.
     pub marks: &'a [(Mark, Point, &'a str)],
-    /// What the picture shows; the layer's name if this is empty.
+    /// Title of the panel; the layer's name if this is empty.
     pub caption: &'a str,
 }
 
 /// A piece of a route.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<'a> {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub name: &'a str,
-    /// Colour and dashes by a number, that of the behaviour that drove it, or [`NO_BEHAVIOUR`].
+    /// Number that selects colour and dashes: the behaviour that drove it, or [`NO_BEHAVIOUR`].
     pub style: usize,
     /// The line, metres.
     pub points: &'a [Point],
@@ -70,10 +70,10 @@ pub struct Panel<'a> {
     pub overlay: Overlay<'a>,
 }
 
-/// What a user may choose.
+/// Options of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Style {
-    /// The longer side of the picture, at most, pixels.
+    /// Largest length of the longer side, pixels.
     pub size_px: u32,
     /// Whether the advice is drawn.
     pub has_arrows: bool,
@@ -85,7 +85,7 @@ impl Default for Style {
     }
 }
 
-/// What `Style::size_px` may be: less cannot be read, more needs gigabytes.
+/// Range of `Style::size_px`: smaller pictures are illegible, larger ones need gigabytes.
 pub const SIZES_PX: std::ops::RangeInclusive<u32> = 200..=8000;
 
 /// The layer as SVG.
@@ -100,7 +100,7 @@ pub fn picture(
     side_by_side(blob, &[panel], style)
 }
 
-/// Several layers as one SVG, with one legend: their colours mean the same costs.
+/// Several layers as one SVG with one legend: a colour means the same cost in all of them.
 pub fn side_by_side(blob: &Blob<'_>, panels: &[Panel<'_>], style: Style) -> String {
     let size_px = style.size_px.clamp(*SIZES_PX.start(), *SIZES_PX.end());
     let sampled = |panel: &Panel<'_>| Sampled::new(blob.grid(), &panel.layer, [size_px; 2]);
@@ -128,7 +128,7 @@ pub fn side_by_side(blob: &Blob<'_>, panels: &[Panel<'_>], style: Style) -> Stri
     document.to_string()
 }
 
-/// An empty picture of a size, with the font of all its texts.
+/// An empty picture with a size, the font of all texts and a title.
 pub(crate) fn document([width, height]: [f64; 2], title: &str) -> Document {
     let ground = Rectangle::new().set("width", width).set("height", height).set("fill", PAPER);
     let document = Document::new()
@@ -155,14 +155,14 @@ fn hatch_px(sheet: &Sheet) -> u32 {
     (6.0 * sheet.view.measure.unit).round().max(4.0) as u32
 }
 
-/// Nothing is drawn outside the map.
+/// The clip path that keeps drawings inside the map.
 fn clip(view: &View) -> Definitions {
     let [width, height] = view.map;
     let map = Rectangle::new().set("width", width).set("height", height);
     Definitions::new().add(ClipPath::new().set("id", "map").add(map))
 }
 
-/// What the pictures need explained.
+/// The entries of the legend.
 fn entries(
     blob: &Blob<'_>,
     panels: &[Panel<'_>],
@@ -190,8 +190,8 @@ fn entries(
         item(Symbol::Edge(ZONE), "zone");
     }
     if drawn.iter().any(Sampled::has_blocked) {
-        // Beside exact shapes, cells are what the robot's radius adds.
-        let text = if features().next().is_some() { "too near for the robot" } else { "blocked" };
+        // With exact shapes drawn, visible blocked cells are those that the robot's radius adds.
+        let text = if features().next().is_some() { "too close for the robot" } else { "blocked" };
         item(Symbol::Fill(BLOCKED, 1.0), text);
     }
     if drawn.iter().any(Sampled::has_cells_without_route) {
@@ -213,13 +213,13 @@ fn entries(
     entries
 }
 
-/// Goals of the other plans, by name.
+/// Names and goals of the other plans.
 fn other_goals<'b>(blob: &Blob<'b>, parallel: &ParallelPlan<'_>) -> Vec<(&'b str, Point)> {
     let others = blob.parallel_plans().filter(|other| other.name() != parallel.name());
     others.map(|other| (other.name(), other.goal_m())).collect()
 }
 
-/// One layer from the north-west corner of its map.
+/// One layer; the origin is the north-west corner of its map.
 fn draw(
     blob: &Blob<'_>,
     panel: &Panel<'_>,
@@ -247,11 +247,11 @@ fn draw(
         .iter()
         .map(|(_, at)| (Mark::OtherGoal, place(*at)))
         .chain([(Mark::Goal, place(parallel.goal_m()))])
-        // On the goal's star, what happened there is smaller and stays visible.
+        // Other marks are smaller than the goal's star, so they stay visible on it.
         .chain(overlay.marks.iter().map(|(mark, at, _)| (*mark, place(*at))))
         .collect();
     let places: Vec<[f64; 2]> = marks.iter().map(|(_, at)| *at).collect();
-    // Marks may reach over the edge of the map by half.
+    // Half of a mark may be outside the map.
     let mut over = Group::new();
     for (mark, at) in marks {
         over = over.add(mark.draw(at, unit));
@@ -294,13 +294,16 @@ fn frame(sheet: &Sheet, title: &str) -> Group {
     group.add(stroke(edge, INK, measure.unit)).add(title)
 }
 
-/// The characters of the plans' names that a PNG shows as boxes, since the font lacks them.
+/// The characters in the names of plans that the font lacks, which a PNG shows as boxes.
 pub fn lacking(blob: &Blob<'_>) -> String {
     let names: String = blob.parallel_plans().map(|parallel| parallel.name()).collect();
     text::lacking(&names).collect::<std::collections::BTreeSet<char>>().into_iter().collect()
 }
 
-/// A picture as PNG; the message of the rasteriser where that fails.
+/// A picture as PNG.
+///
+/// # Errors
+/// Returns the rasteriser's message if it fails.
 pub fn png(svg: &str) -> Result<Vec<u8>, String> {
     use resvg::{tiny_skia, usvg};
     let mut options = usvg::Options { font_family: text::FAMILY.to_owned(), ..Default::default() };
@@ -313,14 +316,14 @@ pub fn png(svg: &str) -> Result<Vec<u8>, String> {
     opaque(&pixels).map_err(|error| error.to_string())
 }
 
-/// A PNG without transparency, which a picture on paper does not need.
+/// A PNG without transparency, since the picture has an opaque background.
 fn opaque(pixels: &resvg::tiny_skia::Pixmap) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, pixels.width(), pixels.height());
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::High);
-    // Even areas and thin lines are smaller without filters, which a compression sets anew.
+    // Even areas and thin lines are smaller without filters. `set_compression` resets the filter.
     encoder.set_filter(png::Filter::NoFilter);
     let colours: Vec<u8> =
         pixels.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();

@@ -1,29 +1,29 @@
-//! The way that a layer's advice leads from a point.
+//! The route that a layer's advice gives from a point.
 //!
-//! What a robot would drive that follows the advice alone: from the centre of a cell to the
-//! centre of the next one. Out of an obstacle it is led by the escape.
+//! It is the route of a robot that follows the advice only: from the centre of a cell to the centre
+//! of the next one. Inside an obstacle it follows the escape.
 
 use maps::Point;
 use plan_format::grid::cost_metres;
 use plan_format::{Answer, Grid, Layer};
 
-/// A way to the goal.
+/// A route to the goal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Route {
-    /// Where it starts, the centres of the cells that it passes, and the goal, metres.
+    /// The start, the centres of the cells on the route, and the goal, metres.
     pub points: Vec<Point>,
-    /// Its length from the centre of its first cell to that of the goal's, metres.
+    /// Length from the centre of the first cell to the centre of the goal's cell, metres.
     pub length_m: f64,
 }
 
-/// Why there is no way.
+/// Why there is no route.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoRoute {
     /// The start is off the map.
     OffMap,
     /// The layer has no route from the start.
     Unreachable,
-    /// The advice goes round in circles or off the map: the blob is not what the compiler wrote.
+    /// The advice leads in a circle or off the map: the blob differs from what the compiler wrote.
     Astray,
 }
 
@@ -31,7 +31,7 @@ impl std::fmt::Display for NoRoute {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::OffMap => "it is off the map",
-            Self::Unreachable => "obstacles part it from the goal",
+            Self::Unreachable => "obstacles separate it from the goal",
             Self::Astray => "the advice does not lead to the goal",
         })
     }
@@ -42,7 +42,7 @@ pub fn follow(grid: &Grid, layer: &Layer<'_>, goal: Point, start: Point) -> Resu
     let mut cell = grid.cell_at(start[0], start[1]).ok_or(NoRoute::OffMap)?;
     let mut points = vec![start];
     let mut cost = 0u64;
-    // Who has passed more cells than there are has passed one twice.
+    // A route with more steps than cells passes a cell twice.
     for _ in 0..grid.cells() {
         let direction = match layer.look_up(cell) {
             Answer::Goal => {

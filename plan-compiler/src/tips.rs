@@ -1,4 +1,4 @@
-//! A line on what was probably meant, for command lines that clap refuses.
+//! Hints on what was probably meant, for command lines that clap refuses.
 
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use std::path::Path;
@@ -21,15 +21,15 @@ const SYNONYMS: [(&str, &str); 14] = [
     ("trace", "explain"),
 ];
 
-/// What to say of a command line.
+/// A hint about a command line.
 pub(crate) enum Tip {
-    /// After what clap says.
+    /// Printed after the message of clap.
     Besides(String),
-    /// Instead of it, since clap guesses by letters alone.
+    /// Printed instead of the message of clap, which compares letters only.
     Instead(String),
 }
 
-/// What was probably meant; `None` where clap says it all.
+/// What was probably meant; `None` if the message of clap is enough.
 pub(crate) fn of(error: &Error, arguments: &[String]) -> Option<Tip> {
     match error.kind() {
         ErrorKind::InvalidSubcommand => {
@@ -49,7 +49,7 @@ pub(crate) fn of(error: &Error, arguments: &[String]) -> Option<Tip> {
     }
 }
 
-/// A word that belongs to the one before it.
+/// A hint about a word that belongs to the one before it.
 fn stray_word(stray: &str, arguments: &[String]) -> Option<String> {
     if stray.starts_with('-') {
         return None;
@@ -59,15 +59,15 @@ fn stray_word(stray: &str, arguments: &[String]) -> Option<String> {
     let joined = format!("{before} {stray}");
     let is_number = stray.parse::<f64>().is_ok();
     if is_number && before.ends_with(',') {
-        return Some(format!("write a point without a blank: {before}{stray}"));
+        return Some(format!("write a point without a space: {before}{stray}"));
     }
-    // The name may have more than one blank: what stands from the first word on.
+    // The name may contain several spaces: try all words up to this one, then fewer.
     let whole = (0..at).map(|first| arguments[first..=at].join(" "));
     let file = whole.into_iter().find(|name| Path::new(name).exists());
     let name = file.unwrap_or(joined);
     let is_shell = |word: &str| [">", "<", "|"].contains(&word);
     let is_name = !before.starts_with('-') && !is_shell(before) && !is_shell(stray);
-    is_name.then(|| format!("put a name with blanks in quotes: \"{name}\""))
+    is_name.then(|| format!("put a name with spaces in quotes: \"{name}\""))
 }
 
 fn context(error: &Error, kind: ContextKind) -> Option<String> {

@@ -1,7 +1,7 @@
-//! The one reader of TOML, for mission files and what they say about behaviours.
+//! The only reader of TOML, for mission files and their behaviour tables.
 //!
-//! [`Fields`] takes typed values out of a table; [`Report`] gathers every mistake with its place
-//! and words the same mistake in the same way everywhere.
+//! [`Fields`] takes typed values out of a table; [`Report`] collects every mistake with its place
+//! and uses the same words for the same mistake.
 
 mod fields;
 mod report;

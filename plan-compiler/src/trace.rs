@@ -1,9 +1,9 @@
-//! Traces: what a robot saw, tick by tick, with the plans that it drove by.
+//! Traces: the percepts of a run, tick by tick, with the blob that the robot used.
 //!
-//! A tick is a pure function, so the percepts and the blob are enough to have the whole mission
-//! again, inside and out, bit for bit. The file holds the eight bytes `WAYTRACE`, the version (2)
-//! as `u16`, the trace hash of the mission as `u64`, the blob's length as `u32` and the blob, then
-//! for each tick the length as `u16` and the percepts in postcard; all numbers little-endian.
+//! A tick is a pure function, so the percepts and the blob are enough to repeat the whole run bit
+//! for bit. The file contains the eight bytes `WAYTRACE`, the version (2) as `u16`, the trace hash
+//! of the run as `u64`, the blob's length as `u32` and the blob, then for each tick the length as
+//! `u16` and the percepts in postcard; all numbers are little-endian.
 
 pub mod story;
 
@@ -15,30 +15,30 @@ use thiserror::Error;
 pub const MAGIC: &[u8; 8] = b"WAYTRACE";
 const VERSION: u16 = 2;
 
-/// A mission as a robot saw it.
+/// A recorded run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
-    /// The plans, as the robot had them.
+    /// The blob that the robot used.
     pub blob: Vec<u8>,
-    /// What each tick saw.
+    /// The percepts of each tick.
     pub percepts: Vec<Percepts>,
-    /// The trace hash that the robot had at the end.
+    /// The robot's trace hash at the end.
     pub hash: u64,
 }
 
-/// Why bytes are no trace.
+/// Why bytes are not a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum TraceError {
-    /// Other bytes at the beginning.
-    #[error("this is no trace: it does not begin with WAYTRACE")]
+    /// The first bytes are wrong.
+    #[error("not a trace: it does not begin with WAYTRACE")]
     Magic,
-    /// A newer or older trace.
-    #[error("this trace is of version {0}; this program reads version {VERSION}")]
+    /// The trace has another version.
+    #[error("the trace has version {0}; this program reads version {VERSION}")]
     Version(u16),
     /// The file ends early.
-    #[error("the trace ends within tick {0}: it was cut off")]
+    #[error("the trace is cut off in tick {0}")]
     Truncated(usize),
-    /// A tick that cannot be read.
+    /// A tick cannot be read.
     #[error("tick {0} of the trace is damaged")]
     Damaged(usize),
 }
@@ -61,7 +61,10 @@ impl Trace {
         bytes
     }
 
-    /// Reads the bytes of a file. Whether the blob is sound is for [`Blob::parse_exact`] to say.
+    /// Reads the bytes of a file. Does not check the blob; [`Blob::parse_exact`] does.
+    ///
+    /// # Errors
+    /// Fails if the bytes are not a complete trace of this version.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, TraceError> {
         let rest = bytes.strip_prefix(MAGIC).ok_or(TraceError::Magic)?;
         let cut = TraceError::Truncated(0);
@@ -92,7 +95,7 @@ impl Trace {
         Ok(Self { blob: blob.to_vec(), percepts, hash: u64::from_le_bytes(*hash) })
     }
 
-    /// The trace hash of the same mission, driven again by this build.
+    /// The trace hash of the same run, repeated by this build.
     pub fn replayed_hash(&self, blob: &Blob<'_>) -> u64 {
         let mut state = controller::State::new(blob);
         let mut hash = TraceHash::default();

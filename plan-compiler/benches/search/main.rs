@@ -1,16 +1,17 @@
-//! The search beside other crates that find the same field, on the same maps in the same run.
+//! Compares the search with other crates that find the same field, on the same maps in the same
+//! run.
 //!
 //! `cargo bench -p wayfield-plan-compiler --bench search` measures with criterion and prints the table
-//! of `BENCHMARKS.md`: nanoseconds per cell of the map (free or not) for one whole field
-//! from one goal, one thread, buffers kept where the crate can keep them, with each kind of vector
-//! unit that the machine has, and how many times faster the search is than the fastest of the others
-//! under the same rule about corners; also what finding the ways out of blocked cells adds, and what
-//! packing the field into a blob's layer takes.
-//! Every other crate's costs are compared with the search's before they are timed.
+//! of `BENCHMARKS.md`: nanoseconds per cell of the map (free or not) for one whole field from one goal. It
+//! uses one thread, reuses buffers if the crate can, and measures each kind of vector unit of the
+//! machine. The table also shows how many times faster the search is than the fastest other crate
+//! under the same corner rule, the extra time for escapes from blocked cells, and the time to pack
+//! the field into a layer. Every other crate's costs are compared with the search's before it is
+//! timed.
 //!
-//! `SIDES=250,1024,4096` chooses other sizes; above 1,024 the crates that keep costs in hash
-//! maps are left out, as they would need gigabytes. `ROUNDS=5` measures everything five times: a
-//! machine that is shared may be slow for minutes, and then so for some rows alone.
+//! `SIDES=250,1024,4096` chooses other sizes; above 1,024 the crates that keep costs in hash maps
+//! are left out, since they would need gigabytes. `ROUNDS=5` measures everything five times: a
+//! shared machine may be slow for minutes, which would distort some rows only.
 
 mod maps;
 mod peers;
@@ -32,14 +33,14 @@ use std::time::Duration;
 const RULES: [(Corners, &str); 2] = [(Corners::Forbid, "forbid"), (Corners::Allow, "allow")];
 const WITH_ESCAPES: &str = "wayfield + escapes";
 const PACKING: &str = "wayfield packing";
-/// What the benchmarks of the search itself begin with, before the kind of vector unit.
+/// Prefix of the benchmarks of the search itself, before the kind of vector unit.
 const OURS: &str = "wayfield";
-/// Beyond this side the crates with hash maps are left out.
+/// Largest side for the crates with hash maps.
 const LARGEST_HASHED: u32 = 1_024;
 
 fn main() {
     let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("search-bench");
-    // So that the table shows nothing of an earlier run.
+    // The table must not show results of an earlier run.
     let _ = std::fs::remove_dir_all(&output);
     let mut criterion = Criterion::default()
         .output_directory(&output)
@@ -75,7 +76,7 @@ fn in_round(group: &str, round: u32) -> String {
     format!("{group} round {round}")
 }
 
-/// Times that all is measured, from the first to the last.
+/// Number of rounds, each of which measures everything.
 fn rounds() -> u32 {
     std::env::var("ROUNDS").map_or(2, |chosen| chosen.parse().expect("ROUNDS is a number"))
 }
@@ -134,7 +135,7 @@ fn measure(criterion: &mut Criterion, name: &str, map: &Bitmap, goal: Cell, corn
     group.finish();
 }
 
-/// The field that others must find.
+/// The field that the other crates must find.
 struct Check<'a> {
     field: Field,
     map: &'a Bitmap,
@@ -145,7 +146,7 @@ impl Check<'_> {
         for (cell, &ours) in maps::cells(self.map).zip(&self.field.cost) {
             let theirs = cost(cell);
             assert_eq!(theirs.is_none(), ours == UNREACHED, "{name} {cell:?}");
-            // Some count in floating point, with the true square root of two.
+            // Some crates use floating point and the exact square root of two.
             let apart = theirs.map_or(0.0, |theirs| (theirs - f64::from(ours)).abs());
             assert!(apart <= f64::from(ours) * 1e-7 + 1e-6, "{name} {cell:?} {theirs:?} {ours}");
         }
@@ -183,7 +184,7 @@ fn print_table(output: &Path, groups: &[(String, f64)]) {
     let others = [WITH_ESCAPES, PACKING, "grid_search", "eikonal", "pathfinding", "petgraph"];
     let columns: Vec<&str> = ours.iter().map(String::as_str).chain(others).collect();
     println!(
-        "\nns per cell, the best of all samples; times faster than the fastest of the others, with \
+        "\nns per cell, the best of all samples; times faster than the fastest other crate, with \
          each kind of vector unit\n"
     );
     println!("| map, side, corners | {} | faster |", columns.join(" | "));

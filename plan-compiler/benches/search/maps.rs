@@ -1,4 +1,4 @@
-//! Maps to be searched, drawn from seeds.
+//! Maps for the benchmark, drawn from seeds.
 
 use ::maps::Bitmap;
 use plan_format::{Cell, Direction};
@@ -98,11 +98,12 @@ fn noise(side: u32) -> Bitmap {
     Bitmap::from_fn(side, side, |_| random.random_range(0..5) == 0)
 }
 
-/// Beyond this side a maze has more ways than one, since the only one would be longer than a cost
-/// can tell.
+/// Largest side of a maze with only one route between any two cells; in larger ones the route could
+/// exceed the largest representable cost.
 const LARGEST_TREE: u32 = 2_048;
 
-/// Corridors one cell wide that branch at random, one way between any two places.
+/// Corridors one cell wide that branch at random, with one route between any two cells up to
+/// [`LARGEST_TREE`].
 fn maze(side: u32) -> Bitmap {
     let mut random = ChaCha8Rng::seed_from_u64(4);
     let mut map = Bitmap::from_fn(side, side, |_| true);

@@ -1,5 +1,5 @@
-//! The same field by other crates, each used as its documentation advises, with the same
-//! neighbours and costs. What does not depend on the goal is built before it is timed.
+//! The same field found by other crates, each used as its documentation advises, with the same
+//! neighbours and costs. What does not depend on the goal is built before the timing.
 
 use crate::maps::cells;
 use ::maps::Bitmap;
@@ -12,7 +12,7 @@ use plan_compiler::search::{Corners, Query, step};
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::{Cell, Direction};
 
-/// The steps from a cell, with what they cost.
+/// The steps from a cell, with their costs.
 fn steps(query: &Query<'_>, cell: Cell) -> impl Iterator<Item = (Cell, u32)> {
     let Query { terrain, corners, .. } = *query;
     Direction::ALL.into_iter().filter_map(move |direction| {
@@ -87,8 +87,7 @@ impl GridSearch {
     }
 }
 
-/// `pathfinding`: Dijkstra over successors that are found as they are asked for. Returns the
-/// costs by cell.
+/// `pathfinding`: Dijkstra over successors that are computed on demand. Returns the costs by cell.
 pub(crate) fn pathfinding(query: &Query<'_>) -> impl Fn(Cell) -> Option<u32> + use<> {
     let goal = query.goal;
     let all = pathfinding::prelude::dijkstra_all(&goal, |&cell| steps(query, cell));
@@ -127,7 +126,7 @@ impl Petgraph {
     }
 }
 
-/// `eikonal`: its shortest paths on a grid (not its fast marching), which cut corners.
+/// `eikonal`: its shortest paths on a grid (not its fast marching method), which cut corners.
 pub(crate) struct Eikonal(eikonal::CostField);
 
 impl Eikonal {

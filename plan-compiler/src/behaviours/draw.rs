@@ -1,7 +1,7 @@
 //! Behaviours and their plans as graphs: DOT for other tools, and a picture of our own (H41).
 //!
-//! Drawn is what the blob holds, so that a mission file and a blob give the same picture. Layout
-//! and font are our own: neither Graphviz nor a font needs to be found.
+//! The blob's tables are drawn, so a mission file and its blob give the same picture. Layout and
+//! font are our own: neither Graphviz nor a system font is needed.
 
 mod dot;
 mod picture;
@@ -14,12 +14,12 @@ use plan_format::mission::{
     Symbol,
 };
 
-/// What a mission is drawn from.
+/// A mission to draw.
 #[derive(Clone, Copy)]
 pub struct Drawn<'d> {
     /// The mission.
     pub mission: Mission<'d>,
-    /// The names of the parallel plans that actions follow, where they are known.
+    /// The names of the parallel plans that actions follow; empty if they are not known.
     pub plans: &'d [String],
 }
 
@@ -27,7 +27,7 @@ pub struct Drawn<'d> {
 const LABELS: [&str; 7] = ["NB", "NM", "NS", "ZO", "PS", "PM", "PB"];
 
 impl<'d> Drawn<'d> {
-    /// What an edge carries.
+    /// The name of the component on an edge.
     fn symbol(&self, symbol: Symbol) -> &'d str {
         let name = match symbol {
             Symbol::PlanFrame(index) => {
@@ -84,7 +84,7 @@ impl<'d> Drawn<'d> {
         all.join(", ")
     }
 
-    /// What an action does, as the mission file has it.
+    /// What an action does, as the mission file writes it.
     fn doing(&self, action: &Action) -> String {
         match action.kind {
             ActionKind::Follow { plan, reactive, advice, .. } => {
@@ -102,7 +102,7 @@ impl<'d> Drawn<'d> {
         }
     }
 
-    /// What a component does, needs, keeps and brings about, a line each.
+    /// A component's action and description, one line per part.
     fn details(&self, symbol: Symbol) -> String {
         let mut lines = Vec::new();
         if let Symbol::Action(index) = symbol
@@ -148,14 +148,14 @@ impl<'d> Drawn<'d> {
         lines
     }
 
-    /// A frame's name with what it asks of its productions.
+    /// A frame's name with its threshold, if a production has rules.
     fn frame_title(&self, frame: &PlanFrame) -> String {
         let name = self.mission.name(frame.name);
         let has_rules = self.mission.productions_of(frame).any(|p| p.rules.is_some());
         if has_rules { format!("{name}, from {:.3}", frame.threshold) } else { name.to_owned() }
     }
 
-    /// A production's name, if it says more than its frame's.
+    /// A production's name; empty if it is the frame's.
     fn production_title(&self, frame: &PlanFrame, production: &Production) -> &'d str {
         let name = self.mission.name(production.name);
         if name == self.mission.name(frame.name) { "" } else { name }

@@ -1,12 +1,13 @@
 //! A production's graph as text that reads like the paper's figures.
 //!
-//! Two ways to write one, and they mean the same kind of graph:
-//! - `entry -> a -> (b | c -> d) -> exit`: one after the other; what stands in brackets between
-//!   bars runs side by side and joins at the closing bracket.
-//! - `entry -a-> 1 -b-> exit; entry -c-> 1`: edges between vertices that are given names, for
-//!   graphs that brackets cannot say.
+//! There are two notations for the same kind of graph:
+//! - `entry -> a -> (b | c -> d) -> exit`: one component after the other; parts in brackets,
+//!   separated by bars, run side by side and join at the closing bracket.
+//! - `entry -a-> 1 -b-> exit; entry -c-> 1`: edges between named vertices, for graphs that brackets
+//!   cannot express.
 //!
-//! Names may hold spaces; in quotes they may hold anything. A name may be used for several edges.
+//! Names may contain spaces; in quotes they may contain anything. A name may occur on several
+//! edges.
 
 mod lexer;
 mod parser;
@@ -17,9 +18,10 @@ use plan_format::limits;
 /// A production's right-hand side.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Graph {
-    /// Number of vertices: 0 is the entry, the last one the exit, and edges lead upwards.
+    /// Number of vertices: 0 is the entry, the last one is the exit, and edges lead to higher
+    /// numbers.
     pub vertices: u8,
-    /// Names of vertices, where the text gives them.
+    /// Names of the vertices that have one in the text.
     pub names: Vec<(String, u8)>,
     /// Edges in the order of the text.
     pub edges: Vec<GraphEdge>,
@@ -28,13 +30,13 @@ pub struct Graph {
 /// A component between two vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraphEdge {
-    /// Vertex it leaves.
+    /// Vertex that the edge leaves.
     pub from: u8,
-    /// Vertex it reaches.
+    /// Vertex that the edge reaches.
     pub to: u8,
-    /// What it carries.
+    /// Name of the component.
     pub component: String,
-    /// Where that stands in the text.
+    /// Where the name is in the text.
     pub span: Span,
 }
 
@@ -45,7 +47,7 @@ pub struct Mistake {
     pub message: String,
     /// Where, in bytes of the text.
     pub span: Span,
-    /// A word on what stands there.
+    /// Label of that place.
     pub label: String,
     /// How to fix it.
     pub help: String,
@@ -57,7 +59,7 @@ impl Mistake {
     }
 }
 
-/// Reads a graph; without one there is at least one mistake.
+/// Reads a graph, or returns at least one mistake.
 pub fn parse(text: &str) -> Result<Graph, Vec<Mistake>> {
     let tokens = lexer::tokens(text)?;
     let raw = parser::parse(&tokens, text.len())?;
@@ -65,13 +67,13 @@ pub fn parse(text: &str) -> Result<Graph, Vec<Mistake>> {
 }
 
 impl Graph {
-    /// Whether a way leads from one vertex to another, or they are the same.
+    /// Whether a path leads from one vertex to another, or they are the same.
     pub fn leads(&self, from: u8, to: u8) -> bool {
         let mut reached = vec![false; usize::from(self.vertices)];
         if let Some(start) = reached.get_mut(usize::from(from)) {
             *start = true;
         }
-        // Edges lead upwards, so vertices in order see all that reaches them first.
+        // Edges lead to higher numbers, so all edges into a vertex are seen before it.
         for vertex in from..self.vertices {
             if reached[usize::from(vertex)] {
                 for edge in self.edges.iter().filter(|edge| edge.from == vertex) {
@@ -82,7 +84,7 @@ impl Graph {
         reached.get(usize::from(to)).copied().unwrap_or(false)
     }
 
-    /// The number of a vertex of that name.
+    /// The number of the vertex with a name.
     pub fn vertex(&self, name: &str) -> Option<u8> {
         match name {
             "entry" => Some(0),
@@ -95,7 +97,7 @@ impl Graph {
 /// A graph whose vertices have no order yet: 0 is the entry, 1 the exit.
 #[derive(Debug, Default)]
 struct RawGraph {
-    /// For each vertex its name, or an empty one, and where it was first written.
+    /// Name of each vertex, which may be empty, and where it was first written.
     vertices: Vec<(String, Span)>,
     edges: Vec<RawEdge>,
 }
@@ -111,8 +113,8 @@ struct RawEdge {
 const ENTRY: usize = 0;
 const EXIT: usize = 1;
 
-/// Puts vertices into an order in which all edges lead upwards, and checks that every edge lies on
-/// a way from the entry to the exit.
+/// Numbers the vertices so that all edges lead to higher numbers, and checks that every edge lies
+/// on a path from the entry to the exit.
 fn number(raw: RawGraph) -> Result<Graph, Vec<Mistake>> {
     let mut mistakes = ends(&raw);
     let start = raw.edges.iter().map(|edge| edge.span.start).min().unwrap_or(0);
@@ -153,19 +155,20 @@ fn number(raw: RawGraph) -> Result<Graph, Vec<Mistake>> {
 
 fn too_many(what: &str, count: usize, limit: usize, span: &Span) -> Mistake {
     Mistake::new(
-        format!("a production has at most {limit} {what}, this one {count}"),
+        format!("a production has at most {limit} {what}; this one has {count}"),
         span,
         "this graph",
-        "move a part of it into a frame of its own",
+        "move a part of it into a separate frame",
     )
 }
 
-/// The entry is only left, the exit only reached, and every other vertex is both.
+/// Checks that no edge reaches the entry or leaves the exit, and that edges reach and leave every
+/// other vertex.
 fn ends(raw: &RawGraph) -> Vec<Mistake> {
     let mut mistakes = Vec::new();
     for edge in &raw.edges {
         if edge.to == ENTRY {
-            let help = "loops are frames that contain themselves as their last component";
+            let help = "for a loop, let the frame contain itself as its last component";
             mistakes.push(Mistake::new(
                 "an edge leads into `entry`",
                 &edge.span,
@@ -174,7 +177,7 @@ fn ends(raw: &RawGraph) -> Vec<Mistake> {
             ));
         }
         if edge.from == EXIT {
-            let help = "let the edge begin at another vertex";
+            let help = "start the edge at another vertex";
             mistakes.push(Mistake::new("an edge leaves `exit`", &edge.span, "this edge", help));
         }
     }
@@ -198,8 +201,7 @@ fn ends(raw: &RawGraph) -> Vec<Mistake> {
     mistakes
 }
 
-/// A topological order, as the text has it where that leaves a choice; the entry comes first and
-/// the exit last.
+/// A topological order with the entry first and the exit last; ties keep the order of the text.
 fn in_order(raw: &RawGraph) -> Result<Vec<usize>, Mistake> {
     let count = raw.vertices.len();
     let mut order = Vec::with_capacity(count);
@@ -215,10 +217,10 @@ fn in_order(raw: &RawGraph) -> Result<Vec<usize>, Mistake> {
             let edge = raw.edges.iter().find(is_left);
             let span = edge.map_or(0..0, |edge| edge.span.clone());
             return Err(Mistake::new(
-                "the graph runs in a circle",
+                "the graph contains a cycle",
                 &span,
                 "this edge is part of it",
-                "loops are frames that contain themselves as their last component",
+                "for a loop, let the frame contain itself as its last component",
             ));
         };
         order.push(next);

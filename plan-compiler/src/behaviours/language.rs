@@ -15,10 +15,11 @@ use toml_edit::{Item, TableLike};
 /// The tables of a mission file that are read here.
 pub const TABLES: [&str; 5] = ["inputs", "facts", "actions", "frames", "behaviours"];
 
-/// Longest time that may be given, seconds.
+/// Longest time that a file may give, seconds.
 const MAX_TIME_S: f64 = 1e6;
 
-/// Reads what a mission file says about behaviours. The syntax holds whatever was understood.
+/// Reads the behaviour tables of a mission file. The result contains everything that was
+/// understood.
 pub fn read(source: &Arc<Source>, file: &dyn TableLike, problems: &mut Vec<Problem>) -> Syntax {
     let mut report = Report { source, problems };
     let mut syntax = Syntax::default();
@@ -57,7 +58,7 @@ pub fn read(source: &Arc<Source>, file: &dyn TableLike, problems: &mut Vec<Probl
     syntax
 }
 
-/// Keeps a definition, or the name of one that could not be understood.
+/// Keeps a definition, or its name if it could not be understood.
 fn keep<T>(all: &mut Vec<T>, broken: &mut Vec<String>, name: Text, definition: Option<T>) {
     match definition {
         Some(definition) => all.push(definition),
@@ -65,7 +66,7 @@ fn keep<T>(all: &mut Vec<T>, broken: &mut Vec<String>, name: Text, definition: O
     }
 }
 
-/// Calls `with` for every entry of a table whose name can be one.
+/// Calls `with` for every entry of a table that has a valid name.
 fn each(
     report: &mut Report<'_>,
     file: &dyn TableLike,
@@ -91,11 +92,11 @@ fn name(report: &mut Report<'_>, raw: &str, span: Span) -> Option<Text> {
     let reason = if name.is_empty() {
         "a name must not be empty".to_owned()
     } else if name.len() > limits::MAX_NAME_BYTES {
-        format!("a name has at most {} bytes, this one {}", limits::MAX_NAME_BYTES, name.len())
+        format!("a name has at most {} bytes; this one has {}", limits::MAX_NAME_BYTES, name.len())
     } else if name.contains(|c: char| c.is_control() || matches!(c, '\'' | '"')) {
-        "a name holds no quotes and no control characters".to_owned()
+        "a name must not contain quotes or control characters".to_owned()
     } else if matches!(name, "entry" | "exit") || name.starts_with("not ") {
-        "this means something else in graphs and conditions".to_owned()
+        "this has a special meaning in graphs and conditions".to_owned()
     } else {
         return Some(Spanned { value: name.to_owned(), span });
     };
@@ -167,7 +168,7 @@ fn behaviour(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Behavio
     })
 }
 
-/// A rule base: a table of rows, one for each input. `inference` stands beside it.
+/// A rule base: a table with one row per input. The key `inference` is beside it.
 fn rules(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Option<Rules> {
     let words = [("min", Inference::Min), ("product", Inference::Product)];
     let inference = fields.word(report, "inference", &words).unwrap_or(Inference::Min);
@@ -197,7 +198,7 @@ fn rules(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Option<Rule
 
 const LABELS: [&str; 7] = ["NB", "NM", "NS", "ZO", "PS", "PM", "PB"];
 
-/// Seven labels: what each of the input's labels means for the result.
+/// Seven labels: the result for each label of the input.
 fn row(report: &mut Report<'_>, input: &str, item: &Item, key: Span) -> Option<[Label; 7]> {
     let span = item.span().unwrap_or(key);
     let help =
@@ -224,7 +225,7 @@ fn row(report: &mut Report<'_>, input: &str, item: &Item, key: Span) -> Option<[
     labels
 }
 
-/// Facts that shall hold, and with `not` before their name those that shall not.
+/// Facts that must hold, and facts after `not` that must not hold.
 fn literals(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Vec<Literal> {
     fields.texts(report, key, "on field").into_iter().map(literal).collect()
 }

@@ -1,10 +1,10 @@
 //! What would go wrong on the robot, found before it drives.
 //!
-//! Rule bases are evaluated by the robot's own crate in every situation that their labels tell
-//! apart ([`situations`]), and plans are carried out by its own crates in every way that actions
-//! can end ([`waits`]). Where there is too much to look through, that is said instead.
+//! The robot's own crates evaluate the rule bases in every situation that labels distinguish
+//! ([`situations`]), and carry out the plans in every way that actions can end ([`waits`]). If
+//! there is too much to check, a note reports that.
 //!
-//! What is certain to go wrong is an error; what is probably not meant is a warning.
+//! What certainly goes wrong is an error; what is probably unintended is a warning.
 
 mod budget;
 mod interruptions;
@@ -25,17 +25,17 @@ use maps::problem::has_errors;
 use plan_format::mission::{MissionDraft, Symbol};
 use situations::Situations;
 
-/// What is known of a mission before it runs.
+/// What the lints find out about a mission.
 #[derive(Clone, Debug, Default)]
 pub struct Analysis {
-    /// What every behaviour's plans may need at once, by index.
+    /// What each behaviour's plans may need at once, by index.
     pub needs: Vec<Need>,
-    /// For each behaviour, by index, the longest wait for its turn; `None` where there is no other
-    /// in its way.
+    /// The longest wait of each behaviour for its turn, by index; `None` if no other behaviour can
+    /// make it wait.
     pub waits: Vec<Option<Wait>>,
 }
 
-/// Looks through a mission that has been lowered without an error.
+/// Checks a mission that was lowered without an error.
 pub fn check(syntax: &Syntax, draft: &MissionDraft, problems: &mut Vec<Problem>) -> Analysis {
     let Some(source) = &syntax.source else { return Analysis::default() };
     let before = problems.len();
@@ -50,9 +50,9 @@ pub fn check(syntax: &Syntax, draft: &MissionDraft, problems: &mut Vec<Problem>)
     let Some(needs) = lints.budget() else { return Analysis::default() };
     lints.unused();
     if lints.situations.is_none() {
-        let message = "too many inputs for all their combinations to be looked through";
-        let help = "nothing is known of behaviours that never run or interrupt each other; \
-            derive inputs from others by rules to keep their number small";
+        let message = "too many inputs: not all combinations of their labels can be checked";
+        let help = "behaviours that never run or that interrupt each other are not found; \
+            derive inputs from others by rules to reduce their number";
         lints.report.problems.push(Problem::note(message).help(help));
     }
     lints.reach();
@@ -69,12 +69,12 @@ struct Lints<'l> {
     syntax: &'l Syntax,
     draft: &'l MissionDraft,
     report: Report<'l>,
-    /// `None` where there are too many.
+    /// `None` if there are too many.
     situations: Option<Situations>,
 }
 
 impl Lints<'_> {
-    /// A situation in words.
+    /// A situation in words, for messages.
     fn describe(&self, situation: usize) -> String {
         let names: Vec<&str> = self.syntax.inputs.iter().map(|i| i.name.as_str()).collect();
         let situations = self.situations.as_ref();
@@ -86,7 +86,7 @@ impl Lints<'_> {
         self.syntax.behaviours.get(behaviour).map_or("", |behaviour| behaviour.name.as_str())
     }
 
-    /// The name of what an edge carries.
+    /// The name of the component on an edge.
     fn symbol(&self, symbol: Symbol) -> &str {
         match symbol {
             Symbol::PlanFrame(index) => self.syntax.frames.get(usize::from(index)).map(|f| &f.name),
@@ -101,8 +101,8 @@ impl Lints<'_> {
         a != b && resources(a) & resources(b) != 0
     }
 
-    /// A situation in which one behaviour takes over from another conditionally, if there is one;
-    /// where situations are not known there may always be.
+    /// A situation in which behaviour `by` conditionally takes over from `from`: `None` if there is
+    /// none, `Some(None)` if the situations are not known.
     fn takes_over(&self, from: usize, by: usize) -> Option<Option<usize>> {
         let Some(situations) = &self.situations else { return Some(None) };
         let (old, new) = (&self.draft.behaviours[from], &self.draft.behaviours[by]);

@@ -1,4 +1,4 @@
-//! From syntax to the blob's tables: names become indices, limits are checked.
+//! From syntax to the blob's tables: turns names into indices and checks limits.
 
 mod components;
 pub(super) mod effects;
@@ -17,11 +17,11 @@ use plan_format::mission::{
 pub enum Plans {
     /// These, each with the names of its layers.
     Known(Vec<PlanNames>),
-    /// Whatever the mission names; its numbers are then good for nothing but drawing.
+    /// All plans that the mission names. Their numbers are then valid for drawing only.
     Any,
 }
 
-/// A parallel plan's name and those of its layers, in the blob's order.
+/// The names of a parallel plan and its layers, in the order of the blob.
 #[derive(Clone, Debug)]
 pub struct PlanNames {
     /// The plan.
@@ -68,7 +68,7 @@ struct Lowering<'l> {
 }
 
 impl Lowering<'_> {
-    /// Indices are small numbers; nothing is looked up before they are known to be.
+    /// Checks that all tables are small enough for their indices, before any name is looked up.
     fn counts_fit(&mut self) -> bool {
         let syntax = self.syntax;
         let spans = |texts: &mut dyn Iterator<Item = &Text>| -> Vec<Span> {
@@ -90,7 +90,7 @@ impl Lowering<'_> {
             if let Some(first) = spans.get(limit) {
                 fit = false;
                 let message = format!("the robot has room for {limit} {what}, not {}", spans.len());
-                self.report.error(message, first, "one too many", "leave some out");
+                self.report.error(message, first, "one too many", "remove some");
             }
         }
         for action in &syntax.actions {
@@ -105,7 +105,7 @@ impl Lowering<'_> {
         fit
     }
 
-    /// What grows with the contents is counted at the end.
+    /// Checks the tables that grow with the contents, at the end.
     fn tables_fit(&mut self) {
         let draft = &self.draft;
         let tables = [
@@ -119,9 +119,9 @@ impl Lowering<'_> {
         for (what, count, limit) in tables {
             if count > limit {
                 let message = format!("the robot has room for {limit} {what}, not {count}");
-                self.report.problems.push(
-                    Problem::error(message).help("leave out what the mission can do without"),
-                );
+                self.report
+                    .problems
+                    .push(Problem::error(message).help("remove what the mission does not need"));
             }
         }
     }
@@ -152,13 +152,13 @@ impl Lowering<'_> {
             |fact: &&super::syntax::Fact| matches!(fact.kind, FactSyntax::NoProgress { .. });
         let limit = behaviour::MAX_PROGRESS_FACTS;
         if let Some(fact) = self.syntax.facts.iter().filter(is_progress).nth(limit) {
-            let message = format!("the robot watches its progress for {limit} facts at most");
-            self.report.error(message, &fact.name.span, "one too many", "leave some out");
+            let message = format!("the robot supports at most {limit} facts with `no_progress`");
+            self.report.error(message, &fact.name.span, "one too many", "remove some");
         }
     }
 
-    /// Inputs, and the rule bases of those that are results of rules: each after those that it
-    /// builds on.
+    /// Inputs, and the rule bases of inputs with rules: each rule base follows those that it
+    /// depends on.
     fn inputs(&mut self) {
         let syntax = self.syntax;
         let mut bases: Vec<Option<u16>> = vec![None; syntax.inputs.len()];
@@ -197,9 +197,9 @@ impl Lowering<'_> {
                 InputSource::Rules(rules) => {
                     if bases[index].is_none() {
                         let message =
-                            format!("the rules of `{}` run in a circle", input.name.as_str());
-                        let help = "let inputs that are results of rules build on others only";
-                        self.report.error(message, &rules.span, "depends on itself", help);
+                            format!("the rules of `{}` depend on themselves", input.name.as_str());
+                        let help = "let an input with rules depend on other inputs only";
+                        self.report.error(message, &rules.span, "part of a cycle", help);
                     }
                     Source::Rules(bases[index].unwrap_or(0))
                 }
@@ -217,7 +217,7 @@ impl Lowering<'_> {
             let input = self.input(name).unwrap_or(0);
             self.draft.rules.push(Rule { input, labels: (*labels).into() });
         }
-        // Rows are of different inputs, of which there are few.
+        // Rows belong to different inputs, so there are few.
         let count = rules.rows.len().min(usize::from(u8::MAX)) as u8;
         self.draft.rule_bases.push(RuleBase { first, count, inference: rules.inference });
         (self.draft.rule_bases.len() - 1) as u16
@@ -226,7 +226,7 @@ impl Lowering<'_> {
     fn behaviours(&mut self) {
         let syntax = self.syntax;
         if syntax.behaviours.is_empty() && self.report.problems.is_empty() {
-            let message = "the mission has no behaviour: what it says about plans is never used";
+            let message = "the mission has no behaviour: its other behaviour tables are never used";
             self.report
                 .problems
                 .push(Problem::warning(message).help("add a table [behaviours.NAME]"));
@@ -276,7 +276,7 @@ impl Lowering<'_> {
         found.unwrap_or(0) as u16
     }
 
-    /// A name that stands for nothing, unless what it stands for could not be understood.
+    /// Reports an unknown name, unless its definition could not be understood.
     fn unknown<'c>(
         &mut self,
         what: &str,
@@ -344,7 +344,7 @@ impl Lowering<'_> {
             };
             *wanted |= fact;
             if fact & unwanted != 0 {
-                let message = format!("`{}` shall both hold and not hold", literal.fact.as_str());
+                let message = format!("`{}` must both hold and not hold", literal.fact.as_str());
                 self.report.error(
                     message,
                     &literal.fact.span,
@@ -356,7 +356,7 @@ impl Lowering<'_> {
         condition
     }
 
-    /// The bits of resources; names are numbered as they come.
+    /// The bits of resources; names are numbered in the order of their first use.
     fn resources(&mut self, names: &[Text]) -> u16 {
         names.iter().fold(0, |bits, name| bits | self.resource(name.as_str(), &name.span))
     }
@@ -369,8 +369,8 @@ impl Lowering<'_> {
         });
         const BITS: usize = u16::BITS as usize;
         if index == BITS {
-            let message = format!("the robot tells {BITS} resources apart, not more");
-            let help = "`motion` and each output count too; give some the same name";
+            let message = format!("the robot supports at most {BITS} resources");
+            let help = "`motion` and each output count too; let some share a name";
             self.report.error(message, span, "one too many", help);
         }
         1_u16.checked_shl(index as u32).unwrap_or(0)

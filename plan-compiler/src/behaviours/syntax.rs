@@ -1,6 +1,6 @@
-//! What a mission file says about behaviours, names not yet looked up.
+//! The behaviour tables of a mission file, with names that are not looked up yet.
 //!
-//! The order of each list is the order of the file, and the order of the records later.
+//! Each list has the order of the file, which is also the order of the blob's records.
 
 use super::graph_text::Graph;
 use crate::toml::{Span, Spanned, Text};
@@ -8,10 +8,10 @@ use maps::problem::Source;
 use plan_format::mission::{Inference, Label, SwitchPoint};
 use std::sync::Arc;
 
-/// The behaviours of a mission file; without any, all lists are empty.
+/// The behaviour tables of a mission file; all lists are empty if it has none.
 #[derive(Clone, Debug, Default)]
 pub struct Syntax {
-    /// The file; `None` where it says nothing about behaviours.
+    /// The file; `None` if it has none of these tables.
     pub source: Option<Arc<Source>>,
     /// Aspects of interest.
     pub inputs: Vec<Input>,
@@ -23,7 +23,7 @@ pub struct Syntax {
     pub frames: Vec<Frame>,
     /// Behaviours.
     pub behaviours: Vec<Behaviour>,
-    /// Names of definitions that could not be understood: what refers to them is not to blame.
+    /// Names of definitions that could not be understood; references to them are not reported.
     pub broken: Vec<String>,
 }
 
@@ -34,11 +34,11 @@ pub struct Input {
     pub name: Text,
     /// Where its value comes from.
     pub source: InputSource,
-    /// The values that are wholly NB and wholly PB.
+    /// The values that are fully NB and fully PB.
     pub universe: [f32; 2],
-    /// For how long the last value stands in for a missing one, milliseconds.
+    /// How long the last value replaces a missing one, milliseconds.
     pub hold_ms: u32,
-    /// What a missing value counts as after that.
+    /// The value used after that.
     pub missing: f32,
 }
 
@@ -57,7 +57,7 @@ pub enum InputSource {
     Price(Text, Text),
     /// A digital output.
     Output(u8),
-    /// The result of rules about other inputs.
+    /// The result of rules over other inputs.
     Rules(Rules),
 }
 
@@ -66,7 +66,7 @@ pub enum InputSource {
 pub struct Rules {
     /// Each input with its row.
     pub rows: Vec<(Text, [Label; 7])>,
-    /// How consequences are cut.
+    /// How the rules' consequences are limited.
     pub inference: Inference,
     /// Where it is written.
     pub span: Span,
@@ -77,11 +77,11 @@ pub struct Rules {
 pub struct Fact {
     /// Its name.
     pub name: Text,
-    /// What it says.
+    /// Its condition.
     pub kind: FactSyntax,
 }
 
-/// What a fact says.
+/// The condition of a fact.
 #[derive(Clone, Debug)]
 pub enum FactSyntax {
     /// Set and cleared by components.
@@ -107,7 +107,7 @@ pub enum FactSyntax {
     },
     /// The robot is in a rectangle: west, south, east, north, metres.
     Inside([f32; 4]),
-    /// The robot has not come farther within a time.
+    /// The robot has not advanced a distance within a time.
     NoProgress {
         /// Distance, metres.
         distance_m: f32,
@@ -116,16 +116,16 @@ pub enum FactSyntax {
     },
 }
 
-/// A fact that shall hold, or shall not.
+/// A fact that must hold, or must not hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Literal {
     /// The fact.
     pub fact: Text,
-    /// Whether it shall not hold.
+    /// Whether it must not hold.
     pub is_negated: bool,
 }
 
-/// What a component needs, keeps and brings about.
+/// The description of a component: conditions, effects and limits.
 #[derive(Clone, Debug, Default)]
 #[allow(missing_docs, reason = "as in `plan_format::mission::Description`")]
 pub struct Description {
@@ -167,11 +167,11 @@ pub enum Doing {
 pub struct Frame {
     /// Its name.
     pub name: Text,
-    /// What it needs, keeps and brings about.
+    /// Its conditions, effects and limits.
     pub description: Description,
     /// Productions below this applicability are not considered.
     pub threshold: Spanned<f32>,
-    /// The ways to carry it out.
+    /// The alternative ways to carry it out.
     pub productions: Vec<Production>,
 }
 
@@ -180,15 +180,15 @@ pub struct Frame {
 pub struct Production {
     /// Its name.
     pub name: Text,
-    /// How applicable it is; `None` for always.
+    /// The rules of its applicability; `None` if it is always applicable.
     pub rules: Option<Rules>,
     /// Its components.
     pub graph: Graph,
     /// The text of the graph.
     pub text: Text,
-    /// Protection intervals by hand.
+    /// Protection intervals written in the mission.
     pub protect: Vec<Text>,
-    /// What it costs to interrupt right after a component.
+    /// Work lost by an interruption right after a component.
     pub work: Vec<(Text, u16)>,
 }
 
@@ -199,9 +199,9 @@ pub struct Behaviour {
     pub name: Text,
     /// Its plan: a frame.
     pub root: Text,
-    /// The frame that is run before it is engaged or resumed.
+    /// The frame that runs before it is engaged or resumed.
     pub start_up: Option<Text>,
-    /// The frame that is run before it is put to sleep conditionally.
+    /// The frame that runs before it is conditionally put to sleep.
     pub shut_down: Option<Text>,
     /// Its criticality.
     pub rules: Rules,
@@ -209,12 +209,12 @@ pub struct Behaviour {
     pub dormant: Spanned<f32>,
     /// Engaged at once from this criticality.
     pub unconditional: Spanned<f32>,
-    /// How much more critical another must be to take over.
+    /// How much more critical another behaviour must be to take over.
     pub hysteresis: f32,
     /// Not interrupted conditionally within this time, milliseconds.
     pub dwell_ms: u32,
-    /// Which switching point it yields at.
+    /// The switching point at which it yields.
     pub switch_point: SwitchPoint,
-    /// What it occupies besides what its actions do.
+    /// Resources that it occupies in addition to those of its actions.
     pub resources: Vec<Text>,
 }

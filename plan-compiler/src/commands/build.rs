@@ -23,7 +23,7 @@ pub(super) fn run(args: &Build, quiet: bool) -> Result<(), Failure> {
     build(&args.input, None, &args.output, &args.compiling, args.json, quiet)
 }
 
-/// Compiles a map, of which the bytes may be at hand already, and writes the blob.
+/// Compiles a map, whose bytes may have been read already, and writes the blob.
 pub(super) fn build(
     input: &Path,
     bytes: Option<Vec<u8>>,
@@ -72,27 +72,27 @@ pub(super) fn compile(
     check_output(output, &project.inputs, problems);
     project.options.max_memory_bytes = args.max_memory;
     let preparing = || prepare(&project.input(), problems);
-    let Some(prepared) = with_patience(quiet, "drawing into cells", preparing) else {
+    let Some(prepared) = with_patience(quiet, "drawing the map into cells", preparing) else {
         return Ok(None);
     };
     announce(prepared.need(), quiet);
     Ok(with_progress(quiet, STEPS_A_LAYER, |progress| prepared.finish(progress, problems)))
 }
 
-/// Says in advance what a large build takes.
+/// Reports in advance how much memory a large build takes.
 fn announce(need: Need, quiet: bool) {
-    /// Less than this no machine that runs the compiler lacks.
+    /// Every machine that runs the compiler has this much.
     const WORTH_SAYING_BYTES: u64 = 1 << 30;
     if need.bytes > WORTH_SAYING_BYTES {
-        let message = format!("the search takes up to {} of memory", gib(need.bytes));
+        let message = format!("the search may take up to {} of memory", gib(need.bytes));
         tell(&[Problem::note(message)], quiet);
     }
 }
 
-/// What `--json` prints: the file, what `inspect` says of the blob in it, and the time taken.
+/// The output of `--json`: the file, the description that `inspect` prints, and the time taken.
 #[derive(Serialize)]
 struct Built<'b> {
-    /// Names need not be text; JSON must be.
+    /// Lossy, since file names need not be Unicode.
     output: Cow<'b, str>,
     board: Option<&'b str>,
     time_ms: f64,
@@ -106,7 +106,7 @@ fn print_json(
     bytes: &[u8],
     took: Duration,
 ) -> io::Result<()> {
-    // The compiler has read it back already.
+    // The compiler has already read the blob back.
     let blob = Blob::parse_exact(bytes).map_err(io::Error::other)?;
     let built = Built {
         output: output.to_string_lossy(),
@@ -128,7 +128,7 @@ fn summary(
     took: Duration,
 ) -> String {
     let mut text = String::new();
-    // The compiler has read it back already; a summary is no reason to fail.
+    // The compiler has already read the blob back; a summary must not fail the build.
     let Ok(blob) = Blob::parse_exact(bytes) else { return text };
     let grid = blob.grid();
     // Writing to a string does not fail.
@@ -161,7 +161,7 @@ fn summary(
         let part = bytes.len() as f64 / whole as f64;
         let _ = writeln!(
             text,
-            "  {}: {:.1} % of its blob region of {whole} bytes; {}",
+            "  {}: {:.1} % of its plan region of {whole} bytes; {}",
             board.name,
             100.0 * part,
             flashing(output, image, board)
@@ -170,7 +170,7 @@ fn summary(
     text
 }
 
-/// How the file gets onto the board.
+/// How to get the file onto the board.
 fn flashing(path: &Path, image: Image, board: &Board) -> String {
     let (chip, path) = (&board.chip, path.display());
     let download = format!("flash it with probe-rs download --chip {chip} --verify");
@@ -180,6 +180,6 @@ fn flashing(path: &Path, image: Image, board: &Board) -> String {
             format!("{download} --binary-format bin --base-address {address:#010x} {path}")
         }
         Image::Hex { .. } => format!("{download} --binary-format hex {path}"),
-        Image::Uf2 { .. } => "copy it to the drive that the board is in BOOTSEL mode".into(),
+        Image::Uf2 { .. } => "copy it to the drive that the board shows in BOOTSEL mode".into(),
     }
 }

@@ -1,4 +1,4 @@
-//! `completions`: what a shell sources to complete the command line.
+//! `completions`: a script for a shell that completes the command line.
 
 use super::{Failure, print};
 use crate::cli::{Cli, Completions};
@@ -16,13 +16,13 @@ pub(super) fn run(args: &Completions) -> Result<(), Failure> {
     print(&script)
 }
 
-/// What the script for bash calls the state in which only the program has been typed.
+/// The name that the bash script has for the state after the program's name.
 fn state(name: &str) -> String {
     name.replace('-', "__")
 }
 
-/// And what clap_complete 4.6 calls it where it lists what may follow, if the name has a hyphen
-/// (clap's issue 6421): left so, nothing would be completed after a command.
+/// The wrong name for the same state that clap_complete 4.6 writes if the program's name contains a
+/// hyphen (clap's issue 6421). With it, nothing would be completed after a command.
 fn mangled(name: &str) -> String {
     name.replace('-', "__subcmd__")
 }

@@ -33,7 +33,7 @@ pub(super) fn run(args: &Convert, quiet: bool) -> Result<(), Failure> {
             compile(&args.input, Some(bytes), &args.output, &args.compiling, quiet, &mut problems)?
         }
         (true, _) if is_about_maps(&args.compiling) => {
-            let message = "a blob is converted as it is; goals and cells are decided by `build`";
+            let message = "a blob is converted as it is; choose goals and cells with `build`";
             return Err(Failure::Usage(message.into()));
         }
         (true, _) => {
@@ -72,7 +72,7 @@ fn write_iplan(args: &Convert, blob: &[u8], problems: &mut Vec<Problem>) -> Resu
     Ok(())
 }
 
-/// Whether options say how to make a map into plans.
+/// Whether any option concerns the compilation of a map.
 fn is_about_maps(args: &Compiling) -> bool {
     let (map, reading) = (&args.map, args.map.reading.options());
     !args.goals.is_empty()

@@ -1,9 +1,9 @@
-//! What a blob holds, as programs read it.
+//! The contents of a blob as JSON.
 
 use plan_format::{Blob, Counts, FORMAT_VERSION, Grid, Layer};
 use serde::Serialize;
 
-/// The whole of the JSON. Programs rely on these names.
+/// The JSON object. Programs rely on these names.
 #[derive(Serialize)]
 pub(super) struct Description<'b> {
     format_version: u16,
@@ -13,7 +13,7 @@ pub(super) struct Description<'b> {
     resolution_m: f64,
     corner_m: [f64; 2],
     origin: Option<Place>,
-    /// What all layers would take unpacked.
+    /// Bytes of all layers without packing.
     raw_bytes: u64,
     plans: Vec<Parallel<'b>>,
 }
@@ -44,7 +44,7 @@ struct OneLayer<'b> {
     unreachable: u32,
 }
 
-/// Bits of a cell without packing: a direction of four and a cost of 32.
+/// Bits of a cell without packing: 4 of direction and 32 of cost.
 const RAW_BITS: u64 = 4 + 32;
 
 /// Bytes of a layer without packing.
@@ -52,12 +52,12 @@ pub(super) fn raw_bytes(grid: &Grid) -> u64 {
     (grid.cells() as u64 * RAW_BITS).div_ceil(8)
 }
 
-/// Bytes of a layer for each of its cells.
+/// Bytes of a layer per cell.
 pub(super) fn bytes_per_cell(grid: &Grid, bytes: usize) -> f64 {
     bytes as f64 / grid.cells().max(1) as f64
 }
 
-/// Describes a blob of so many bytes.
+/// Describes a blob, which is `bytes` long.
 pub(super) fn describe<'b>(blob: &Blob<'b>, bytes: usize) -> Description<'b> {
     let grid = blob.grid();
     let origin = blob.origin().map(|origin| Place {

@@ -1,5 +1,5 @@
-//! `explain`: why the robot did what it did in one tick of a recorded mission, or how its behaviours
-//! took turns in all of it.
+//! `explain`: how the robot decided one tick of a recorded run, or how its behaviours took turns in
+//! the whole run.
 
 use super::{Failure, print_text};
 use crate::cli::Explain;
@@ -28,19 +28,19 @@ pub(super) fn run(args: &Explain) -> Result<(), Failure> {
     print_text(&text)
 }
 
-/// Why a file is no trace, and how to get one.
+/// Why a file is not a trace, and how to record one.
 fn refused(args: &Explain, bytes: &[u8], error: TraceError) -> Failure {
     let name = args.trace.display();
-    let record = "record one: `cargo mission MAP --trace FILE`";
+    let record = "record a trace with `cargo mission MAP --trace FILE`";
     if bytes.starts_with(&MAGIC) {
         return Problem::error(format!("{name} is a blob of plans, not a trace"))
-            .help(format!("look into it with `plan-compiler inspect {name}`; or {record}"))
+            .help(format!("show it with `plan-compiler inspect {name}`, or {record}"))
             .into();
     }
     Problem::error(format!("{name}: {error}")).help(record).into()
 }
 
-/// A line for each turn of the mission.
+/// One line per turn of the run.
 fn turns(blob: &Blob<'_>, trace: &Trace) -> String {
     let mut text = format!("{} ticks\n", trace.percepts.len());
     warn_of_another_build(&mut text, blob, trace);
@@ -52,13 +52,16 @@ fn turns(blob: &Blob<'_>, trace: &Trace) -> String {
 
 fn warn_of_another_build(text: &mut String, blob: &Blob<'_>, trace: &Trace) {
     if trace.replayed_hash(blob) != trace.hash {
-        text.push_str("warning: this build decides otherwise than the one that was recorded\n");
+        text.push_str(
+            "warning: this build decides differently from the build that recorded the trace\n",
+        );
     }
 }
 
 fn one_tick(blob: &Blob<'_>, trace: &Trace, tick: usize) -> Result<String, Failure> {
     let Some((before, [percepts, ..])) = trace.percepts.split_at_checked(tick) else {
-        let message = format!("the trace has {} ticks, no tick {tick}", trace.percepts.len());
+        let message =
+            format!("the trace has {} ticks; there is no tick {tick}", trace.percepts.len());
         return Err(Problem::error(message).help("ticks are counted from 0").into());
     };
     let mut state = State::new(blob);
@@ -152,7 +155,7 @@ fn write_behaviours(
     Ok(())
 }
 
-/// The points ahead of a behaviour's plan at which it could be interrupted.
+/// The points ahead in a behaviour's plan at which it could be interrupted.
 fn write_points(
     text: &mut String,
     mission: &Mission<'_>,
@@ -199,7 +202,7 @@ fn write_rules(
     Ok(())
 }
 
-/// What every layer says about the robot's cell.
+/// The answer of every layer for the robot's cell.
 fn write_layers(text: &mut String, blob: &Blob<'_>, at: Vec2) -> std::fmt::Result {
     let Some(cell) = blob.cell_at(at) else { return writeln!(text, "cell       off the map") };
     writeln!(text, "cell       column {}, row {}", cell.column, cell.row)?;
@@ -213,10 +216,10 @@ fn write_layers(text: &mut String, blob: &Blob<'_>, at: Vec2) -> std::fmt::Resul
                 }
                 Answer::Goal => writeln!(text, "the goal")?,
                 Answer::NoRoute => writeln!(text, "no route")?,
-                Answer::Blocked { escape: Some(way) } => {
-                    writeln!(text, "blocked, the way out is {}", way.name())?;
+                Answer::Blocked { escape: Some(escape) } => {
+                    writeln!(text, "blocked, escape {}", escape.name())?;
                 }
-                Answer::Blocked { escape: None } => writeln!(text, "blocked, no way out")?,
+                Answer::Blocked { escape: None } => writeln!(text, "blocked, no escape")?,
                 Answer::OffMap => writeln!(text, "off the map")?,
             }
         }

@@ -47,7 +47,7 @@ fn drawn(
 ) -> Result<Vec<u8>, Failure> {
     if drawn.mission.frames().is_empty() {
         let message = format!("{} has no behaviours", args.input.display());
-        let help = "behaviours stand in a mission file; BEHAVIOURS.md says how";
+        let help = "define behaviours in a mission file, as BEHAVIOURS.md describes";
         return Err(Problem::error(message).help(help).into());
     }
     draw(drawn).map_err(|reason| {
@@ -55,8 +55,8 @@ fn drawn(
     })
 }
 
-/// The mission section as a build would have it, without its map: whatever plans it names are taken
-/// for granted.
+/// The mission section as a build writes it, but without the map: every plan that the mission names
+/// is assumed to exist.
 fn of_mission(path: &Path, quiet: bool) -> Result<Vec<u8>, Failure> {
     let (text, mut problems) = source::read_text(path)?;
     let (mission, mistakes) = mission::parse(&text);

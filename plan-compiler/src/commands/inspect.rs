@@ -1,10 +1,10 @@
-//! `inspect`: what a blob holds, for a person or as JSON.
+//! `inspect`: the contents of a blob, as text or as JSON.
 
 use super::description::{bytes_per_cell, describe, raw_bytes};
 use super::{Failure, open, print, print_text, read_blob};
 use crate::cli::Inspect;
 use maps::numbers::{metres, pair};
-use plan_format::parameters::{OnTrouble, Selection, Steering};
+use plan_format::parameters::{OnLinkLoss, OnTrouble, Selection, Steering};
 use plan_format::{Blob, FORMAT_VERSION};
 use std::io::{self, Write};
 use std::path::Path;
@@ -49,8 +49,8 @@ fn write_text(out: &mut dyn Write, path: &Path, blob: &Blob<'_>, bytes: usize) -
             let counts = layer.counts();
             writeln!(
                 out,
-                "    layer {}/{}: {} cells with a route, {} without, {} blocked; {} bytes, {:.3} a \
-                 cell",
+                "    layer {}/{}: {} cells with a route, {} without, {} blocked; {} bytes, {:.3} \
+                 per cell",
                 parallel.name(),
                 layer.name(),
                 counts.free,
@@ -66,7 +66,7 @@ fn write_text(out: &mut dyn Write, path: &Path, blob: &Blob<'_>, bytes: usize) -
         let raw = raw_bytes(grid) * count as u64;
         writeln!(
             out,
-            "  raw     {raw} bytes would the layers take with 4 bits of direction and 32 of cost a \
+            "  raw     the layers would take {raw} bytes with 4 bits of direction and 32 of cost per \
              cell, {:.1} times the file",
             raw as f64 / bytes as f64
         )?;
@@ -85,7 +85,7 @@ fn write_robot(out: &mut dyn Write, blob: &Blob<'_>) -> io::Result<()> {
     writeln!(out, "  robot   follows {}, layer chosen {when}", name.unwrap_or("no plan"))?;
     writeln!(
         out,
-        "  gains   {} reactive, {} blob, {} noise",
+        "  gains   {} reactive, {} plan, {} noise",
         gains.reactive, gains.plan, gains.noise
     )?;
     let vehicle = parameters.vehicle;
@@ -105,7 +105,7 @@ fn write_robot(out: &mut dyn Write, blob: &Blob<'_>) -> io::Result<()> {
     )?;
     let word = |action| match action {
         OnTrouble::Stop => "stops",
-        OnTrouble::Reactive => "drives by its schemas",
+        OnTrouble::Reactive => "drives by its reactive schemas",
     };
     let trouble = parameters.trouble;
     writeln!(
@@ -113,5 +113,12 @@ fn write_robot(out: &mut dyn Write, blob: &Blob<'_>) -> io::Result<()> {
         "  trouble {} off the map, {} without a route",
         word(trouble.off_map),
         word(trouble.no_route)
-    )
+    )?;
+    let link = parameters.link;
+    let policy = match link.on_loss {
+        OnLinkLoss::Continue => "continues the mission",
+        OnLinkLoss::Disarm => "disarms and stands still",
+    };
+    let timeout_s = metres(f64::from(link.timeout_us) / 1e6);
+    writeln!(out, "  link    lost after {timeout_s} s without a message, then {policy}")
 }

@@ -5,7 +5,7 @@ use crate::cli::{Cli, Man};
 use clap::CommandFactory;
 
 pub(super) fn run(args: &Man) -> Result<(), Failure> {
-    // Built, so that commands know their full names and the options of all.
+    // `build` gives the commands their full names and the global options.
     let mut command = Cli::command();
     command.build();
     let page = match &args.command {
@@ -16,7 +16,10 @@ pub(super) fn run(args: &Man) -> Result<(), Failure> {
             found.ok_or_else(|| {
                 let names = command.get_subcommands().map(|one| one.get_name());
                 let names: Vec<&str> = names.filter(|&name| name != "help").collect();
-                Failure::Usage(format!("there is no command {wanted}, only {}", names.join(", ")))
+                Failure::Usage(format!(
+                    "there is no command {wanted}; the commands are {}",
+                    names.join(", ")
+                ))
             })?
         }
     };

@@ -28,12 +28,12 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Why a command did not do what it was asked.
+/// Why a command failed.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// The input is wrong in these ways; warnings may be among them.
     Wrong(Vec<Problem>),
-    /// The command line asks for what cannot be.
+    /// The command line is wrong.
     Usage(String),
     /// Standard output cannot be written to.
     Output(io::Error),
@@ -68,38 +68,37 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
     }
 }
 
-/// Prints what is worth knowing about work that was done; when quiet, only what is probably not
-/// meant.
+/// Prints warnings and notes about work that succeeded; when quiet, only warnings.
 fn tell(problems: &[Problem], quiet: bool) {
     let least = if quiet { Severity::Warning } else { Severity::Note };
-    let told = problems.iter().filter(|problem| problem.severity >= least).cloned();
-    crate::eprint(&draw(&told.collect::<Vec<_>>(), crate::colour()));
+    let shown = problems.iter().filter(|problem| problem.severity >= least).cloned();
+    crate::eprint(&draw(&shown.collect::<Vec<_>>(), crate::colour()));
 }
 
-/// Writes text for a person to standard output. Names in it may be anybody's.
+/// Writes text for a person to standard output, made safe since it may contain names from files.
 fn print_text(text: &str) -> Result<(), Failure> {
     print(safe(text).as_bytes())
 }
 
-/// Writes what was asked for to standard output.
+/// Writes bytes to standard output.
 fn print(bytes: &[u8]) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     out.write_all(bytes)?;
     Ok(out.flush()?)
 }
 
-/// A file that replaced its own input, by a symbolic link perhaps, would cost somebody a day, and
-/// one that cannot be written the work.
+/// Reports an unwritable output, and an output that would replace an input (through a symbolic
+/// link, for example), before the work starts.
 fn check_output(output: &Path, inputs: &[impl AsRef<Path>], problems: &mut Vec<Problem>) {
     problems.extend(output::check(output));
     let Ok(replaced) = fs::canonicalize(output) else { return };
     if inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == replaced)) {
         let message = format!("the output {} is also the input", output.display());
-        problems.push(Problem::error(message).help("choose another -o"));
+        problems.push(Problem::error(message).help("choose another output with -o"));
     }
 }
 
-/// As [`check_output`], for a command that has found nothing else wrong yet.
+/// As [`check_output`], for commands that have no other problems to report with it.
 fn refuse_output(output: &Path, inputs: &[impl AsRef<Path>]) -> Result<(), Failure> {
     let mut problems = Vec::new();
     check_output(output, inputs, &mut problems);
@@ -117,16 +116,16 @@ fn open<'b>(path: &Path, bytes: &'b [u8]) -> Result<Blob<'b>, Failure> {
         let name = path.display();
         if let Some(kind) = foreign::wrapped(bytes) {
             return Problem::error(format!("{name} is {kind}, which is for flashing only"))
-                .help("name the blob itself: `plan-compiler build MAP -o plans.bin` writes it")
+                .help("use the blob itself: `plan-compiler build MAP -o plans.bin` writes it")
                 .into();
         }
         if let Some(kind) = other_kind(path, bytes) {
             return Problem::error(format!("{name} is {kind}, not a plan blob"))
-                .help(mend_of_kind(path, &kind))
+                .help(help_for_kind(path, &kind))
                 .into();
         }
         Problem::error(format!("{name} is refused: {error}"))
-            .help("name a blob that `plan-compiler build MAP -o plans.bin` wrote, or build it anew")
+            .help("use a blob that `plan-compiler build MAP -o plans.bin` wrote, or build it again")
             .into()
     })
 }
@@ -136,7 +135,7 @@ const TRACE: &str = "a trace";
 /// A mission file.
 const MISSION: &str = "a mission file";
 
-/// What a file is that is no blob, if that can be told.
+/// The kind of a file that is not a blob, if it is recognised.
 fn other_kind(path: &Path, bytes: &[u8]) -> Option<String> {
     if bytes.starts_with(&MAGIC) {
         return None;
@@ -153,22 +152,22 @@ fn other_kind(path: &Path, bytes: &[u8]) -> Option<String> {
     Some(format!("a map ({})", format.name()))
 }
 
-/// What to do with a file of another kind.
-fn mend_of_kind(path: &Path, kind: &str) -> String {
+/// Which command takes a file of another kind.
+fn help_for_kind(path: &Path, kind: &str) -> String {
     let name = quoted(path);
     match kind {
-        TRACE => format!("look into it with `plan-compiler explain {name}`"),
-        _ => format!("make plans of it first: `plan-compiler build {name} -o plans.bin`"),
+        TRACE => format!("show it with `plan-compiler explain {name}`"),
+        _ => format!("compile it first: `plan-compiler build {name} -o plans.bin`"),
     }
 }
 
-/// A path as it is typed in a shell.
+/// A path for a shell, in quotes if it contains spaces.
 fn quoted(path: &Path) -> String {
     let name = path.display().to_string();
     if name.contains(char::is_whitespace) { format!("\"{name}\"") } else { name }
 }
 
-/// The layer of a name; without one, the only layer that there is.
+/// The layer with a name; without a name, the only layer of the blob.
 fn find<'b>(
     blob: &Blob<'b>,
     name: Option<&LayerName>,
@@ -181,11 +180,11 @@ fn find<'b>(
             (Some(_), Some(_)) => {
                 let known = known_layers(blob);
                 Err(Failure::Usage(format!(
-                    "the blob holds several layers; choose one: --layer {}",
+                    "the blob contains several layers; choose one: --layer {}",
                     known.join(" or --layer ")
                 )))
             }
-            (None, _) => Err(Problem::error("the blob holds no plan at all").into()),
+            (None, _) => Err(Problem::error("the blob contains no plans").into()),
         };
     };
     let found = all.find(|(plan, layer)| plan.name() == name.plan && layer.name() == name.layer);
@@ -195,14 +194,14 @@ fn find<'b>(
         let meant = nearest(&wanted, known.iter().map(String::as_str));
         let meant = meant.map_or(String::new(), |meant| format!("did you mean {meant}? "));
         let help = match known.is_empty() {
-            true => "the blob holds no plan at all".into(),
-            false => format!("{meant}the blob holds: {}", known.join(", ")),
+            true => "the blob contains no plans".into(),
+            false => format!("{meant}the blob contains: {}", known.join(", ")),
         };
         Problem::error(format!("there is no layer {wanted}")).help(help).into()
     })
 }
 
-/// The names of the layers of a blob, of which more than a dozen help nobody.
+/// The names of a blob's layers; beyond a dozen, only their number.
 fn known_layers(blob: &Blob<'_>) -> Vec<String> {
     const LISTED: usize = 12;
     let mut names = blob

@@ -1,4 +1,4 @@
-//! `query`: the advice at points, a line of JSON for each, or the route from one.
+//! `query`: the advice at points, one line of JSON per point, or the route from a point.
 
 mod points;
 mod route;
@@ -48,11 +48,11 @@ pub(super) fn run(args: &Query) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Map metres of a place; `None` where it is farther away than the frame is good for.
+/// Map metres of a place on the globe; `None` if it is too far away for the map frame.
 fn local(blob: &Blob<'_>, lat: f64, lon: f64) -> Result<Option<[f64; 2]>, Failure> {
     let frame = blob.map_frame().ok_or_else(|| {
         Problem::error("the plans have no place on the globe")
-            .help("ask by --at X,Y, or give the map a reference: GLOBAL_REF_POINT in an overlay")
+            .help("use --at X,Y, or give the map a reference: GLOBAL_REF_POINT in an overlay")
     })?;
     let place = GeoPoint::from_degrees(lat, lon).ok_or_else(|| {
         Problem::error(format!("{lat},{lon} is not on the globe"))
@@ -65,20 +65,20 @@ fn too_far(blob: &Blob<'_>) -> Problem {
     let at = blob.map_frame().map(|frame| frame.reference());
     let at = at.map_or(String::new(), |at| format!(", {}, {}", at.lat_deg(), at.lon_deg()));
     Problem::error("the place is too far away from the map")
-        .help(format!("the map lies about its origin{at}; latitude comes first"))
+        .help(format!("the map lies around its origin{at}; write the latitude first"))
 }
 
-/// Answers every line of standard input. A line that is no point is an error that names it,
-/// said when the others have been answered.
+/// Answers every line of standard input. Lines that are not points are reported as errors after all
+/// other lines have been answered.
 fn answer_input(blob: &Blob<'_>, layer: &Layer<'_>, out: &mut dyn Write) -> Result<(), Failure> {
     /// More mistakes than this are only counted.
-    const SAID: usize = 20;
+    const MAX_LISTED: usize = 20;
     let mut input = BufReader::new(io::stdin().lock());
     let mut problems = Vec::new();
     let mut wrong = 0_usize;
     let mut bytes = Vec::new();
     for line in 1_usize.. {
-        // Whoever types one point at a time sees each answer; a file is answered in blocks.
+        // Flushed when input runs out: a user who types points sees each answer at once.
         if input.buffer().is_empty() {
             out.flush()?;
         }
@@ -95,18 +95,19 @@ fn answer_input(blob: &Blob<'_>, layer: &Layer<'_>, out: &mut dyn Write) -> Resu
             Ok(Some(at)) => write_line(out, &answer(blob, layer, Some(at)))?,
             Err(reason) => {
                 wrong += 1;
-                if wrong <= SAID {
+                if wrong <= MAX_LISTED {
                     let message = format!("standard input, line {line}: {reason}");
                     problems.push(
-                        Problem::error(message).help("write `X Y` or `X,Y`, metres, one a line"),
+                        Problem::error(message)
+                            .help("write `X Y` or `X,Y` in metres, one point per line"),
                     );
                 }
             }
         }
     }
     out.flush()?;
-    if wrong > SAID {
-        problems.push(Problem::error(format!("{} more lines are no points", wrong - SAID)));
+    if wrong > MAX_LISTED {
+        problems.push(Problem::error(format!("{} more lines are not points", wrong - MAX_LISTED)));
     }
     if problems.is_empty() { Ok(()) } else { Err(Failure::Wrong(problems)) }
 }
@@ -118,8 +119,8 @@ fn write_line(out: &mut dyn Write, line: &Line) -> io::Result<()> {
 
 fn answer(blob: &Blob<'_>, layer: &Layer<'_>, at: Option<[f64; 2]>) -> Line {
     let grid = blob.grid();
-    // In double precision: a robot's look-up is in single, which differs only where a point
-    // lies on the edge of a cell.
+    // In double precision. The robot looks up in single precision, which differs only for points on
+    // the edge of a cell.
     let cell = at.and_then(|[x, y]| grid.cell_at(x, y));
     let answer = cell.map_or(Answer::OffMap, |cell| layer.look_up(cell));
     let (cost_m, direction) = match answer {

@@ -47,8 +47,8 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
     let svg = side_by_side(&plan, &panels, style);
     let lacking = lacking(&plan);
     if as_png && !lacking.is_empty() {
-        let message = format!("the font of pictures lacks {lacking}: a PNG shows boxes instead");
-        tell(&[Problem::warning(message).help("an .svg shows them in the reader's fonts")], quiet);
+        let message = format!("the font has no {lacking}: a PNG shows boxes instead");
+        tell(&[Problem::warning(message).help("an SVG shows them in the viewer's fonts")], quiet);
     }
     let bytes = if as_png {
         png(&svg).map_err(|reason| Problem::error(format!("cannot draw the PNG: {reason}")))?
@@ -63,7 +63,7 @@ fn piece(route: &Route) -> Piece<'_> {
     Piece { name: "route that follows the advice", style: 0, points: &route.points }
 }
 
-/// Where a route starts and ends, or that there is none.
+/// The mark at the start of a route, or at a start without a route.
 fn marks(start: Option<Point>, route: Option<&Route>) -> Vec<(Mark, Point, &'static str)> {
     let start = start.map(|start| match route {
         Some(_) => (Mark::Start, start, "start"),
@@ -83,11 +83,11 @@ fn chosen<'b>(
     let named = args.layer.as_ref().map(|name| find(blob, Some(name))).transpose()?;
     let followed = || blob.parallel_plan(usize::from(blob.parameters().plan));
     let parallel = named.map(|(parallel, _)| parallel).or_else(followed);
-    let parallel = parallel.ok_or_else(|| Problem::error("the blob holds no blob at all"))?;
+    let parallel = parallel.ok_or_else(|| Problem::error("the blob contains no plans"))?;
     Ok(parallel.layers().map(|layer| (parallel, layer)).collect())
 }
 
-/// The way in each layer that has one; where none has, that is an error.
+/// The route in each layer that has one. It is an error if no layer has one.
 fn routes(
     blob: &Blob<'_>,
     drawn: &[(ParallelPlan<'_>, Layer<'_>)],
@@ -108,9 +108,9 @@ fn routes(
                 lengths += &format!("{name}: {} m from {}\n", metres(*length_m), pair(start));
             }
             Err(reason) => {
-                let message = format!("{name} has no way from {}: {reason}", pair(start));
-                let said = if has_none { Problem::error } else { Problem::warning };
-                problems.push(said(message).help(help(*reason)));
+                let message = format!("{name} has no route from {}: {reason}", pair(start));
+                let problem = if has_none { Problem::error } else { Problem::warning };
+                problems.push(problem(message).help(help(*reason)));
             }
         }
     }
@@ -126,15 +126,15 @@ fn routes(
 
 pub(super) fn help(reason: NoRoute) -> &'static str {
     match reason {
-        NoRoute::OffMap => "`plan-compiler inspect` says where the map lies",
+        NoRoute::OffMap => "`plan-compiler inspect` shows where the map lies",
         NoRoute::Unreachable => {
-            "start elsewhere; a picture without --route shows where there are ways"
+            "start elsewhere; a picture without --route shows which cells have a route"
         }
-        NoRoute::Astray => "`plan-compiler verify` says which cells are wrong",
+        NoRoute::Astray => "`plan-compiler verify` reports which cells are wrong",
     }
 }
 
-/// The exact shapes of the map, if one is given: of the one that the plans were built from.
+/// The exact shapes of the map, if one is given. It must be the map that the plans were built from.
 fn features(
     args: &Render,
     bytes: &[u8],

@@ -1,4 +1,4 @@
-//! `verify`: every cell proved anew.
+//! `verify`: re-proves every cell.
 
 use super::progress::{with_patience, with_progress};
 use super::project;
@@ -19,7 +19,7 @@ pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
     let plan = open(&args.plans, &bytes)?;
     let mut problems = Vec::new();
     let proof = with_progress(quiet, 1, |progress| verify::verify(&plan, progress));
-    let damaged = "the blob is not what the compiler wrote; build it anew";
+    let damaged = "the blob differs from what the compiler wrote; build it again";
     add(&proof, damaged, &mut problems);
     let comparing = || compare(args, &bytes, &plan, &mut problems);
     let compared = with_patience(quiet, "comparing with the map", comparing)?;
@@ -46,7 +46,7 @@ pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct Proved {
     layers: usize,
@@ -68,10 +68,10 @@ fn compare(
         return Ok("");
     };
     compare_cells(blob, &project, problems);
-    Ok("; obstacles as in the map")
+    Ok("; the obstacles match the map")
 }
 
-/// Says in what plans and a map differ: the grid, the place on the globe, the blocked cells.
+/// Reports how plans and a map differ: in the grid, the place on the globe or the blocked cells.
 pub(super) fn compare_cells(blob: &Blob<'_>, project: &Project, problems: &mut Vec<Problem>) {
     let input = project.input();
     let Some(grid) = plan_compiler::compile::grid(&input, problems) else { return };
@@ -106,11 +106,11 @@ pub(super) fn compare_cells(blob: &Blob<'_>, project: &Project, problems: &mut V
     }
 }
 
-/// Where a blob and a map disagree, one of them may have changed since.
-const OTHER_OPTIONS: &str = "is this the map that the plans were built from? If it has changed, \
-     build them anew; options given here outrank those of the build";
+/// Help for a blob and a map that disagree.
+const OTHER_OPTIONS: &str = "check that the plans were built from this map; if it has changed, \
+     build them again. Options given here override those of the build";
 
-/// Each violation as an error, the last with how to fix them all.
+/// Adds one error per violation; the last carries the help.
 fn add(report: &Report, help: &str, problems: &mut Vec<Problem>) {
     for violation in &report.violations {
         let (at, cell) = (pair(violation.at), violation.cell);

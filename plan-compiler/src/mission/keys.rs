@@ -231,7 +231,7 @@ pub const KEYS: &[Key] = &[
     ),
     text(
         "plan",
-        "The parallel plan that the robot follows, by the name of its goal; otherwise the first.",
+        "Name of the parallel plan that the robot follows, which is the name of its goal; otherwise the first plan.",
     ),
     ranged(
         number(
@@ -251,7 +251,7 @@ pub const KEYS: &[Key] = &[
             "robot_radius",
             "m",
             "",
-            "How far obstacles are grown, so that a round body of this radius fits wherever its centre is advised to go; otherwise the vehicle's radius, and 0 in MovingAI maps and Iplan.dat.",
+            "How far obstacles are grown, so that a round body of this radius does not touch them while its centre follows the advice; otherwise the vehicle's radius, and 0 in MovingAI maps and Iplan.dat.",
             |m, v| m.robot_radius_m = Some(v),
         ),
         0.0,
@@ -284,7 +284,7 @@ pub const KEYS: &[Key] = &[
     Key {
         section: "",
         name: "free",
-        meaning: "Tags whose objects are free ground, although they block by themselves.",
+        meaning: "Tags whose objects are free ground, although they are obstacles by default.",
         default: "",
         kind: Kind::Tags { set: |m, v| m.tags.free = v },
     },
@@ -292,13 +292,13 @@ pub const KEYS: &[Key] = &[
         "",
         "open_gates",
         "false",
-        "Whether gates that are not locked open the fence that they stand in.",
+        "Whether gates that are not locked are openings in their fence.",
         |m, v| m.tags.open_gates = v,
     ),
     Key {
         section: "",
         name: "origin",
-        meaning: "Where 0,0 of a GeoJSON or OpenStreetMap map is; otherwise the centre of what the file holds, which moves when the file is drawn anew.",
+        meaning: "Position of 0,0 in a GeoJSON or OpenStreetMap map; otherwise the centre of the file's contents, which moves when they change.",
         default: "",
         kind: Kind::Place { set: |m, v| m.origin = v },
     },
@@ -306,7 +306,7 @@ pub const KEYS: &[Key] = &[
         "",
         "selection",
         "\"static\"",
-        "When the layer is chosen, the most constrained that has a route from here: once at the start, or every tick.",
+        "When the robot chooses its layer, the most constrained one with a route from its position: once at the start, or every tick.",
         &[
             ("static", |m| m.parameters.selection = Selection::Static),
             ("dynamic", |m| m.parameters.selection = Selection::Dynamic),
@@ -323,7 +323,7 @@ pub const KEYS: &[Key] = &[
         "gains",
         "preset",
         "\"34:66\"",
-        "Weights of reactive schemas and advice, as in the paper's experiments. The keys below refine it.",
+        "Weights of reactive schemas and advice, as in the paper's experiments. The other keys of this table override parts of it.",
         &[
             ("100:0", |m| preset(m, Gains::REACTIVE_ONLY)),
             ("66:34", |m| preset(m, Gains::MOSTLY_REACTIVE)),
@@ -349,7 +349,7 @@ pub const KEYS: &[Key] = &[
         "vehicle",
         "steering",
         "\"differential\"",
-        "Turns on the spot; like a car; or like a boat, which must keep way on.",
+        "How the vehicle turns: on the spot; like a car; or like a boat, which turns only while it moves.",
         &[
             ("differential", |m| m.parameters.vehicle.steering = Steering::Differential),
             ("ackermann", |m| m.parameters.vehicle.steering = Steering::Ackermann),
@@ -361,7 +361,7 @@ pub const KEYS: &[Key] = &[
         "radius",
         "m",
         "0.3",
-        "The body fits in a circle of this radius; otherwise `robot_radius` where that is given.",
+        "Radius of a circle that contains the body; otherwise `robot_radius` if that is given.",
         |m, v| {
             m.parameters.vehicle.radius_m = v as f32;
             m.body_radius_given = true;
@@ -372,10 +372,10 @@ pub const KEYS: &[Key] = &[
         "base_speed",
         "m/s",
         "1.4",
-        "Speed for a blended vector of length 1; at most `max_speed`, which it follows where it is not given.",
+        "Speed for a blended vector of length 1. It may not exceed `max_speed`; a lower `max_speed` lowers the default.",
         |m, v| m.parameters.vehicle.base_speed_mps = v as f32,
     ),
-    number("vehicle", "max_speed", "m/s", "1.6", "Never faster than this.", |m, v| {
+    number("vehicle", "max_speed", "m/s", "1.6", "Highest speed.", |m, v| {
         m.parameters.vehicle.max_speed_mps = v as f32
     }),
     number(
@@ -383,10 +383,10 @@ pub const KEYS: &[Key] = &[
         "cautious_speed",
         "m/s",
         "0.3",
-        "Speed where obstacles repel hard; at most `base_speed`, which it follows where it is not given.",
+        "Speed where obstacles repel strongly. It may not exceed `base_speed`; a lower `base_speed` lowers the default.",
         |m, v| m.parameters.vehicle.cautious_speed_mps = v as f32,
     ),
-    number("vehicle", "max_turn_rate", "rad/s", "1.0", "Never turns faster than this.", |m, v| {
+    number("vehicle", "max_turn_rate", "rad/s", "1.0", "Highest turn rate.", |m, v| {
         m.parameters.vehicle.max_turn_rate_radps = v as f32
     }),
     number(
@@ -394,7 +394,7 @@ pub const KEYS: &[Key] = &[
         "min_turn_radius",
         "m",
         "0.0",
-        "Smallest turning circle, for Ackermann steering.",
+        "Radius of the smallest turning circle, for Ackermann steering.",
         |m, v| m.parameters.vehicle.min_turn_radius_m = v as f32,
     ),
     number(
@@ -402,14 +402,14 @@ pub const KEYS: &[Key] = &[
         "stop_distance",
         "m",
         "0.3",
-        "Motion towards any range reading nearer to the body than this is stopped.",
+        "The robot stops moving towards any range reading that is closer to the body than this.",
         |m, v| m.parameters.vehicle.stop_distance_m = v as f32,
     ),
     flag(
         "vehicle",
         "may_creep",
         "true",
-        "Whether it creeps straight ahead while its heading is not yet known.",
+        "Whether the robot creeps straight ahead until its heading is known.",
         |m, v| m.parameters.vehicle.may_creep = v,
     ),
     number(
@@ -433,7 +433,7 @@ pub const KEYS: &[Key] = &[
         "avoid_sphere",
         "m",
         "5.0",
-        "Beyond the margin, an obstacle repels up to this distance.",
+        "Obstacles beyond the margin repel up to this distance.",
         |m, v| m.parameters.schemas.avoid_sphere_m = v as f32,
     ),
     number(
@@ -441,7 +441,7 @@ pub const KEYS: &[Key] = &[
         "avoid_margin",
         "m",
         "0.5",
-        "An obstacle this near to the body repels at full strength.",
+        "Obstacles this close to the body repel at full strength.",
         |m, v| m.parameters.schemas.avoid_margin_m = v as f32,
     ),
     number(
@@ -458,7 +458,7 @@ pub const KEYS: &[Key] = &[
             "noise_persistence",
             "ticks",
             "10",
-            "For how long the noise schema holds a heading.",
+            "How long the noise schema keeps a direction.",
             |m, v| m.parameters.schemas.noise_persistence_ticks = v as u16,
         ),
         1.0,
@@ -477,7 +477,7 @@ pub const KEYS: &[Key] = &[
             "max_accuracy",
             "m",
             "5.0",
-            "A fix that is less accurate than this is refused.",
+            "A fix less accurate than this is refused.",
             |m, v| m.parameters.fixes.max_accuracy_mm = (v * 1e3).round() as u32,
         ),
         0.001,
@@ -488,14 +488,14 @@ pub const KEYS: &[Key] = &[
         "max_jump",
         "m/s",
         "15.0",
-        "A fix that implies a jump faster than this is refused.",
+        "A fix that implies a higher speed than this is refused.",
         |m, v| m.parameters.fixes.max_jump_mps = v as f32,
     ),
     word(
         "trouble",
         "off_map",
         "\"stop\"",
-        "Outside the map: stand still, or drive by the reactive schemas alone.",
+        "What to do outside the map: stand still, or drive by the reactive schemas only.",
         &[
             ("stop", |m| m.parameters.trouble.off_map = OnTrouble::Stop),
             ("reactive", |m| m.parameters.trouble.off_map = OnTrouble::Reactive),
@@ -505,7 +505,7 @@ pub const KEYS: &[Key] = &[
         "trouble",
         "no_route",
         "\"stop\"",
-        "Where no layer has a route: stand still, or drive by the reactive schemas alone.",
+        "What to do where no layer has a route: stand still, or drive by the reactive schemas only.",
         &[
             ("stop", |m| m.parameters.trouble.no_route = OnTrouble::Stop),
             ("reactive", |m| m.parameters.trouble.no_route = OnTrouble::Reactive),
@@ -516,14 +516,14 @@ pub const KEYS: &[Key] = &[
         "timeout",
         "s",
         "1.0",
-        "The operator's link counts as lost when nothing was heard for longer than this.",
+        "The link to the operator counts as lost after this time without a message.",
         |m, v| m.parameters.link.timeout_us = (v * 1e6).round() as u32,
     ),
     word(
         "link",
         "on_loss",
         "\"continue\"",
-        "When the link is lost while armed: go on with the mission, or stand still, disarmed. Driving by hand always ends.",
+        "What to do when the link is lost while the robot is armed: continue the mission, or disarm and stand still. Manual driving always ends.",
         &[
             ("continue", |m| m.parameters.link.on_loss = OnLinkLoss::Continue),
             ("disarm", |m| m.parameters.link.on_loss = OnLinkLoss::Disarm),

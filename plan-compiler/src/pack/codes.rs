@@ -9,7 +9,7 @@ use plan_format::layout::{BLOCK_CELLS, TERRAIN_BITS, Terrain};
 #[derive(Clone)]
 pub(crate) struct Codes(pub(crate) [u8; BLOCK_CELLS]);
 
-// Entries of plane `terrain`, in the bytes that codes have.
+// Entries of plane `terrain`, as bytes like the codes.
 const TERRAIN_FREE: u8 = Terrain::Free.entry() as u8;
 const TERRAIN_NO_ESCAPE: u8 = Terrain::NoEscape.entry() as u8;
 const TERRAIN_ESCAPE: u8 = Terrain::Escape(Direction::from_code(0)).entry() as u8;
@@ -17,8 +17,8 @@ const TERRAIN_ESCAPE: u8 = Terrain::Escape(Direction::from_code(0)).entry() as u
 /// The code of a cell that is not on the map.
 const OFF_MAP: u8 = u8::MAX;
 
-/// The codes of the blocks of a field, in the order of their grid; those beyond the map too. Cells
-/// that the field's array lacks are free without a route.
+/// The codes of a field's blocks in row-major order, including blocks beyond the map. Cells missing
+/// from the field's array count as free without a route.
 #[inline(always)]
 pub(crate) fn by_block(field: &Field, block_columns: usize, block_rows: usize) -> Vec<Codes> {
     let columns = field.columns as usize;
@@ -66,7 +66,8 @@ impl Codes {
         self.mask(|other| other <= code)
     }
 
-    /// What is in the way, with its cells, lowest first, but for cells that are not on the map.
+    /// The terrain entries of a block, lowest first, each with its cells; cells off the map are
+    /// left out.
     #[inline(always)]
     pub(crate) fn terrain(&self) -> Vec<(u32, u64)> {
         let terrain = Self(self.0.map(|code| match code {

@@ -1,4 +1,5 @@
-//! Which roots the cells of each block refer to: as few as possible, the same as next door.
+//! Chooses the roots that the cells of each block refer to: few, and shared with neighbouring
+//! blocks.
 
 use super::codes::Codes;
 use super::encode::{Block, MAX_BLOCK_ENTRIES, OwnCells, index_class};
@@ -17,30 +18,30 @@ const MAX_ROOTS: usize = (NO_ROUTE_ENTRY >> 1) as usize;
 
 /// The routes of a field, block by block, and the roots that they refer to.
 pub(crate) struct Routes {
-    /// In the order of the grid of blocks.
+    /// The blocks in row-major order.
     pub(crate) blocks: Vec<Block>,
     pub(crate) roots: Vec<Root>,
 }
 
-/// A block whose cells were given more roots than this is not worth a search for the fewest.
-/// Noise and mazes fall back early.
+/// Blocks with more nearest roots than this get own cells without a search for the fewest roots; in
+/// noise and mazes this saves time.
 const MAX_NEAR_ROOTS: usize = 10;
-/// Most roots that are taken over from neighbouring blocks to be tried.
+/// Most roots of neighbouring blocks that are tried.
 const MAX_HINTS: usize = 4;
-/// How many roots beyond the nearest are tried.
+/// Ancestors of each nearest root that are tried.
 const ANCESTORS: usize = 1;
 
-/// An entry whose root has not got its final number: twice the number, plus the way. And the cells
-/// that have it.
+/// An entry before its root has its final number (twice the number, plus the order of steps), and
+/// its cells.
 type Draft = (u32, u64);
 const NO_ROUTE_DRAFT: u32 = u32::MAX;
 
 /// A block before its roots have their final numbers; `None` for own cells.
 type Choice = Option<Vec<Draft>>;
 
-/// A field as it is looked at here.
+/// The input of the search for entries.
 pub(crate) struct Covering<'f> {
-    /// Of each block, in the order of their grid.
+    /// The codes of each block in row-major order.
     pub(crate) codes: &'f [Codes],
     pub(crate) bordered: &'f Bordered,
     pub(crate) roots: &'f Roots,
@@ -48,7 +49,7 @@ pub(crate) struct Covering<'f> {
 }
 
 impl Covering<'_> {
-    /// Chooses for all blocks.
+    /// Chooses the entries of all blocks.
     #[inline(always)]
     pub(crate) fn choose(&self) -> Routes {
         let mut choices: Vec<Choice> = Vec::with_capacity(self.codes.len());
@@ -69,7 +70,7 @@ impl Covering<'_> {
         Cell::new(8 * column as u32, 8 * row as u32)
     }
 
-    /// Few entries that serve every cell of a block that has a route.
+    /// Entries that serve every cell of a block with a route, as few as a greedy search finds.
     #[inline(always)]
     fn cover(&self, block: usize, hints: impl Iterator<Item = u32>) -> Choice {
         let codes = &self.codes[block];
@@ -93,7 +94,7 @@ impl Covering<'_> {
         let room = 2 * (MAX_HINTS + MAX_NEAR_ROOTS * (1 + ANCESTORS));
         let (tried, served) = (Vec::with_capacity(room), Vec::with_capacity(room));
         let mut candidates = Candidates { cells: &cells, tried, served };
-        // Neighbours' roots first: among equals the first is chosen.
+        // Neighbours' roots come first, since the first of equals is chosen.
         let beyond = near.iter().flat_map(|&root| self.ancestors(root));
         for root in hints.take(MAX_HINTS).chain(near.iter().copied()).chain(beyond) {
             if let Some(entry) = candidates.add(root, self.roots) {
@@ -103,7 +104,7 @@ impl Covering<'_> {
         candidates.greedy()
     }
 
-    /// The roots beyond a root, on the way to the goal.
+    /// The ancestors of a root, on the way to the goal.
     fn ancestors(&self, root: u32) -> impl Iterator<Item = u32> {
         let parent = |&root: &u32| {
             Some(self.roots.parents[root as usize]).filter(|&parent| parent != NO_ROOT)
@@ -111,8 +112,7 @@ impl Covering<'_> {
         std::iter::successors(parent(&root), parent).take(ANCESTORS)
     }
 
-    /// The roots that the cells of a block were given; `None` if they are too many or a cell has
-    /// none.
+    /// The nearest roots of a block's cells; `None` if there are too many or a cell has none.
     #[inline(always)]
     fn near(&self, corner: Cell, routed: u64) -> Option<Vec<u32>> {
         let mut near: Vec<u32> = Vec::with_capacity(MAX_NEAR_ROOTS);
@@ -135,7 +135,7 @@ impl Covering<'_> {
         Some(near)
     }
 
-    /// Gives blocks their own costs where entries, with their share of the roots they refer to,
+    /// Gives a block own cells if its entries, with their share of the roots that they refer to,
     /// would take more bytes.
     fn drop_costly(&self, choices: &mut [Choice]) {
         let mut uses = vec![0u32; self.roots.roots.len()];
@@ -158,7 +158,7 @@ impl Covering<'_> {
         }
     }
 
-    /// Keeps the roots that are still referred to, oldest first.
+    /// Keeps the roots that are still used, oldest first, and renumbers them.
     fn number(&self, choices: Vec<Choice>) -> Routes {
         let mut used = vec![false; self.roots.roots.len()];
         for root in choices.iter().flat_map(roots_of) {
@@ -184,7 +184,7 @@ impl Covering<'_> {
         Routes { blocks: choices.into_iter().map(block).collect(), roots }
     }
 
-    /// Writes the words of a block of cells that have their own code and cost. Returns the width of
+    /// Writes the words of a block whose cells have their own code and cost. Returns the width of
     /// the costs.
     pub(crate) fn own(&self, block: usize, words: &mut Vec<u32>) -> u32 {
         struct Write<'c>(&'c Covering<'c>, usize, &'c mut Vec<u32>);
@@ -223,12 +223,12 @@ const _: () = assert!(OWN_GOAL == GOAL && OWN_NO_ROUTE == NO_ROUTE, "codes are s
 struct Candidates<'c> {
     cells: &'c BlockCells,
     tried: Vec<u32>,
-    /// Entries and the cells that may have them.
+    /// Entries, each with the cells that it serves.
     served: Vec<Draft>,
 }
 
 impl Candidates<'_> {
-    /// Tries a root; the entry if it serves all cells.
+    /// Tries a root. Returns an entry if it serves all cells.
     #[inline(always)]
     fn add(&mut self, root: u32, roots: &Roots) -> Option<u32> {
         if self.tried.contains(&root) {
@@ -248,14 +248,14 @@ impl Candidates<'_> {
         None
     }
 
-    /// A greedy cover: always the entry that serves the most cells still without one. `None` if
-    /// some cell has none, which its own root should prevent.
+    /// A greedy cover: repeatedly takes the entry that serves the most remaining cells. `None` if a
+    /// cell remains, which its nearest root should prevent, or if there are too many entries.
     #[inline(always)]
     fn greedy(mut self) -> Choice {
         let mut left = self.cells.routed;
         let mut entries: Vec<Draft> = Vec::with_capacity(MAX_BLOCK_ENTRIES);
         while left != 0 {
-            // The first of the best: neighbours' roots stand at the front.
+            // The first of the best, since neighbours' roots come first.
             let (mut best, mut most) = ((0, 0), 0);
             self.served.retain_mut(|(entry, cells)| {
                 *cells &= left;
@@ -273,7 +273,7 @@ impl Candidates<'_> {
     }
 }
 
-/// The roots that a block refers to; one that it refers to in two ways comes twice.
+/// The roots that a block refers to. A root with both orders of steps occurs twice.
 fn roots_of(choice: &Choice) -> impl Iterator<Item = u32> {
     let entries = choice.as_deref().unwrap_or_default();
     entries.iter().filter(|&&(draft, _)| draft != NO_ROUTE_DRAFT).map(|&(draft, _)| draft >> 1)

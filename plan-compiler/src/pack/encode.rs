@@ -1,4 +1,4 @@
-//! Blocks and superblocks: from what each cell needs to words.
+//! Encodes blocks and superblocks as words.
 
 use super::parts::Parts;
 use crate::field::MOVES;
@@ -9,11 +9,11 @@ use plan_format::layout::{
     OWN, OWN_4_4, OWN_8_8, OWN_32, OWN_SHIFT, class_entries, index_bits, own_words,
 };
 
-/// What a block will hold.
+/// The contents of a block.
 #[derive(Clone, Debug)]
 pub(crate) enum Block {
-    /// Entries, and the cells (one bit each) that each of them is for; the others may have any of
-    /// them. At most [`MAX_BLOCK_ENTRIES`]; none if no cell of the block matters.
+    /// Entries, each with its cells (one bit per cell); all other cells may have any entry. At most
+    /// [`MAX_BLOCK_ENTRIES`]; empty if no cell of the block matters.
     Palette(Vec<(u32, u64)>),
     /// Each cell's own code and cost.
     Own,
@@ -21,7 +21,7 @@ pub(crate) enum Block {
 
 /// The cells of a block that have their own code and cost.
 pub(crate) struct OwnCells {
-    /// A bit for each of them.
+    /// One bit per cell.
     mask: u64,
     count: usize,
     /// The codes of these cells, in the order of the mask. The rest are filled with a code that is
@@ -37,8 +37,8 @@ impl OwnCells {
         Self { mask: 0, count: 0, codes: [MOVES; BLOCK_CELLS], costs: [0; BLOCK_CELLS] }
     }
 
-    /// Adds the next cell of the block, if it matters, as all moves do. Without a branch, since in
-    /// noise and mazes the processor cannot predict it.
+    /// Adds the next cell of the block if it matters; all moves do. It does not branch, since the
+    /// processor could not predict the branch in noise and mazes.
     #[inline(always)]
     pub(crate) fn add(&mut self, cell: usize, matters: bool, code: u8, cost: u32) {
         let at = self.count % BLOCK_CELLS;
@@ -51,9 +51,9 @@ impl OwnCells {
 /// Most entries that one block may choose from.
 pub(crate) const MAX_BLOCK_ENTRIES: usize = class_entries(INDEX_4) as usize;
 
-/// The superblock of 16 blocks. `entry_bits` is 4 or 16, `filler` the entry where none matters, and
-/// `own` writes the words of the cells of a block by its position, and returns the width of their
-/// costs.
+/// The superblock of 16 blocks. `entry_bits` is 4 or 16. `filler` is the entry for cells that do
+/// not matter. `own` writes the words of the own cells of the block at a position and returns the
+/// width of their costs.
 pub(crate) fn superblock(
     blocks: &[&Block; BLOCKS],
     entry_bits: u32,
@@ -65,7 +65,7 @@ pub(crate) fn superblock(
         if let Some(palette) = Palette::of(&encodings) {
             break palette;
         }
-        give_way(&mut encodings, entry_bits);
+        free_palette(&mut encodings, entry_bits);
     };
     let is_plain = encodings.iter().all(|encoding| matches!(encoding.class, Class::Plain));
     if let (true, [] | [_]) = (is_plain, &palette.entries[..]) {
@@ -75,8 +75,8 @@ pub(crate) fn superblock(
     let mut descriptors = [0u16; BLOCKS];
     let mut data = Data::default();
     let mut words = Vec::with_capacity(own_words(OWN_32, BLOCK_CELLS));
-    // Blocks of own cells stand last: their descriptors reach farther.
-    let (own_plans, others): (Vec<usize>, Vec<usize>) =
+    // Blocks of own cells come last, since their descriptors reach farther.
+    let (own_blocks, others): (Vec<usize>, Vec<usize>) =
         (0..BLOCKS).partition(|&at| matches!(encodings[at].class, Class::Own));
     for at in others {
         let (encoding, base) = (&encodings[at], bases[at]);
@@ -89,7 +89,7 @@ pub(crate) fn superblock(
         let offset = data.put(&words);
         descriptors[at] = (class << CLASS_SHIFT) as u16 | (base << BASE_SHIFT | offset) as u16;
     }
-    for at in own_plans {
+    for at in own_blocks {
         words.clear();
         let width = own(at, &mut words);
         let offset = data.put(&words);
@@ -104,7 +104,7 @@ pub(crate) fn superblock(
     }
 }
 
-/// The words of a palette, which runs backwards.
+/// The words of a palette, which is stored backwards.
 fn palette_words(entries: &[u32], entry_bits: u32) -> Vec<u32> {
     let word = |entries: &[u32]| {
         entries.iter().rev().fold(0, |word: u32, entry| word << entry_bits | entry)
@@ -112,9 +112,9 @@ fn palette_words(entries: &[u32], entry_bits: u32) -> Vec<u32> {
     entries.chunks(32 / entry_bits as usize).rev().map(word).collect()
 }
 
-/// Makes room in a palette: the block with the most entries gets its own cells or, in a plane that
-/// has none of these, all blocks share all entries, which are few.
-fn give_way(encodings: &mut [Encoding<'_>; BLOCKS], entry_bits: u32) {
+/// Frees room in a palette: the block with the most entries gets own cells. In a plane without own
+/// cells, all blocks share all entries, which are few.
+fn free_palette(encodings: &mut [Encoding<'_>; BLOCKS], entry_bits: u32) {
     if entry_bits < 16 {
         let mut all: Vec<u32> = encodings.iter().flat_map(|encoding| encoding.entries()).collect();
         all.sort_unstable();
@@ -134,14 +134,15 @@ fn give_way(encodings: &mut [Encoding<'_>; BLOCKS], entry_bits: u32) {
 /// How a block will be stored.
 struct Encoding<'b> {
     class: Class,
-    /// Entries that must stand together in the palette; for parts, in this order.
+    /// Entries that must be adjacent in the palette; in this order if the block is split into
+    /// parts.
     window: Vec<u32>,
     wanted: &'b [(u32, u64)],
 }
 
 enum Class {
     Plain,
-    Parted(Parts),
+    Split(Parts),
     Indexed,
     Own,
 }
@@ -156,7 +157,7 @@ impl<'b> Encoding<'b> {
             Class::Plain
         } else if let Some(parts) = parts(wanted) {
             window = parts.order.iter().map(|&at| wanted[at].0).collect();
-            Class::Parted(parts)
+            Class::Split(parts)
         } else {
             Class::Indexed
         };
@@ -167,10 +168,11 @@ impl<'b> Encoding<'b> {
         self.wanted.iter().map(|&(entry, _)| entry)
     }
 
-    /// Writes the words of the block, with the palette from its window on. Returns its class.
+    /// Writes the words of the block; `window` is the palette from its window on. Returns its
+    /// class.
     fn write(&self, window: &[u32], words: &mut Vec<u32>) -> u32 {
         match &self.class {
-            Class::Parted(parts) => {
+            Class::Split(parts) => {
                 words.extend_from_slice(&parts.borders);
                 parts.borders.len() as u32
             }
@@ -191,7 +193,7 @@ fn parts(wanted: &[(u32, u64)]) -> Option<Parts> {
     }
 }
 
-/// Words after the descriptors; equal blocks are stored once.
+/// The words after the descriptors. Equal blocks are stored once.
 #[derive(Default)]
 struct Data {
     words: Vec<u32>,
@@ -199,7 +201,7 @@ struct Data {
 }
 
 impl Data {
-    /// Where a block stands.
+    /// Stores a block and returns its offset.
     fn put(&mut self, block: &[u32]) -> usize {
         let is_equal = |&(start, end): &(usize, usize)| self.words[start..end] == *block;
         if let Some(&(start, _)) = self.known.iter().find(|&range| is_equal(range)) {
@@ -242,7 +244,7 @@ fn write_indices(wanted: &[(u32, u64)], window: &[u32], class: u32, words: &mut 
     }
 }
 
-/// The class of a block, from the number of its entries, which may stand in any order.
+/// The class of a block whose entries may be in any order, from their number.
 pub(crate) fn index_class(entries: usize) -> u32 {
     let fits = |&class: &u32| entries <= class_entries(class) as usize;
     if entries <= 1 { 0 } else { (INDEX_1..INDEX_4).find(fits).unwrap_or(INDEX_4) }
@@ -259,7 +261,7 @@ pub(crate) fn ones(mut bits: u64) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Entries in which each block has a window that holds all of its own.
+/// Entries that contain, for each block, a window with all of its entries.
 struct Palette {
     entries: Vec<u32>,
     /// Where the window of each block begins.
@@ -267,11 +269,11 @@ struct Palette {
 }
 
 impl Palette {
-    /// `None` if some window would begin where no descriptor reaches.
+    /// `None` if a window would begin beyond the reach of a descriptor.
     fn of(encodings: &[Encoding<'_>; BLOCKS]) -> Option<Self> {
         let mut wanted: Vec<usize> =
             (0..BLOCKS).filter(|&at| !encodings[at].window.is_empty()).collect();
-        // Long windows first: the short ones then often lie within.
+        // Long windows first: short ones are then often inside them.
         wanted.sort_by_key(|&at| std::cmp::Reverse(encodings[at].window.len()));
         let mut palette = Self { entries: Vec::new(), bases: [0; BLOCKS] };
         for at in wanted {
@@ -285,18 +287,18 @@ impl Palette {
         Some(palette)
     }
 
-    /// Where the first window begins that serves a block.
+    /// The start of the first window that serves a block.
     fn window(&self, encoding: &Encoding<'_>) -> Option<usize> {
         let wanted = &encoding.window[..];
         let &first = wanted.first()?;
-        if let Class::Parted(_) = encoding.class {
+        if let Class::Split(_) = encoding.class {
             return self.entries.windows(wanted.len()).position(|window| window == wanted);
         }
         let length = class_entries(index_class(wanted.len())) as usize;
         if !wanted[1..].iter().all(|entry| self.entries.contains(entry)) {
             return None;
         }
-        // Only those that hold the first entry need be looked at.
+        // Only windows that contain the first entry need a check.
         let mut next = 0;
         for (at, _) in self.entries.iter().enumerate().filter(|&(_, &entry)| entry == first) {
             let from = next.max((at + 1).saturating_sub(length));
@@ -312,10 +314,10 @@ impl Palette {
         None
     }
 
-    /// Adds a window, using what of it stands at the end already.
+    /// Adds a window; reuses the part of it that is already at the end.
     fn append(&mut self, encoding: &Encoding<'_>) {
         let wanted = &encoding.window[..];
-        if let Class::Parted(_) = encoding.class {
+        if let Class::Split(_) = encoding.class {
             let kept =
                 (0..wanted.len()).rev().find(|&kept| self.entries.ends_with(&wanted[..kept]));
             self.entries.extend_from_slice(&wanted[kept.unwrap_or(0)..]);
@@ -349,11 +351,11 @@ impl OwnCells {
         width
     }
 
-    /// The width of the costs, their base, and the costs as they are stored. Only moves have one;
-    /// the others are given one that costs nothing to store.
+    /// The width of the costs, their base, and the costs as stored. Only moves have a cost; other
+    /// cells get one that does not make the width larger.
     #[inline(always)]
     fn stored(&self) -> (u32, u32, [u32; BLOCK_CELLS]) {
-        // One plain loop for each thing, so that the compiler can take many cells at a time.
+        // One plain loop per result, so that the compiler can vectorise each.
         let [mut straight, mut diagonal] = [[0; BLOCK_CELLS]; 2];
         for (diagonal, &cost) in diagonal.iter_mut().zip(&self.costs) {
             *diagonal = cost % STRAIGHT_STEP * INVERSE % STRAIGHT_STEP;
@@ -394,8 +396,8 @@ impl OwnCells {
     }
 }
 
-// In [`OwnCells::stored`], `straight 5741 + diagonal 8119 = cost` with as few diagonal steps as can
-// be: less than 5741 of them, by the inverse of the diagonal step modulo the straight one.
+// [`OwnCells::stored`] solves `straight * 5741 + diagonal * 8119 = cost` with the fewest diagonal
+// steps, less than 5741, by the inverse of the diagonal step modulo the straight one.
 const _: () = assert!(STRAIGHT_STEP.checked_mul(DIAGONAL_STEP).is_some(), "no step overflows");
 const _: () = assert!(STRAIGHT_STEP.checked_mul(STRAIGHT_STEP).is_some(), "nor does a remainder");
 

@@ -1,4 +1,4 @@
-//! For every cell, the moves that the advice rule allows.
+//! The moves that the advice rule allows in every cell.
 
 use crate::field::{Field, MOVES, UNREACHED};
 use plan_format::grid::{Cell, Direction};
@@ -14,9 +14,9 @@ pub(crate) struct Bordered {
     steps: [isize; 8],
     /// Cost of each cell.
     pub(crate) cost: Vec<u32>,
-    /// Moves that minimise cost + step, without the straight ones if any is diagonal; a bit for
-    /// each direction's code. Empty where a cell has no route or its cost is not the least over its
-    /// neighbours, which no search leaves behind.
+    /// Moves that minimise cost + step, one bit per direction code; only diagonal ones if there are
+    /// any. Empty if a cell has no route, or if its cost is not the minimum over its neighbours,
+    /// which cannot happen after a search.
     pub(crate) moves: Vec<u8>,
 }
 
@@ -73,9 +73,9 @@ impl Bordered {
         index.wrapping_add_signed(self.steps[usize::from(direction.code())])
     }
 
-    /// Whether any move of the field passes the corner of a cell without a cost, which beside a
-    /// cell with a route is blocked. If none does, every move that stays off corners obeys the rule
-    /// the field was made by, whichever it was.
+    /// Whether any move of the field cuts the corner of a cell without a cost; beside a cell with a
+    /// route, such a cell is blocked. If no move does, moves that do not cut corners obey the rule
+    /// that the field was made with, whichever it was.
     #[inline(always)]
     fn cuts_corners(&self, field: &Field) -> bool {
         let columns = field.columns.max(1) as usize;
@@ -97,7 +97,7 @@ impl Bordered {
         })
     }
 
-    /// Fills in the moves of one row, a direction at a time so that each is one plain loop.
+    /// Fills in the moves of one row, direction by direction, so that each is one plain loop.
     #[inline(always)]
     fn find_moves(&mut self, row: usize, columns: usize, cuts_corners: bool) {
         let start = self.index(0, row);
@@ -112,7 +112,7 @@ impl Bordered {
             let step = direction.step_cost();
             let bit = 1 << direction.code();
             let cells = moves.iter_mut().zip(here).zip(there);
-            // Without short circuits, so that the compiler can take many cells at a time.
+            // Without short circuits, so that the compiler can vectorise the loop.
             let lowers =
                 |cost: u32, there: u32| (there.wrapping_add(step) == cost) & (there < cost);
             if !direction.is_diagonal() || cuts_corners {
@@ -121,8 +121,8 @@ impl Bordered {
                 }
                 continue;
             }
-            // Between free cells a straight step is never forbidden, so a neighbour of a cell
-            // with a route is blocked exactly if it was not reached.
+            // Straight steps between free cells are always allowed, so a neighbour of a cell with a
+            // route is blocked exactly if it was not reached.
             for (((found, &cost), &there), (&beside, &above)) in
                 cells.zip(row_at(beside).iter().zip(row_at(above)))
             {
@@ -132,8 +132,8 @@ impl Bordered {
         }
     }
 
-    /// Leaves diagonals only where there are any, and nothing where the field's own advice is not
-    /// among the moves found.
+    /// Drops straight moves if there are diagonal ones, and drops all moves if the field's own
+    /// advice is not among them.
     #[inline(always)]
     fn keep_agreeing(&mut self, field: &Field, row: usize) {
         let start = self.index(0, row);

@@ -1,29 +1,31 @@
-//! Blocks whose rows are split by borders: from west to east one entry after the other.
+//! Blocks whose rows are split by borders, with one entry after the other from west to east.
 //!
-//! Walls, the ridges between two ways out of a building and the limits of what a root serves are
-//! nearly straight on the scale of eight cells, so most blocks of two or three entries have them in
-//! the same order in every row. A border takes half a byte a row, an index at least a whole one.
+//! Walls, the ridges between two exits of a building and the limits of a root's area are nearly
+//! straight on the scale of eight cells, so most blocks of two or three entries have them in the
+//! same order in every row. A border takes half a byte per row; indices take at least one byte.
 
 use plan_format::layout::MAX_BORDERS;
 
 /// The order of a block's entries from west to east, and the borders between them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Parts {
-    /// Positions among the sets that were given.
+    /// Indices of the given sets.
     pub(crate) order: Vec<usize>,
-    /// For each border a word of 4 bits a row, the southernmost lowest: the first column behind it.
+    /// One word per border, with 4 bits per row, the southernmost row lowest: the first column east
+    /// of the border.
     pub(crate) borders: Vec<u32>,
 }
 
 impl Parts {
-    /// Borders that separate sets of cells, if the sets stand in the same order in all rows. Cells of no
-    /// set may lie anywhere.
+    /// Borders that separate sets of cells, if the sets have the same order in all rows. Cells
+    /// outside all sets may be anywhere.
     pub(crate) fn of(sets: &[u64]) -> Option<Self> {
         if !(2..=MAX_BORDERS as usize + 1).contains(&sets.len()) {
             return None;
         }
         let mut order: Vec<usize> = (0..sets.len()).collect();
-        // In any row in which both have cells they have the same order, so comparing does sort.
+        // If two sets have the same order in all rows, pairwise comparison sorts them; checked
+        // below.
         for last in (1..order.len()).rev() {
             for at in 0..last {
                 if !is_before(sets[order[at]], sets[order[at + 1]]) {

@@ -1,13 +1,14 @@
 //! Roots, handed from cell to cell outwards from the goal.
 //!
-//! A cell takes the root of a neighbour that its optimal moves lead to, if from the cell too the
-//! way to that root is as short as without obstacles; else that neighbour becomes a root. What
-//! leads by a root and is straight to the root's own root is straight to the root as well, so the
-//! nearest root on a way serves at least the cells that any farther one does: only the nearest is
-//! handed on, and the farther ones are found through it.
+//! A cell takes the root of a neighbour on one of its optimal moves, if the cell's route to that
+//! root is also as short as without obstacles; otherwise that neighbour becomes a root. If a route
+//! passes a root and is straight to the root's own root, it is straight to the root as well. So the
+//! nearest root on a route serves at least the cells that any farther root serves: only the nearest
+//! is passed on, and the farther ones are its ancestors.
 //!
-//! Cells are visited in buckets of cost one straight step wide: no step is shorter, so inside a
-//! bucket no cell leads to another and their order does not matter. That takes linear time.
+//! Cells are visited in cost buckets as wide as one straight step. No step is shorter, so no cell
+//! of a bucket leads to another of the same bucket and their order does not matter. This takes
+//! linear time.
 
 use super::moves::Bordered;
 use crate::field::{Field, GOAL, UNREACHED};
@@ -18,20 +19,20 @@ use std::ops::Range;
 /// Sentinel: no root.
 pub(crate) const NO_ROOT: u32 = u32::MAX;
 
-/// Where a root serves fewer cells than this, what they say by themselves takes hardly more bytes,
-/// and is found in a fraction of the time. Noise of 20 % obstacles has a root for every six cells, a
-/// maze for every three, noise of 5 % for every 25, and a city for every 500.
+/// If roots serve fewer cells than this on average, own cells take hardly more bytes and a fraction
+/// of the time. Noise with 20 % obstacles has a root per 6 cells, a maze per 3, noise with 5 % per
+/// 25, and a city per 500.
 const CELLS_PER_ROOT: usize = 8;
 /// Cells between two checks of that ratio.
 const CHECK_INTERVAL_CELLS: usize = 4_096;
 
 /// The roots of a field.
 pub(crate) struct Roots {
-    /// By their numbers.
+    /// The roots by number.
     pub(crate) roots: Vec<Root>,
-    /// The root that each root had before it became one; [`NO_ROOT`] for a goal.
+    /// The root that each root's cell had before it became a root; [`NO_ROOT`] for a goal.
     pub(crate) parents: Vec<u32>,
-    /// The number of each cell's root, a root's own for itself; bordered as [`Bordered`].
+    /// The number of each cell's root; a root has its own number. Indexed as in [`Bordered`].
     pub(crate) of_cell: Vec<u32>,
 }
 
@@ -99,7 +100,7 @@ impl Roots {
         if best != NO_ROOT {
             return best;
         }
-        // Beside it may be a way of the same length that passes a root.
+        // A neighbour that is not on an optimal move may have a root that serves the cell.
         for direction in Direction::ALL {
             let number = self.of_cell[bordered.neighbour(index, direction)];
             if number != NO_ROOT && serves(self.roots[number as usize], cell, cost, moves) {
@@ -117,7 +118,7 @@ impl Roots {
         }
     }
 
-    /// Makes a cell a root; its number.
+    /// Makes a cell a root and returns its number.
     fn make_root(&mut self, cell: Cell, bordered: &Bordered) -> u32 {
         let index = bordered.index_of(cell);
         let number = self.roots.len() as u32;
@@ -140,8 +141,8 @@ pub(crate) fn directions(moves: u8) -> impl Iterator<Item = Direction> {
     })
 }
 
-/// A cost, at the end of a bucket, below which enough cells lie to see whether roots pay. Else all
-/// cells would have to be put in order first.
+/// A cost at the end of a bucket with enough cells below it to decide whether roots pay, so that
+/// not all cells have to be sorted first.
 #[inline(always)]
 fn near(bordered: &Bordered) -> u32 {
     let mut near = 32 * STRAIGHT_STEP;
@@ -156,7 +157,7 @@ fn near(bordered: &Bordered) -> u32 {
     near
 }
 
-/// The cells that have moves and costs in a range, bucket by bucket: [words](Cell::to_word).
+/// The cells with moves and a cost in a range, bucket by bucket, as [words](Cell::to_word).
 #[inline(always)]
 fn by_cost(bordered: &Bordered, range: Range<u32>) -> Vec<u32> {
     let first = range.start / STRAIGHT_STEP;
@@ -182,8 +183,8 @@ fn by_cost(bordered: &Bordered, range: Range<u32>) -> Vec<u32> {
     order
 }
 
-/// Calls `act` with each cell that has moves and a cost in a range. Most ranges hold few cells of a
-/// row or most, so a run of 32 is passed over at once.
+/// Calls `act` with each cell that has moves and a cost in a range. Most ranges contain few or most
+/// cells of a row, so 32 cells are skipped at a time.
 #[inline(always)]
 fn each(bordered: &Bordered, range: &Range<u32>, mut act: impl FnMut(Cell, u32)) {
     const MANY: usize = 32;

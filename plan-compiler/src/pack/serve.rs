@@ -1,11 +1,11 @@
-//! Which cells of a block a root serves, all 64 at a time.
+//! Which cells of a block a root serves, for all 64 cells at a time.
 
 use super::moves::Bordered;
 use plan_format::grid::{Cell, DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::layout::BLOCK_CELLS;
 use plan_format::layout::Root;
 
-/// What decides which roots serve the cells of a block.
+/// The properties of a block's cells that decide which roots serve them.
 pub(crate) struct BlockCells {
     column: i32,
     row: i32,
@@ -16,14 +16,14 @@ pub(crate) struct BlockCells {
     pub(crate) routed: u64,
 }
 
-/// A bit of each byte.
+/// The lowest bit of each byte.
 const BYTES: u64 = 0x0101_0101_0101_0101;
 
 /// What a diagonal step saves over two straight ones.
 const SAVED: i32 = (2 * STRAIGHT_STEP - DIAGONAL_STEP) as i32;
 
 impl BlockCells {
-    /// The cells of the block whose south-west cell this is, those in `routed`.
+    /// The cells in `routed` of the block with this south-west cell.
     #[inline(always)]
     pub(crate) fn new(bordered: &Bordered, corner: Cell, routed: u64) -> Self {
         let mut cost = [-1; BLOCK_CELLS];
@@ -47,7 +47,8 @@ impl BlockCells {
         Self { column: corner.column as i32, row: corner.row as i32, cost, moves, routed }
     }
 
-    /// The cells that may refer to a root, diagonal steps first and straight steps first.
+    /// The cells that may refer to a root: with diagonal steps first, and with straight steps
+    /// first.
     #[inline(always)]
     pub(crate) fn served_by(&self, root: Root) -> [u64; 2] {
         // Towards the root, from each column and each row of the block.
@@ -80,7 +81,7 @@ impl BlockCells {
         [both | straight & diagonal, both | straight & !flat & !upright & straight_first]
     }
 
-    /// The cells whose cost is that of a way to the root without obstacles.
+    /// The cells whose cost equals that of a route to the root without obstacles.
     #[inline(always)]
     fn straight(&self, root: Root, dx: [i32; 8], dy: [i32; 8]) -> u64 {
         let long = dx.map(|dx| dx.wrapping_abs().wrapping_mul(STRAIGHT_STEP as i32));
@@ -101,15 +102,15 @@ impl BlockCells {
     }
 }
 
-/// The cells that are farther from a root in columns than in rows, and the reverse, from how far
-/// the root lies east of the first column and north of each row.
+/// The cells that are farther from a root in columns than in rows, and the reverse. `east` is the
+/// distance of the root from the first column, `north` from each row.
 #[inline(always)]
 fn longer(east: i32, north: [i32; 8]) -> [u64; 2] {
     // A row whose first `columns` bits are set.
     let first = |columns: i32| (1u64 << columns.clamp(0, 8)) - 1;
     let (mut wide, mut high) = (0, 0);
     for (y, north) in north.into_iter().enumerate() {
-        // In columns from `west` to `east` the root is as far away as in rows, or nearer.
+        // In columns from `west` to `east` the distance in columns is at most that in rows.
         let (west, east) = (east - north.abs(), east + north.abs());
         wide |= (first(west) | 255 & !first(east + 1)) << (8 * y);
         high |= (first(east) & !first(west + 1)) << (8 * y);

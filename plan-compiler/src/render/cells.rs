@@ -1,6 +1,6 @@
-//! Cells as an image: sampled, sorted into bands of cost, and drawn in few colours.
+//! Cells as an image: sampled, sorted into cost bands, and drawn in few colours.
 //!
-//! An image's size is bounded by the picture's, however large the map is.
+//! The picture bounds the size of the image, however large the map is.
 
 use super::palette::{self, BLOCKED, HATCH, PAPER};
 use super::scale::round_number_above;
@@ -13,10 +13,10 @@ use std::io::Write;
 use std::ops::Range;
 use svg::node::element::Image;
 
-/// Bands of cost, at most: more colours cannot be told apart.
+/// Most cost bands; more colours are hard to distinguish.
 pub(super) const MAX_BANDS: usize = 12;
 
-/// A sample that must not be entered.
+/// A blocked sample.
 const IS_BLOCKED: u32 = u32::MAX;
 /// A sample without a route.
 const NO_ROUTE: u32 = u32::MAX - 1;
@@ -25,12 +25,12 @@ const NO_ROUTE: u32 = u32::MAX - 1;
 pub(super) struct Sampled {
     columns: u32,
     rows: u32,
-    /// Costs, or one of the two above; row 0 in the south.
+    /// Costs, or [`IS_BLOCKED`] or [`NO_ROUTE`]; row 0 in the south.
     costs: Vec<u32>,
     resolution_m: f64,
 }
 
-/// How wide the bands of cost are, and how many there are.
+/// Width and number of the cost bands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bands {
     pub(super) width_m: f64,
@@ -38,7 +38,7 @@ pub(super) struct Bands {
 }
 
 impl Bands {
-    /// Few bands, of a round width, that reach to a cost.
+    /// Few bands of a round width that reach up to a cost.
     pub(super) fn to(farthest_m: f64) -> Self {
         let width_m = round_number_above(farthest_m / MAX_BANDS as f64);
         let count = ((farthest_m / width_m) as usize + 1).min(MAX_BANDS);
@@ -51,7 +51,7 @@ impl Bands {
 }
 
 impl Sampled {
-    /// At most so many columns and rows of samples, each of a block of cells.
+    /// Samples a layer with at most `most` columns and rows, each sample from a block of cells.
     pub(super) fn new(grid: &Grid, layer: &Layer<'_>, most: [u32; 2]) -> Self {
         let (columns, rows) = (grid.columns.min(most[0]), grid.rows.min(most[1]));
         let row_of_samples = |row: u32| {
@@ -69,7 +69,7 @@ impl Sampled {
         Self { columns, rows, costs, resolution_m: grid.resolution_m }
     }
 
-    /// The same with at most so many columns and rows.
+    /// The same samples reduced to at most `most` columns and rows.
     fn coarser(&self, most: [u32; 2]) -> Self {
         let (columns, rows) = (self.columns.min(most[0]), self.rows.min(most[1]));
         let cost = |column: u32, row: u32| {
@@ -84,13 +84,13 @@ impl Sampled {
         Self { columns, rows, costs, resolution_m: self.resolution_m }
     }
 
-    /// The highest cost, metres; none where no cell has a route.
+    /// The highest cost, metres; `None` if no cell has a route.
     pub(super) fn farthest_m(&self) -> Option<f64> {
         let costs = self.costs.iter().filter(|&&cost| cost < NO_ROUTE);
         costs.max().map(|&cost| cost_metres(cost, self.resolution_m))
     }
 
-    /// Whether there are cells of a kind.
+    /// Whether there are blocked cells.
     pub(super) fn has_blocked(&self) -> bool {
         self.costs.contains(&IS_BLOCKED)
     }
@@ -99,13 +99,13 @@ impl Sampled {
         self.costs.contains(&NO_ROUTE)
     }
 
-    /// The image, of whole pixels; hatching repeats after a number of them.
+    /// The image in whole pixels; the hatching repeats after `hatch_px` pixels.
     pub(super) fn draw(&self, bands: Bands, size: [u32; 2], hatch_px: u32) -> Image {
         let png = self.coarser(size).png(bands, size, hatch_px).unwrap_or_default();
         Image::new()
             .set("width", size[0])
             .set("height", size[1])
-            // Cells keep their edges when the picture is enlarged; viewers know the one or the other.
+            // Cells keep sharp edges when enlarged; each viewer knows one of the two attributes.
             .set("image-rendering", "optimizeSpeed")
             .set("style", "image-rendering:pixelated")
             .set("href", format!("data:image/png;base64,{}", BASE64_STANDARD.encode(png)))
@@ -117,7 +117,7 @@ impl Sampled {
         [width, height]: [u32; 2],
         hatch_px: u32,
     ) -> Result<Vec<u8>, png::EncodingError> {
-        // Colours of the bands, then paper, hatching and what is blocked.
+        // Colours of the bands, then of paper, hatching and blocked cells.
         let mut colours: Vec<u8> =
             (0..bands.count).flat_map(|index| palette::band(index, bands.count)).collect();
         colours.extend([PAPER, HATCH, BLOCKED].into_iter().flat_map(palette::rgb));
@@ -133,7 +133,7 @@ impl Sampled {
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_palette(colours);
         encoder.set_compression(png::Compression::Balanced);
-        // Lines repeat, so that their differences are mostly zeros; a compression sets it anew.
+        // Lines repeat, so their differences are mostly zeros. `set_compression` resets the filter.
         encoder.set_filter(png::Filter::Up);
         let mut writer = encoder.write_header()?;
         let mut stream = writer.stream_writer()?;
@@ -155,19 +155,19 @@ impl Sampled {
     }
 }
 
-/// The cells of a sample of so many.
+/// The cells of one of `samples` samples along an axis.
 fn block(index: u32, samples: u32, cells: u32) -> Range<u32> {
     let edge = |index: u32| (u64::from(index) * u64::from(cells) / u64::from(samples)) as u32;
     edge(index)..edge(index + 1)
 }
 
-/// The sample under the middle of a pixel of so many.
+/// The sample under the middle of one of `pixels` pixels.
 fn middle(pixel: u32, pixels: u32, samples: u32) -> u32 {
     ((2 * u64::from(pixel) + 1) * u64::from(samples) / (2 * u64::from(pixels))) as u32
 }
 
-/// What a block is drawn as: blocked if any of it is, so that thin walls stay; otherwise the goal
-/// or the first cost in it.
+/// The sample of a block: blocked if any cell is, so that thin walls stay visible; otherwise the
+/// goal or the first cost.
 fn merged(columns: Range<u32>, rows: Range<u32>, cost: impl Fn(u32, u32) -> u32) -> u32 {
     let mut found = NO_ROUTE;
     for row in rows {

@@ -1,4 +1,4 @@
-//! The legend: what colours, lines and marks mean, how long a metre is, and where north is.
+//! The legend: the meaning of colours, lines and marks, the scale, and north.
 
 use super::cells::Bands;
 use super::marks::{self, Mark};
@@ -11,20 +11,20 @@ use maps::numbers::metres;
 use math::scalar::wide;
 use svg::node::element::{Group, Rectangle};
 
-/// Something that the legend explains.
+/// An entry of the legend.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Entry {
-    /// The bands of cost.
+    /// The cost bands.
     Bands(Bands),
     /// The scale bar.
     Scale,
-    /// Which way north is: the map's heading, radians clockwise from north, if it is known.
+    /// The north arrow: the map's heading, radians clockwise from north, if known.
     North(Option<f64>),
     /// A symbol and what it means.
     Item(Symbol, String),
 }
 
-/// What stands beside an explanation.
+/// The symbol beside an explanation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Symbol {
     /// An area of a colour with an opacity.
@@ -41,15 +41,15 @@ pub(super) enum Symbol {
     Mark(Mark),
 }
 
-/// Sizes in sizes of the font.
+// Sizes in multiples of the font size.
 const BANDS_EM: [f64; 2] = [15.0, 3.9];
 const SCALE_EM: [f64; 2] = [10.0, 3.0];
 const NORTH_EM: [f64; 2] = [3.0, 3.0];
 const ITEM_EM: f64 = 1.65;
 const SYMBOL_EM: f64 = 2.5;
-/// An explanation is never wider.
+/// Largest width of an explanation.
 const TEXT_EM: f64 = 18.0;
-/// Between columns and between rows.
+/// Gaps between columns and between rows.
 const GAP_EM: [f64; 2] = [1.2, 0.4];
 
 /// Entries placed from left to right and from top to bottom.
@@ -60,7 +60,7 @@ pub(super) struct Flow {
 }
 
 impl Entry {
-    /// Width and height; all items are equally wide, so that they form columns.
+    /// Width and height; all items have the same width, so that they form columns.
     fn size(&self, item_px: f64, font: f64) -> [f64; 2] {
         match self {
             Self::Bands(_) => BANDS_EM.map(|em| em * font),
@@ -70,7 +70,7 @@ impl Entry {
         }
     }
 
-    /// Room for an item.
+    /// Width of an item.
     fn item_px(&self, font: f64) -> f64 {
         match self {
             Self::Item(_, text) => {
@@ -82,7 +82,7 @@ impl Entry {
 }
 
 impl Flow {
-    /// Entries in a width, or in the least that they need.
+    /// Places entries within a width; a single entry may exceed it.
     pub(super) fn new(entries: &[Entry], width: f64, measure: Measure) -> Self {
         let font = measure.font;
         let gap = GAP_EM.map(|em| em * font);
@@ -121,7 +121,7 @@ pub(super) fn draw(entry: &Entry, at: [f64; 2], view: &View) -> Group {
 
 fn draw_bands(bands: Bands, measure: Measure) -> Group {
     let (font, width) = (measure.font, BANDS_EM[0] * measure.font);
-    // Half a label sticks out at either end.
+    // Half a label extends beyond either end.
     let label = |index: usize| metres(index as f64 * bands.width_m);
     let side = width_px(&label(bands.count), font) / 2.0;
     let each = (width - 2.0 * side) / bands.count as f64;
@@ -169,17 +169,17 @@ fn draw_scale(view: &View) -> Group {
         more if more > 1.0 => format!(", y × {}", metres((more * 10.0).round() / 10.0)),
         less => format!(", x × {}", metres((10.0 / less).round() / 10.0)),
     };
-    // Where x is the longer one, the bar is one of x all the same.
+    // The bar always shows the scale of x.
     let label = format!("{} m{note}", metres(bar_m));
     let at = [unit, baseline + 0.6 * font + CAPITALS_EM * font];
     Group::new().add(stroke(bar, INK, 2.0 * unit)).add(text::line(at, &label, font, Anchor::Start))
 }
 
-/// An arrow to the north, or along y where the map has no place on the globe.
+/// An arrow to the north, or along y if the map has no place on the globe.
 fn draw_north(heading_rad: Option<f64>, measure: Measure) -> Group {
     let font = measure.font;
     let centre = NORTH_EM.map(|em| em * font / 2.0);
-    // The map's y axis lies the heading clockwise from north, so north lies it the other way.
+    // The y axis is turned clockwise from north by the heading, so north is turned the other way.
     let angle = -heading_rad.unwrap_or(0.0);
     let (sine, cosine) = (wide::sin(angle), wide::cos(angle));
     let at = |along: f64, aside: f64| {
@@ -253,7 +253,7 @@ fn hatching([x, y, width, height]: [f64; 4], apart: f64) -> String {
     (0..count).map(line).collect()
 }
 
-/// Dashes and gaps in widths of a line.
+/// A rectangle with rounded coordinates.
 fn area(x: f64, y: f64, width: f64, height: f64) -> Rectangle {
     let [x, y, width, height] = [x, y, width, height].map(text::round);
     Rectangle::new().set("x", x).set("y", y).set("width", width).set("height", height)

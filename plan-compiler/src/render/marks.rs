@@ -1,7 +1,7 @@
-//! What lies over the cells: exact shapes, arrows, routes, marks and the names of goals.
+//! Drawings over the cells: exact shapes, arrows, routes, marks and the names of goals.
 //!
-//! Marks differ in shape, so that nothing depends on colour; each has a light rim, which keeps it
-//! apart from whatever lies below.
+//! Marks differ in shape, so that nothing depends on colour alone; each has a light rim that
+//! separates it from its background.
 
 use super::palette::{self, ADVICE, ATTENUATING, GOAL, INK, OBSTACLE, PAPER, ZONE};
 use super::stroke::{dashes, stroke};
@@ -13,7 +13,7 @@ use plan_format::{Answer, Cell, Layer};
 use std::fmt::Write;
 use svg::node::element::{Group, Path, Rectangle};
 
-/// A place that something is to be known of.
+/// The kind of a marked position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// Where the robot started: a ring.
@@ -22,18 +22,18 @@ pub enum Mark {
     Goal,
     /// The goal of another plan: a small diamond.
     OtherGoal,
-    /// Where a route ends at its goal or a mission is done: a square.
+    /// Where a route ends at its goal or the mission is done: a square.
     End,
-    /// Where it stopped before: a cross.
+    /// Where the robot stopped before the end: a cross.
     Stop,
-    /// Where a behaviour gave way at a point of its plan: a triangle.
+    /// Where a behaviour yielded at a point of its plan: a triangle.
     GaveWay,
     /// Where a behaviour was interrupted at once: a triangle on its tip.
     Interrupted,
 }
 
 impl Mark {
-    /// The corners of its shape, in units from its middle, y down.
+    /// The corners of the shape, in units from its middle, y down.
     fn corners(self) -> Vec<[f64; 2]> {
         let around = |count: usize, radii: &[f64], turned: f64| {
             let corner = |index: usize| {
@@ -89,8 +89,7 @@ impl Mark {
     }
 }
 
-/// A route in its colour and dashes, on a light casing that keeps it apart from arrows and
-/// obstacles.
+/// A route in its colour and dashes, on a light casing that separates it from arrows and obstacles.
 pub(super) fn route(path: &str, style: usize, unit: f64) -> Group {
     let (colour, gaps) = palette::route(style);
     let width = 3.4 * unit;
@@ -109,7 +108,7 @@ pub(super) fn line(points: &[Point], view: &View, path: &mut String) {
     let mut last = None;
     for (index, point) in points.iter().enumerate() {
         let at = view.place(*point).map(text::round);
-        // What moves less than a hundredth of a pixel is not seen.
+        // Steps of less than a hundredth of a pixel are invisible.
         if last != Some(at) || index + 1 == points.len() {
             let _ = write!(path, "{}{} {}", if index == 0 { 'M' } else { 'L' }, at[0], at[1]);
         }
@@ -139,10 +138,10 @@ pub(super) fn shapes(features: &[Feature], view: &View) -> Group {
     group
 }
 
-/// What is below areas that weaken radio stays visible.
+/// Opacity of areas that weaken radio, so that cells below them stay visible.
 pub(super) const ATTENUATING_OPACITY: f64 = 0.4;
 
-/// The path of a shape; whether it has an inside.
+/// Adds a shape to a path. Returns whether the shape has an inside.
 fn outline(shape: &Shape, view: &View, path: &mut String) -> bool {
     match shape {
         Shape::Circle { centre, radius } => {
@@ -167,9 +166,9 @@ fn outline(shape: &Shape, view: &View, path: &mut String) -> bool {
     }
 }
 
-/// Arrows stand this far apart, in units.
+/// Distance between arrows, in units.
 const ARROW_UNITS: f64 = 27.0;
-/// The largest arrow, in units, and its part of the room that it has.
+/// Largest length of an arrow, in units, and its share of the distance.
 const MAX_ARROW_UNITS: f64 = 26.0;
 const ARROW_PART: f64 = 0.6;
 
@@ -179,7 +178,7 @@ pub(super) fn cells_per_arrow(view: &View) -> [u32; 2] {
     view.cell().map(|cell| (room / cell).ceil().max(1.0) as u32)
 }
 
-/// The advice of one cell of every block: the one nearest to its middle that has any.
+/// One arrow per block: the advice of the cell nearest to the middle that has one.
 pub(super) fn arrows(layer: &Layer<'_>, view: &View) -> Path {
     let [across, up] = cells_per_arrow(view);
     let [width, height] = view.cell();
@@ -199,13 +198,14 @@ pub(super) fn arrows(layer: &Layer<'_>, view: &View) -> Path {
     stroke(path, ADVICE, 1.3 * view.measure.unit).set("stroke-linecap", "round")
 }
 
-/// A cell of a block's inner half with an advice, and the advice; the nearest to the middle first.
+/// The cell nearest to the middle of a block, within its inner half, that has advice; and its
+/// advice.
 fn advice_near(layer: &Layer<'_>, corner: [u32; 2], size: [u32; 2]) -> Option<(Cell, [f64; 2])> {
     let middle = [corner[0] + size[0] / 2, corner[1] + size[1] / 2];
     let reach = (size[0].min(size[1]) / 4).min(MOST_RINGS);
     let on_ring = |ring: u32| {
         let (ring, side) = (i64::from(ring), 2 * i64::from(ring));
-        // Once round, or the middle itself.
+        // Around the ring, or the middle itself.
         (0..(4 * side).max(1)).map(move |step| match (step / side.max(1), step % side.max(1)) {
             (0, along) => [along - ring, -ring],
             (1, along) => [ring, along - ring],
@@ -226,10 +226,10 @@ fn advice_near(layer: &Layer<'_>, corner: [u32; 2], size: [u32; 2]) -> Option<(C
     })
 }
 
-/// Farther from the middle of a block no advice is looked for.
+/// Largest distance from the middle of a block, cells, at which advice is searched.
 const MOST_RINGS: u32 = 16;
 
-/// An arrow about a point along a unit vector, y up.
+/// An arrow centred at a point, along a unit vector with y up.
 pub(super) fn arrow(at: [f64; 2], [x, y]: [f64; 2], length: f64) -> String {
     let (head, side) = (0.42 * length, 0.26 * length);
     let end = |half: f64| [at[0] + x * half * length, at[1] - y * half * length];
@@ -246,16 +246,16 @@ pub(super) fn arrow(at: [f64; 2], [x, y]: [f64; 2], length: f64) -> String {
     )
 }
 
-/// Names beside their marks, none over another.
+/// Places names beside their marks, without overlaps.
 pub(super) struct Names {
-    /// Boxes that are taken: left, top, right, bottom.
+    /// Occupied boxes: left, top, right, bottom.
     taken: Vec<[f64; 4]>,
-    /// Points of routes, which are better not covered.
+    /// Points of routes, which names should not cover.
     routes: Vec<[f64; 2]>,
 }
 
 impl Names {
-    /// Marks keep names off, and routes where that is possible.
+    /// Names never cover marks, and cover routes only if necessary.
     pub(super) fn new(marks: &[[f64; 2]], routes: Vec<[f64; 2]>, unit: f64) -> Self {
         let around = |at: &[f64; 2]| {
             let reach = 9.0 * unit;
@@ -264,7 +264,7 @@ impl Names {
         Self { taken: marks.iter().map(around).collect(), routes }
     }
 
-    /// A name beside its mark, inside the map; none where there is no room.
+    /// A name beside its mark, inside the map; `None` if there is no room.
     pub(super) fn place(&mut self, name: &str, at: [f64; 2], view: &View) -> Option<Group> {
         let (font, unit) = (view.measure.font, view.measure.unit);
         let map = view.map.map(f64::from);

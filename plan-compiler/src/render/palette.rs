@@ -1,23 +1,22 @@
-//! Colours that people with any kind of colour vision can tell apart.
+//! Colours that people with any kind of colour vision can distinguish.
 //!
-//! Routes take colours of Okabe and Ito, costs a ramp whose lightness falls evenly from the goal
-//! on, the rest is grey. What two colours mean is never left to colour alone: routes have dashes,
-//! marks have shapes, cells without a route are hatched.
+//! Routes use colours of Okabe and Ito, costs a ramp of evenly decreasing lightness from the goal
+//! on; the rest is grey. No meaning depends on colour alone: routes have dashes, marks have shapes,
+//! and cells without a route are hatched.
 //!
-//! How it was checked: the tests below simulate protanopia, deuteranopia and tritanopia after
-//! Machado, Oliveira and Fernandes (2009, severity 1) and ask for a distance of CIEDE2000 between
-//! all colours that must be told apart, and for the contrast that WCAG 2 demands of text (4.5) and
-//! of graphics (3).
+//! The tests below simulate protanopia, deuteranopia and tritanopia after Machado, Oliveira and
+//! Fernandes (2009, severity 1). They require a CIEDE2000 distance between all colours that must be
+//! distinguished, and the contrast that WCAG 2 demands of text (4.5) and of graphics (3).
 
 /// Text and frames.
 pub(crate) const INK: &str = "#1a1a1a";
-/// Text of less weight.
+/// Less important text.
 pub(crate) const FAINT: &str = "#55595f";
-/// The ground of everything.
+/// The background of pictures.
 pub(crate) const PAPER: &str = "#ffffff";
 /// Exact obstacles.
 pub(crate) const OBSTACLE: &str = "#1f1f1f";
-/// Cells that must not be entered.
+/// Blocked cells.
 pub(crate) const BLOCKED: &str = "#6f6f6f";
 /// The hatching of cells without a route, on paper.
 pub(crate) const HATCH: &str = "#8c8c8c";
@@ -30,34 +29,34 @@ pub(crate) const ADVICE: &str = "#12263a";
 /// The goal.
 pub(crate) const GOAL: &str = "#f0e442";
 
-/// The ground of a graph's parts.
+/// The background of a graph's parts.
 pub(crate) const PANEL: &str = "#f6f5f1";
 /// Protection intervals of a graph.
 pub(crate) const INTERVAL: &str = "#b3341f";
-/// Labels of rules in a graph, from NB to PB; their names stand on them.
+/// Backgrounds of the labels of rules in a graph, from NB to PB.
 pub(crate) const SHADES: [&str; 7] =
     ["#f7f7f2", "#e6e6d2", "#dcd6a8", "#e0c070", "#dea552", "#d98838", "#cc6a28"];
 
-/// Colours of routes: of the first behaviour, of the second, and so on.
+/// Colours of routes, by behaviour.
 pub(crate) const ROUTES: [&str; 5] = ["#d55e00", "#0072b2", "#000000", "#cc79a7", "#009e73"];
-/// Dashes and gaps of routes, in widths of the line; none for a line without gaps.
+/// Dashes and gaps of routes, in line widths; empty for a solid line.
 pub(crate) const DASHES: [&[f64]; 5] =
     [&[], &[4.0, 1.5], &[1.5, 1.5], &[6.0, 1.5, 1.5, 1.5], &[3.0, 3.0]];
 /// A route that no behaviour drove.
-pub(crate) const NOBODY: (&str, &[f64]) = ("#6b6b6b", &[0.8, 1.2]);
+pub(crate) const NO_BEHAVIOUR_STYLE: (&str, &[f64]) = ("#6b6b6b", &[0.8, 1.2]);
 
-/// Colour and dashes of a route by its number; no two of the first 25 are alike, nor like that of
-/// [`super::NO_BEHAVIOUR`].
+/// Colour and dashes of a route by its number. The first 25 and that of [`super::NO_BEHAVIOUR`] are
+/// all different.
 pub(crate) fn route(number: usize) -> (&'static str, &'static [f64]) {
     let count = ROUTES.len();
     match number {
-        super::NO_BEHAVIOUR => NOBODY,
+        super::NO_BEHAVIOUR => NO_BEHAVIOUR_STYLE,
         _ => (ROUTES[number % count], DASHES[(number + number / count) % count]),
     }
 }
 
-/// Colours of cost, from the goal to the farthest cell, between which bands are mixed. The lightness
-/// falls evenly, and yellow turns to blue, which all but tritanopes see besides.
+/// Colours of cost from the goal to the farthest cell; the colours of bands are interpolated. The
+/// lightness falls evenly, and yellow turns to blue, a difference that all but tritanopes see.
 const RAMP: [[f64; 3]; 5] = [
     [255.0, 252.0, 215.0],
     [186.0, 219.0, 106.0],
@@ -66,7 +65,7 @@ const RAMP: [[f64; 3]; 5] = [
     [81.0, 111.0, 170.0],
 ];
 
-/// The colour of a band of cost of so many.
+/// The colour of one of `bands` cost bands.
 pub(crate) fn band(index: usize, bands: usize) -> [u8; 3] {
     let at = index as f64 / bands.saturating_sub(1).max(1) as f64;
     let scaled = at.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;

@@ -1,4 +1,4 @@
-//! Round numbers: of scale bars, of bands of cost, and of the ticks on the edges.
+//! Round numbers for scale bars, cost bands and the ticks on the edges.
 
 use super::text::width_px;
 use math::scalar::wide;
@@ -16,20 +16,20 @@ pub(super) fn round_number_above(x: f64) -> f64 {
     numbers.into_iter().find(|&r| r * LEEWAY >= x).unwrap_or(10.0 * unit)
 }
 
-/// What computing with binary fractions may cost.
+/// Tolerance for rounding errors of binary fractions.
 const LEEWAY: f64 = 1.0 + 1e-9;
 
 /// 1, 10, 100, ... or 0.1, 0.01, ...: the largest that is at most `x`.
 fn unit_of(x: f64) -> f64 {
     let exponent = wide::floor(wide::log10(x.max(f64::MIN_POSITIVE)) + 1e-9);
-    // A division of whole numbers is the nearest number to 0.1 and the like.
+    // Dividing whole numbers gives the number nearest to 0.1, 0.01 and so on.
     if exponent < 0.0 { 1.0 / wide::pow(10.0, -exponent) } else { wide::pow(10.0, exponent) }
 }
 
 /// Marks on an edge of the map with their labels.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ticks {
-    /// Where, metres, and what stands there.
+    /// Position in metres and label of each tick.
     pub(super) at: Vec<(f64, String)>,
 }
 
@@ -41,11 +41,11 @@ pub(super) struct Edge {
     pub(super) length_px: f64,
 }
 
-/// No edge has more ticks.
+/// Most ticks of one edge.
 const MOST_TICKS: usize = 200;
 
 impl Ticks {
-    /// At round numbers, as close as labels beside each other allow.
+    /// Ticks at round numbers, as close as labels beside each other allow.
     pub(super) fn beside(edge: Edge, font_px: f64) -> Self {
         let mut step = edge.step(2.0 * font_px);
         loop {
@@ -59,7 +59,7 @@ impl Ticks {
         }
     }
 
-    /// At round numbers, as close as labels below each other allow.
+    /// Ticks at round numbers, as close as labels below each other allow.
     pub(super) fn stacked(edge: Edge, font_px: f64) -> Self {
         Self::every(edge.step(3.2 * font_px), edge)
     }
@@ -69,7 +69,7 @@ impl Ticks {
         let first = wide::ceil(edge.from_m / step - 1e-6);
         let places = (0..MOST_TICKS).map(|index| (first + index as f64) * step);
         let places = places.take_while(|&at| at <= edge.to_m + 1e-6 * step);
-        // Zero without a sign.
+        // `+ 0.0` removes the sign of a negative zero.
         let mut at: Vec<(f64, String)> =
             places.map(|at| (at, format!("{:.decimals$}", at + 0.0))).collect();
         if let Some((_, label)) = at.last_mut() {
@@ -84,7 +84,7 @@ impl Ticks {
 }
 
 impl Edge {
-    /// The smallest round step that takes at least so many pixels.
+    /// The smallest round step that takes at least `least_px` pixels.
     fn step(&self, least_px: f64) -> f64 {
         round_number_above((self.to_m - self.from_m) * least_px / self.length_px.max(1.0))
     }

@@ -1,8 +1,8 @@
-//! Where everything stands: maps with their titles and edges, and the legend beside or below.
+//! The layout: maps with their titles and edges, and the legend beside or below them.
 //!
-//! Nothing covers anything: sizes of words are known, so of all arrangements that fit into the
-//! picture the one with the largest maps is taken. Letters and lines follow the size of the picture,
-//! never that of the map.
+//! Nothing overlaps: the sizes of texts are known, and of all arrangements that fit into the
+//! picture, the one with the largest maps is taken. Text and lines scale with the picture, not with
+//! the map.
 
 use super::legend::{Entry, Flow};
 use super::scale::Ticks;
@@ -25,22 +25,23 @@ pub(super) struct Sheet {
     pub(super) legend: Option<Vec<[f64; 2]>>,
 }
 
-/// What is to be arranged.
+/// The parts to arrange.
 #[derive(Clone, Copy)]
 pub(super) struct Contents<'a> {
     pub(super) grid: &'a Grid,
     pub(super) panels: usize,
-    /// Room that the longest title would like.
+    /// Width of the longest title.
     pub(super) title_px: f64,
     pub(super) legend: &'a [Entry],
 }
 
-/// A map's shorter side has at least these units, and no cell has more than this part of the picture.
+/// A map's shorter side has at least these units, and no cell has more than this part of the
+/// picture.
 const MIN_SIDE_UNITS: f64 = 28.0;
 const MAX_CELL_PART: f64 = 1.0 / 8.0;
 /// A legend that leaves the map less than this part of the picture is left out.
 const MIN_MAP_PART: f64 = 0.33;
-/// How much larger maps must be to stand one below the other.
+/// How much larger maps must be to be placed one below the other.
 const SIDE_BY_SIDE: f64 = 1.3;
 /// Widths that are tried for a legend below the maps.
 const WIDTHS: u32 = 16;
@@ -59,11 +60,11 @@ struct Around {
     measure: Measure,
     /// Left, top, right and bottom of a map.
     frame: [f64; 4],
-    /// A panel is at least as wide.
+    /// Smallest width of a panel.
     least_width: f64,
 }
 
-/// One way to arrange it all.
+/// One arrangement.
 struct Trial {
     across: usize,
     place: Place,
@@ -84,7 +85,7 @@ impl Sheet {
         let has_room = |trial: &&Trial| {
             !matches!(trial.place, Place::Nowhere) && long(trial) >= MIN_MAP_PART * around.size
         };
-        // The largest maps, rather side by side; among equals the smallest picture.
+        // The largest maps, preferably side by side; among equals the smallest picture.
         let worth = |trial: &&Trial| {
             let area = |[width, height]: [f64; 2]| width * height;
             let is_wide = trial.across >= contents.panels.div_ceil(trial.across);
@@ -126,7 +127,7 @@ impl Around {
         Self { size, measure, frame, least_width }
     }
 
-    /// Everything that is worth a try; the first has no legend.
+    /// All arrangements to try; the first has no legend.
     fn trials(&self, contents: &Contents<'_>) -> Vec<Trial> {
         let room = self.size - 2.0 * self.measure.margin();
         let mut places = vec![Place::Nowhere];
@@ -145,7 +146,7 @@ impl Around {
         arrangements.map(|(across, place)| self.trial(contents, across, place)).collect()
     }
 
-    /// The largest maps with so many panels in a row and the legend in a place.
+    /// The largest maps with `across` panels in a row and the legend in a place.
     fn trial(&self, contents: &Contents<'_>, across: usize, place: &Place) -> Trial {
         let (margin, [left, top, right, bottom]) = (self.measure.margin(), self.frame);
         let down = contents.panels.div_ceil(across).max(1);
@@ -186,7 +187,7 @@ impl Around {
         let cells = [grid.columns, grid.rows].map(f64::from);
         let largest = [room[0] / cells[0], room[1] / cells[1]];
         let cell = largest[0].min(largest[1]).min(MAX_CELL_PART * self.size);
-        // Cells of whole pixels look alike; in small cells nobody sees it.
+        // Cells of whole pixels look equal; in small cells the difference is invisible.
         let cell = if cell >= 8.0 { cell.floor() } else { cell };
         [0, 1].map(|axis| {
             let least = (MIN_SIDE_UNITS * self.measure.unit).min(room[axis]);
@@ -231,5 +232,5 @@ pub(super) fn title_px(title: &str, size_px: u32) -> f64 {
     width_px(title, TITLE_EM * Measure::of(size_px).font)
 }
 
-/// Size of titles, in sizes of the font.
+/// Size of titles, in multiples of the font size.
 pub(super) const TITLE_EM: f64 = 1.15;

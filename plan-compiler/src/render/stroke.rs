@@ -9,7 +9,7 @@ pub(super) fn dashes(widths: &[f64], line_px: f64) -> String {
     if widths.is_empty() { "none".to_owned() } else { lengths.collect::<Vec<_>>().join(" ") }
 }
 
-/// A line along a path, without a filling.
+/// A line along a path, without a fill.
 pub(super) fn stroke(path: String, colour: &str, width: f64) -> Path {
     Path::new()
         .set("d", path)

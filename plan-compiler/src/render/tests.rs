@@ -1,5 +1,5 @@
-//! What must hold of every picture, whatever the map: it is well-formed XML, and every text lies
-//! inside it and over no other.
+//! Properties of every picture: it is well-formed XML, every text is inside it, and no texts
+//! overlap.
 
 use super::*;
 use crate::compile::compile;
@@ -9,7 +9,7 @@ use maps::{Extent, Map, NamedPoint, Reference, Shape};
 use math::GeoPoint;
 use text::width_px;
 
-/// A map of so many metres with goals.
+/// A map of a size in metres with goals.
 fn map(corner: Point, size: Point, goals: &[(&str, Point)]) -> Map {
     let named =
         |(name, at): &(&str, Point)| NamedPoint { name: (*name).into(), at: *at, span: 0..0 };
@@ -24,7 +24,7 @@ fn blob(map: &Map) -> Vec<u8> {
     compile(&input, &|_, _| {}, &mut problems).unwrap_or_else(|| panic!("{problems:?}"))
 }
 
-/// The picture of the first plan's first layer, so many times side by side.
+/// The picture of the first plan's first layer, `panels` times side by side.
 fn svg_of(map: &Map, overlay: &Overlay<'_>, panels: usize, style: Style) -> String {
     let blob = blob(map);
     let blob = Blob::parse(&blob).unwrap();
@@ -41,7 +41,7 @@ fn number(node: &roxmltree::Node<'_, '_>, name: &str) -> f64 {
     node.attribute(name).and_then(|text| text.parse().ok()).unwrap_or(0.0)
 }
 
-/// Where a node stands after the shifts of all groups around it.
+/// The sum of the shifts of a node and of all groups around it.
 fn shift(node: &roxmltree::Node<'_, '_>) -> [f64; 2] {
     let mut sum = [0.0, 0.0];
     for transform in node.ancestors().filter_map(|node| node.attribute("transform")) {
@@ -131,7 +131,7 @@ fn a_picture_says_what_it_shows() {
         "cost to the goal, m",
         "obstacle",
         "weakens radio",
-        "too near for the robot",
+        "too close for the robot",
         "no route to the goal",
         "advice",
         "driven route",

@@ -1,12 +1,12 @@
-//! Text as text, and the font that ships with the program.
+//! Text, and the font that ships with the program.
 //!
-//! An SVG names the font and what may stand in for it, so that a browser draws letters that can
-//! be searched and copied, with or without the font; a PNG is drawn with the font itself.
-//! DejaVu Sans is wide: in almost every other font the same words take less room, so what does
-//! not overlap here overlaps nowhere.
+//! An SVG names the font and its substitutes, so that a browser draws text that can be searched and
+//! copied, with or without the font; a PNG is drawn with the font itself. DejaVu Sans is wide:
+//! almost every other font needs less room for the same words, so texts that do not overlap here do
+//! not overlap in other fonts.
 //!
-//! The font is a subset: Latin, Greek, Cyrillic, arrows. Characters outside it are boxes in a
-//! PNG, and whatever the reader's own fonts have in an SVG.
+//! The font is a subset: Latin, Greek, Cyrillic, arrows. Characters outside it are boxes in a PNG;
+//! an SVG shows them in the viewer's own fonts.
 //!
 //! Deliberately absent: shaping. Words are measured character by character.
 
@@ -21,15 +21,16 @@ use svg::node::element::Text;
 pub(crate) static FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
 /// The name of the font.
 pub(crate) const FAMILY: &str = "DejaVu Sans";
-/// The font and its stand-ins, for every picture's root.
+/// The font and its substitutes, for the root of every picture.
 pub(crate) const FAMILIES: &str = "'DejaVu Sans', Verdana, Geneva, sans-serif";
 
-/// What is assumed of a character that the font lacks, in sizes of the font: an emoji's width.
+/// Assumed width of a character that the font lacks, in multiples of the font size: an emoji's
+/// width.
 const UNKNOWN_EM: f64 = 1.3;
-/// From the base line to the top of capital letters, in sizes of the font.
+/// Height of capital letters above the base line, in multiples of the font size.
 pub(crate) const CAPITALS_EM: f64 = 0.73;
 
-/// Widths of the font's characters, in sizes of the font.
+/// Widths of the font's characters, in multiples of the font size.
 static ADVANCES_EM: LazyLock<HashMap<char, f64>> = LazyLock::new(|| {
     let Ok(font) = FontRef::new(FONT) else { return HashMap::new() };
     let metrics = font.glyph_metrics(Size::new(1.0), LocationRef::default());
@@ -40,7 +41,7 @@ static ADVANCES_EM: LazyLock<HashMap<char, f64>> = LazyLock::new(|| {
     font.charmap().mappings().filter_map(width).collect()
 });
 
-/// Where a text stands from its point.
+/// Position of a text relative to its point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Anchor {
     /// It begins there.
@@ -52,7 +53,7 @@ pub(crate) enum Anchor {
     End,
 }
 
-/// Room that a text takes, pixels.
+/// Width of a text, pixels.
 pub(crate) fn width_px(text: &str, size_px: f64) -> f64 {
     let advance = |character| ADVANCES_EM.get(&character).copied().unwrap_or(UNKNOWN_EM);
     size_px * text.chars().map(advance).sum::<f64>()
@@ -78,7 +79,7 @@ pub(crate) fn line(at: [f64; 2], text: &str, size_px: f64, anchor: Anchor) -> Te
         .set("fill", INK)
 }
 
-/// The text without what XML forbids and what could reorder or hide its neighbours.
+/// The text without characters that XML forbids or that could reorder or hide other text.
 pub(crate) fn clean(text: &str) -> String {
     let is_formatting = |c: char| {
         matches!(c, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}')
@@ -90,7 +91,7 @@ pub(crate) fn clean(text: &str) -> String {
     shown.map(|c| if is_forbidden(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
-/// The text, or its beginning with an ellipsis, so that it takes at most this room.
+/// The text, or its beginning and an ellipsis if it is wider than `room_px`.
 pub(crate) fn fit(text: &str, size_px: f64, room_px: f64) -> String {
     let text = clean(text);
     if width_px(&text, size_px) <= room_px {
@@ -106,7 +107,7 @@ pub(crate) fn fit(text: &str, size_px: f64, room_px: f64) -> String {
     String::new()
 }
 
-/// A hundredth of a pixel is enough, and short.
+/// Rounds to a hundredth of a pixel, which keeps files short.
 pub(crate) fn round(pixels: f64) -> f64 {
     (pixels * 100.0).round() / 100.0
 }

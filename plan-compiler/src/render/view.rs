@@ -1,31 +1,31 @@
-//! Sizes of letters and lines, and where a point of the map is in the picture.
+//! Sizes of text and lines, and the position of a point of the map in the picture.
 
 use super::scale::Edge;
 use maps::Point;
 use plan_format::Grid;
 
-/// Sizes of letters and lines, pixels.
+/// Sizes of text and lines, pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measure {
     /// Size of the font.
     pub(super) font: f64,
-    /// One in a picture whose font has 13 pixels; lines are counted in it.
+    /// Unit of lengths: 1 pixel if the font size is 13 pixels.
     pub(super) unit: f64,
 }
 
 impl Measure {
-    /// Legible in small pictures, and not lost in large ones.
+    /// Sizes that are legible in small and in large pictures.
     pub(super) fn of(size_px: u32) -> Self {
         let font = 9.0 + f64::from(size_px) / 250.0;
         Self { font, unit: font / 13.0 }
     }
 
-    /// White space at the edges and between parts.
+    /// Margin at the edges and between parts.
     pub(super) fn margin(&self) -> f64 {
         self.font
     }
 
-    /// From the top of a title to its map.
+    /// Height of a title above its map.
     pub(super) fn title(&self) -> f64 {
         1.9 * self.font
     }
@@ -36,7 +36,7 @@ impl Measure {
     }
 }
 
-/// From the map's metres to pixels.
+/// The transform from the map's metres to pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
     pub(super) grid: Grid,
@@ -46,8 +46,8 @@ pub(super) struct View {
 }
 
 impl View {
-    /// Pixels of a cell's width and height. They differ only where a map is so long that its
-    /// other side would vanish.
+    /// Width and height of a cell, pixels. They differ only if a map is so long that its other side
+    /// would vanish.
     pub(super) fn cell(&self) -> [f64; 2] {
         let [width, height] = self.map.map(f64::from);
         [width / f64::from(self.grid.columns), height / f64::from(self.grid.rows)]

@@ -14,7 +14,7 @@ pub(crate) struct Fields<'t> {
 }
 
 impl<'t> Fields<'t> {
-    /// Opens a table and says which of its keys are not known.
+    /// Opens a table and reports its unknown keys.
     pub(crate) fn open(
         report: &mut Report<'_>,
         path: String,
@@ -79,7 +79,7 @@ impl<'t> Fields<'t> {
         }
     }
 
-    /// Some finite numbers.
+    /// `N` finite numbers.
     pub(crate) fn numbers<const N: usize>(
         &self,
         report: &mut Report<'_>,
@@ -102,7 +102,7 @@ impl<'t> Fields<'t> {
         numbers
     }
 
-    /// A text that says something.
+    /// A text that is not empty.
     pub(crate) fn text(&self, report: &mut Report<'_>, key: &str, example: &str) -> Option<Text> {
         let (item, span) = self.item(key)?;
         match item.as_str().map(str::trim) {

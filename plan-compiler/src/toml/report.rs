@@ -28,7 +28,7 @@ impl Text {
     }
 }
 
-/// Gathers the mistakes in one file.
+/// Collects the mistakes in one file.
 pub(crate) struct Report<'r> {
     pub(crate) source: &'r Arc<Source>,
     pub(crate) problems: &'r mut Vec<Problem>,
@@ -64,7 +64,7 @@ impl Report<'_> {
         self.problems.push(problem.at(self.source, span.clone(), label).help(help));
     }
 
-    /// A name that refers to nothing, with the one that was probably meant.
+    /// An unknown name, with the known name that was probably meant.
     pub(crate) fn unknown<'c>(
         &mut self,
         what: &str,
@@ -77,7 +77,7 @@ impl Report<'_> {
         self.error(message, &name.span, "unknown name", &help);
     }
 
-    /// A key that its table does not have; `table` is how a person calls the table.
+    /// A key that its table does not have; `table` names the table in the message.
     pub(crate) fn unknown_key<'c>(
         &mut self,
         table: &str,
@@ -100,20 +100,20 @@ impl Report<'_> {
     ) {
         let label = match nearest(word, known.clone()) {
             Some(meant) => format!("did you mean \"{meant}\"?"),
-            None => "not one of its words".into(),
+            None => "not an allowed word".into(),
         };
         let known: Vec<String> = known.map(|word| format!("\"{word}\"")).collect();
         let help = format!("write {}", known.join(" or "));
         self.error(format!("`{path}` cannot be \"{word}\""), span, &label, &help);
     }
 
-    /// A number outside what `expected` says.
+    /// A number outside the range that `expected` describes.
     pub(crate) fn out_of_range(&mut self, path: &str, span: &Span, expected: &str) {
         let message = format!("`{path}` is out of range");
         self.error(message, span, "this number", &format!("write {expected}"));
     }
 
-    /// A value of another type than `expected` says.
+    /// A value that does not have the type that `expected` describes.
     pub(crate) fn wrong_type(
         &mut self,
         path: &str,
@@ -128,12 +128,12 @@ impl Report<'_> {
     }
 }
 
-/// A question about what was probably meant, if anything known is like it.
+/// A question about what was probably meant, if a known word is similar.
 fn meant<'c>(word: &str, known: impl Iterator<Item = &'c str>) -> Option<String> {
     nearest(word, known).map(|meant| format!("did you mean `{meant}`?"))
 }
 
-/// Where a part of a text is written, if the file has the text as it is meant; else the whole.
+/// Where a part of a text is in the file; the whole text if the file writes it with escapes.
 pub(crate) fn part_of(source: &Source, text: &Text, part: Span) -> Span {
     let raw = source.text.get(text.span.clone()).unwrap_or("");
     match raw.find(text.as_str()) {

@@ -1,4 +1,4 @@
-//! What a recorded mission's behaviours decided, in words.
+//! What the behaviours decided in a recorded run, in words.
 
 use behaviour::{Choice, Decision, Phase, Refusal};
 use controller::State;
@@ -7,29 +7,29 @@ use plan_format::Blob;
 use plan_format::mission::{Facts, Mission};
 use robot_io::Percepts;
 
-/// A mission as its behaviours took turns.
+/// How the behaviours took turns in a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Story {
-    /// Every change of who has the robot.
+    /// Every change of the engaged behaviours.
     pub turns: Vec<Turn>,
-    /// For each tick the behaviours that had the robot after it, one bit each.
+    /// The engaged behaviours after each tick, one bit per behaviour.
     pub engaged: Vec<u16>,
 }
 
-/// A change of who has the robot.
+/// A change of the engaged behaviours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
     /// Tick, from 0.
     pub tick: usize,
     /// Seconds since the robot's start.
     pub time_s: f64,
-    /// Whether a behaviour was interrupted, and if so whether at once.
+    /// `Some` if a behaviour was interrupted: whether that was unconditional.
     pub interrupted_at_once: Option<bool>,
     /// In words.
     pub text: String,
 }
 
-/// Drives a mission again and listens.
+/// Repeats a run and records its turns.
 pub fn of(blob: &Blob<'_>, percepts: &[Percepts]) -> Story {
     let mission = blob.mission();
     let mut state = State::new(blob);
@@ -55,7 +55,7 @@ pub fn of(blob: &Blob<'_>, percepts: &[Percepts]) -> Story {
     story
 }
 
-/// Whether it changes who has the robot.
+/// Whether a decision changes the engaged behaviours.
 fn is_turn(decision: &Decision) -> bool {
     matches!(
         decision,
@@ -70,7 +70,7 @@ fn is_turn(decision: &Decision) -> bool {
     )
 }
 
-/// What was decided, in words.
+/// A decision in words.
 pub fn decided(mission: &Mission<'_>, decision: &Decision) -> String {
     let behaviour = |index: u8| {
         mission.behaviours().get(index.into()).map_or("?", |b| mission.name(b.name)).to_owned()
@@ -94,9 +94,9 @@ pub fn decided(mission: &Mission<'_>, decision: &Decision) -> String {
         Decision::Refused { behaviour: who, by, why } => {
             let why = match why {
                 Refusal::Dwell => "which has not run for its minimum dwell",
-                Refusal::NoPointYet => "which is at no point where nothing protected would suffer",
-                Refusal::BetterPointAhead => "which has a point of less lost work ahead",
-                Refusal::Excluded => "which holds a protection interval that it may violate",
+                Refusal::NoPointYet => "which is not at a point where it may be interrupted",
+                Refusal::BetterPointAhead => "which has a point with less lost work ahead",
+                Refusal::Excluded => "which protects what it may violate",
                 Refusal::ShuttingDown => "which is shutting down",
             };
             format!("{} waits for {}, {why}", behaviour(who), behaviour(by))
@@ -109,8 +109,8 @@ pub fn decided(mission: &Mission<'_>, decision: &Decision) -> String {
         Decision::NotDecomposed { frame, why } => {
             let why = match why {
                 Choice::NoRoom => "there is no room for its components",
-                Choice::TooDeep => "it lies too deep",
-                _ => "no production that was not tried is applicable",
+                Choice::TooDeep => "it is nested too deeply",
+                _ => "no untried production is applicable",
             };
             let record = mission.frames().get(frame.into());
             let name = record.map_or("?", |record| mission.name(record.name));
@@ -118,7 +118,7 @@ pub fn decided(mission: &Mission<'_>, decision: &Decision) -> String {
         }
         Decision::Finished { behaviour: who } => format!("{} is finished", behaviour(who)),
         Decision::Failed { behaviour: who } => format!("{} has failed", behaviour(who)),
-        Decision::TimedOut { component } => format!("component {component} has run out of time"),
+        Decision::TimedOut { component } => format!("component {component} has timed out"),
         Decision::Conflict(signal) => conflict(mission, signal),
     }
 }
@@ -137,8 +137,8 @@ fn conflict(mission: &Mission<'_>, signal: Signal) -> String {
         }
         Signal::Possible { id, why, facts: about } => {
             let why = match why {
-                Doubt::NoProducer => "nothing before it brings about".to_owned(),
-                Doubt::Clobberer(other) => format!("component {other} may destroy before"),
+                Doubt::NoProducer => "no earlier component makes true".to_owned(),
+                Doubt::Clobberer(other) => format!("component {other} may make false before"),
                 Doubt::Choice(production) => {
                     format!("choosing production {production} may violate")
                 }

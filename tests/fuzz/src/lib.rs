@@ -14,8 +14,8 @@
 //!
 //! Deliberately absent: input from pipes and folders, which the tests of the command line cover.
 
-#[path = "../../../plan-compiler/src/cli.rs"]
-#[allow(dead_code, reason = "only the parser is used")]
+#[path = "../../../plan-compiler/src/cli/mod.rs"]
+#[allow(dead_code, unused_imports, reason = "only the parser is used")]
 mod cli;
 
 #[path = "../../../plan-compiler/src/commands/query/points.rs"]

@@ -9,7 +9,7 @@ const READERS: &[(&str, &str)] = &[
     ("firmware/runtime/src/gps.rs", "gps"),
     ("plan-compiler/src/behaviours/graph_text.rs", "graph"),
     ("plan-compiler/src/behaviours/language.rs", "mission"),
-    ("plan-compiler/src/cli.rs", "command_line"),
+    ("plan-compiler/src/cli/words.rs", "command_line"),
     ("plan-compiler/maps/src/formats.rs", "any_map"),
     ("plan-compiler/maps/src/formats/geojson.rs", "geojson"),
     ("plan-compiler/maps/src/formats/iplan.rs", "iplan"),

@@ -155,11 +155,11 @@ fn what_an_iplan_cannot_say_is_told() {
     let (status, said) = run.run("convert yard.ovl --robot-radius 0 -o Iplan.dat");
     assert_eq!(status, 0, "{said}");
     insta::assert_snapshot!(said, @"
-    ⚠ layer `gate/comms` has other obstacles than the first one
-    help: each map of the file has the obstacles of its layer, which MissionLab reads, but `build`
-          does not; a mission says which layers its goals have
+    ⚠ the obstacles of layer `gate/comms` differ from those of the first layer
+    help: MissionLab reads a file whose maps have different obstacles, but `build` does not; a
+          mission can choose the layers of its goals
 
-    ☞ an Iplan.dat begins at 0,0: its positions are the map's less 0.5,0.5
+    ☞ an Iplan.dat starts at 0,0: its positions are the map's minus 0.5,0.5
     ");
 }
 
@@ -171,12 +171,12 @@ fn the_command_line_is_checked() {
         ("convert yard.map -o plans.txt", "must end in .dat, .bin, .hex or .uf2"),
         ("convert yard.map -o plans", "must end in .dat, .bin, .hex or .uf2"),
         ("convert yard.map", "--output"),
-        ("convert plans.bin -o plans.hex", "the board must be named"),
-        ("convert plans.bin --corners allow -o Iplan.dat", "decided by `build`"),
-        ("convert plans.bin --goal a=1,1 -o Iplan.dat", "decided by `build`"),
-        ("convert plans.bin --format iplan -o Iplan.dat", "decided by `build`"),
-        ("convert plans.bin --unknown free -o Iplan.dat", "decided by `build`"),
-        ("convert plans.bin --max-memory 1 -o Iplan.dat", "decided by `build`"),
+        ("convert plans.bin -o plans.hex", "so name the board"),
+        ("convert plans.bin --corners allow -o Iplan.dat", "with `build`"),
+        ("convert plans.bin --goal a=1,1 -o Iplan.dat", "with `build`"),
+        ("convert plans.bin --format iplan -o Iplan.dat", "with `build`"),
+        ("convert plans.bin --unknown free -o Iplan.dat", "with `build`"),
+        ("convert plans.bin --max-memory 1 -o Iplan.dat", "with `build`"),
     ] {
         let (status, err) = run.run(arguments);
         assert_eq!(status, 2, "{arguments}\n{err}");

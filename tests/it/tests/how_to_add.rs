@@ -172,11 +172,11 @@ fn a_schema_and_a_format_are_added_by_the_steps_of_the_readme() {
     format.beside("plan-compiler/maps/src/formats.rs", &old[..], &new[..]);
     grow_the_list(&format.path("plan-compiler/maps/src/formats.rs"));
     format.edit(
-        "plan-compiler/src/cli.rs",
+        "plan-compiler/src/cli/help.rs",
         &[("movingai::CONVENTIONS,", "\n        sketch::CONVENTIONS,")],
     );
     // At the start of the list of imports.
-    format.edit("plan-compiler/src/cli.rs", &[("use maps::formats::{", "sketch, ")]);
+    format.edit("plan-compiler/src/cli/help.rs", &[("use maps::formats::{", "sketch, ")]);
 
     // The schema: its golden vectors hold, and a mission can set its gain.
     let output = format.cargo("", &["test", "--package", "wayfield-schemas", "--lib"]);

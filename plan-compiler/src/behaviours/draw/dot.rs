@@ -1,11 +1,11 @@
-//! DOT, for Graphviz and its like.
+//! DOT, for Graphviz and similar tools.
 
 use super::{Drawn, LABELS};
 use plan_format::mission::{Production, Symbol};
 use std::fmt::Write;
 
-/// The mission as a DOT digraph: a cluster for each frame, within it one for each production, whose
-/// edges are the components; dashed edges are protection intervals.
+/// The mission as a DOT digraph: a cluster per frame, and inside it a cluster per production. Edges
+/// are the components of a production; dashed edges are protection intervals.
 pub fn dot(drawn: &Drawn<'_>) -> String {
     let mission = &drawn.mission;
     let mut out = String::new();
@@ -111,7 +111,7 @@ fn write_production(
     let _ = writeln!(out, "    }}");
 }
 
-/// A rule base, a line for each row.
+/// A rule base, one line per row.
 fn table(drawn: &Drawn<'_>, rules: u16) -> Vec<String> {
     drawn
         .rows(rules)
@@ -123,7 +123,7 @@ fn table(drawn: &Drawn<'_>, rules: u16) -> Vec<String> {
         .collect()
 }
 
-/// A text in quotes, whose lines end with DOT's own mark.
+/// A text in quotes; `line_end` is DOT's mark for a line break with an alignment.
 fn quoted(text: &str, line_end: &str) -> String {
     if text.is_empty() {
         return "\"\"".into();

@@ -1,7 +1,7 @@
 //! SVG in a layout of our own.
 //!
-//! A production's vertices stand in a row in their order, so that all edges lead to the right; each
-//! edge runs in a lane of its own where it would cross another, protection intervals below.
+//! A production's vertices stand in a row in their order, so all edges lead to the right. An edge
+//! that would overlap another has its own lane; protection intervals are below.
 
 use super::{Drawn, LABELS};
 use crate::render::document;
@@ -20,7 +20,7 @@ const LINE_PX: f64 = 22.0;
 /// From one lane to the next.
 const LANE_PX: f64 = 40.0;
 const BOX_PX: f64 = 28.0;
-/// White space on either side of a box, for the arrows.
+/// Space on either side of a box, for the arrows.
 const AROUND_PX: f64 = 34.0;
 const RADIUS_PX: f64 = 7.0;
 const CELL_PX: f64 = 38.0;
@@ -198,7 +198,7 @@ impl Panel {
         self.y += 6.0;
     }
 
-    /// From vertex to vertex along a lane, with an arrow's head.
+    /// An arrow from vertex to vertex along a lane.
     fn edge(&mut self, from: f64, to: f64, axis: f64, y: f64) {
         const SLOPE_PX: f64 = 22.0;
         let tip = to - RADIUS_PX - 1.0;
@@ -228,7 +228,7 @@ impl Panel {
     }
 }
 
-/// Where the vertices stand, pixels: far enough apart for what is between them.
+/// Positions of the vertices, pixels, far enough apart for the boxes between them.
 fn columns(vertices: u8, spans: &[(u8, u8)], texts: &[String]) -> Vec<f64> {
     let mut columns = vec![Panel::LEFT + RADIUS_PX];
     for vertex in 1..vertices {
@@ -242,8 +242,8 @@ fn columns(vertices: u8, spans: &[(u8, u8)], texts: &[String]) -> Vec<f64> {
     columns
 }
 
-/// A lane for each edge, 0 on the vertices' own line, so that edges in one lane do not overlap and
-/// none passes through a vertex.
+/// A lane for each edge, so that edges in one lane do not overlap and no edge passes through a
+/// vertex. Lane 0 is the line of the vertices.
 fn lanes(spans: &[(u8, u8)]) -> Vec<u8> {
     let mut order: Vec<usize> = (0..spans.len()).collect();
     order.sort_by_key(|&edge| spans[edge].1 - spans[edge].0);

@@ -1,9 +1,9 @@
-//! Words, arrows and brackets.
+//! The lexer: names, arrows and brackets.
 
 use super::Mistake;
 use crate::toml::Span;
 
-/// A piece of the text.
+/// A token of the text.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Token {
     pub(super) kind: Kind,
@@ -12,7 +12,7 @@ pub(super) struct Token {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Kind {
-    /// Words that stand beside each other, or anything in quotes.
+    /// Consecutive words, or anything in quotes.
     Name(String),
     /// `->`
     Arrow,
@@ -28,7 +28,7 @@ pub(super) enum Kind {
     Semicolon,
 }
 
-/// The pieces of a text.
+/// The tokens of a text.
 pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Vec<Mistake>> {
     let (mut tokens, mut mistakes): (Vec<Token>, Vec<Mistake>) = (Vec::new(), Vec::new());
     let mut at = 0;
@@ -60,7 +60,7 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Vec<Mistake>> {
                 }
                 None => {
                     let span = at..at + first.len_utf8();
-                    let message = format!("`{first}` means nothing in a graph");
+                    let message = format!("`{first}` is not allowed in a graph");
                     let help = "write for example entry -> a -> (b | c) -> exit";
                     mistakes.push(Mistake::new(message, &span, "this character", help));
                     first.len_utf8()
@@ -89,7 +89,7 @@ fn word(text: &str) -> usize {
     text.len()
 }
 
-/// Words beside each other are one name.
+/// Adds a word; consecutive words form one name.
 fn add_word(tokens: &mut Vec<Token>, text: &str, span: Span) {
     let word = &text[span.clone()];
     if let Some(Token { kind: Kind::Name(name), span: before }) = tokens.last_mut()

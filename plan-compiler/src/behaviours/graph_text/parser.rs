@@ -1,10 +1,10 @@
-//! From pieces to a graph without an order.
+//! The parser: from tokens to a graph without an order.
 
 use super::lexer::{Kind, Token};
 use super::{ENTRY, EXIT, Mistake, RawEdge, RawGraph};
 use crate::toml::Span;
 
-/// Brackets within brackets, at most.
+/// Deepest nesting of brackets.
 const MAX_NESTING: usize = 16;
 const SEQUENCE: &str = "write for example entry -> a -> (b | c) -> exit";
 const VERTICES: &str = "write for example entry -a-> 1 -b-> exit; entry -c-> 1";
@@ -73,16 +73,16 @@ impl<'t> Parser<'t> {
             }
             Some(Token { kind: Kind::Open, span }) if nesting < MAX_NESTING => {
                 self.at += 1;
-                let mut ways = vec![self.sequence(nesting + 1)?];
+                let mut branches = vec![self.sequence(nesting + 1)?];
                 while self.take(&Kind::Bar).is_some() {
-                    ways.push(self.sequence(nesting + 1)?);
+                    branches.push(self.sequence(nesting + 1)?);
                 }
                 let close = self.expect(&Kind::Close, "`|` or `)`", SEQUENCE)?;
-                Ok(Item::Ways(ways, span.start..close.end))
+                Ok(Item::Branches(branches, span.start..close.end))
             }
             Some(Token { kind: Kind::Open, span }) => {
-                let message = format!("more than {MAX_NESTING} brackets within brackets");
-                let help = "move a part of the graph into a frame of its own";
+                let message = format!("brackets are nested more than {MAX_NESTING} deep");
+                let help = "move a part of the graph into a separate frame";
                 Err(Mistake::new(message, span, "this bracket", help))
             }
             Some(token) => Err(unexpected("a component or `(`", token, SEQUENCE)),
@@ -108,7 +108,7 @@ impl<'t> Parser<'t> {
             match item {
                 Item::Name(name, span) if name == "entry" || name == "exit" => {
                     let help = "`entry` begins the graph and `exit` ends it, once each";
-                    let message = format!("`{name}` stands in the middle of the graph");
+                    let message = format!("`{name}` is in the middle of the graph");
                     return Err(Mistake::new(message, span, "not a component", help));
                 }
                 Item::Name(name, span) => self.graph.edges.push(RawEdge {
@@ -117,9 +117,9 @@ impl<'t> Parser<'t> {
                     component: name.clone(),
                     span: span.clone(),
                 }),
-                Item::Ways(ways, _) => {
-                    for way in ways {
-                        self.lay(way, here, next)?;
+                Item::Branches(branches, _) => {
+                    for branch in branches {
+                        self.lay(branch, here, next)?;
                     }
                 }
             }
@@ -217,13 +217,13 @@ impl<'t> Parser<'t> {
 /// A part of a sequence.
 enum Item {
     Name(String, Span),
-    Ways(Vec<Vec<Item>>, Span),
+    Branches(Vec<Vec<Item>>, Span),
 }
 
 impl Item {
     fn span(&self) -> Span {
         match self {
-            Self::Name(_, span) | Self::Ways(_, span) => span.clone(),
+            Self::Name(_, span) | Self::Branches(_, span) => span.clone(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// `0-a-1 1-b-2`, or the mistakes with what they point at.
+/// Checks the edges, as `0-a-1 1-b-2`, or the mistakes with the text that they point at.
 #[track_caller]
 fn check(text: &str, expected: &str) {
     let got = match parse(text) {
@@ -65,9 +65,9 @@ fn h03_mistakes_name_what_is_wrong() {
     );
     check(
         "entry -> a -> entry -> exit",
-        "`entry` stands in the middle of the graph [entry]: not a component",
+        "`entry` is in the middle of the graph [entry]: not a component",
     );
-    check("entry -> a ! b -> exit", "`!` means nothing in a graph [!]: this character");
+    check("entry -> a ! b -> exit", "`!` is not allowed in a graph [!]: this character");
     check("entry -> 'a -> exit", "a quote is not closed ['a -> exit]: from here");
     check(
         "entry -a-> exit -b-> 1",
@@ -79,7 +79,7 @@ fn h03_mistakes_name_what_is_wrong() {
     );
     check(
         "entry -a-> 1 -b-> 2 -c-> 1; 2 -d-> exit",
-        "the graph runs in a circle [b]: this edge is part of it",
+        "the graph contains a cycle [b]: this edge is part of it",
     );
     check("entry -a- 1", "the graph cannot be read here [-]: expected `->`");
 }
@@ -89,12 +89,12 @@ fn a_graph_larger_than_the_robots_is_refused() {
     let many = |count: usize| format!("entry -> {} -> exit", vec!["a"; count].join(" -> "));
     assert!(parse(&many(limits::MAX_VERTICES - 1)).is_ok());
     let mistakes = parse(&many(limits::MAX_VERTICES)).unwrap_err();
-    assert_eq!(mistakes[0].message, "a production has at most 16 vertices, this one 17");
+    assert_eq!(mistakes[0].message, "a production has at most 16 vertices; this one has 17");
     let parallel = format!("entry -> ({}) -> exit", vec!["a"; 17].join(" | "));
     let mistakes = parse(&parallel).unwrap_err();
-    assert_eq!(mistakes[0].message, "a production has at most 16 components, this one 17");
+    assert_eq!(mistakes[0].message, "a production has at most 16 components; this one has 17");
     let deep = format!("entry -> {}a{} -> exit", "(".repeat(10_000), ")".repeat(10_000));
-    assert_eq!(parse(&deep).unwrap_err()[0].message, "more than 16 brackets within brackets");
+    assert_eq!(parse(&deep).unwrap_err()[0].message, "brackets are nested more than 16 deep");
 }
 
 proptest! {
@@ -119,7 +119,7 @@ proptest! {
         }
     }
 
-    /// What is drawn by hand with brackets means the same as with named vertices.
+    /// The notation with brackets means the same as the one with named vertices.
     #[test]
     fn both_ways_of_writing_give_the_same_sequence(count in 1_usize..14) {
         let names: Vec<String> = (0..count).map(|index| format!("c{index}")).collect();

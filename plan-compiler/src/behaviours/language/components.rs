@@ -45,9 +45,9 @@ pub(super) fn action(report: &mut Report<'_>, name: Text, item: &Item) -> Option
     let given = milliseconds(report, &fields, "timeout_s");
     if given.is_some_and(|given| given <= own_ms) {
         let span = fields.item("timeout_s").map_or(doing_span, |(_, span)| span);
-        let message = format!("action `{}` runs out of time before it is over", name.as_str());
-        let help = "make timeout_s longer than what it does";
-        report.error(message, &span, "not above 0 and its own time", help);
+        let message = format!("action `{}` times out before it can end", name.as_str());
+        let help = "make timeout_s longer than the action's own time";
+        report.error(message, &span, "not above 0, or not above the action's own time", help);
         return None;
     }
     let timeout_ms = given.unwrap_or((DEFAULT_TIMEOUT_S * 1e3) as u32 + own_ms);
@@ -69,7 +69,7 @@ fn description(report: &mut Report<'_>, fields: &Fields<'_>) -> Description {
 }
 
 const VERBS: &[&str] = &["follow", "go-to", "hold", "wander", "signal", "set-output"];
-const DOING_MEND: &str = "write follow PLAN at 34:66, go-to X, Y, hold 5 s, wander 5 s, signal 3 or \
+const DOING_HELP: &str = "write follow PLAN at 34:66, go-to X, Y, hold 5 s, wander 5 s, signal 3 or \
     set-output 2 on";
 
 fn doing(report: &mut Report<'_>, text: &Text) -> Option<Doing> {
@@ -87,19 +87,19 @@ fn doing(report: &mut Report<'_>, text: &Text) -> Option<Doing> {
     if found.is_none() {
         let label = match nearest(verb, VERBS.iter().copied()) {
             Some(meant) if meant != verb => format!("did you mean `{meant}`?"),
-            _ => "this cannot be done".into(),
+            _ => "unknown action".into(),
         };
         report.error(
             format!("`{}` is not an action", text.as_str()),
             &text.span,
             &label,
-            DOING_MEND,
+            DOING_HELP,
         );
     }
     found
 }
 
-/// `PLAN at 34:66`: the weights of reactive schemas and advice in percent.
+/// `PLAN at 34:66`: the weights of reactive schemas and of advice, in percent.
 fn follow(rest: &str, text: &Text) -> Option<Doing> {
     let (plan, gains) = rest.rsplit_once(" at ").unwrap_or((rest, "34:66"));
     let (reactive, advice) = gains.split_once(':')?;
@@ -164,11 +164,11 @@ pub(super) fn frame(report: &mut Report<'_>, name: Text, item: &Item) -> Option<
         report.error(
             message,
             &name.span,
-            "nobody can carry it out",
+            "it cannot be carried out",
             &format!("add {FRAME_EXAMPLE}"),
         );
     }
-    // A frame that lacks one of its ways would be looked at in vain.
+    // A frame that lacks a production would cause misleading lints.
     (is_whole && !productions.is_empty()).then_some(Frame {
         name,
         description,
@@ -177,7 +177,7 @@ pub(super) fn frame(report: &mut Report<'_>, name: Text, item: &Item) -> Option<
     })
 }
 
-/// The entries of a list, whichever way TOML has it; a text alone is a list of one.
+/// The entries of a list in any of the forms of TOML; a single text is a list of one.
 fn items(item: &Item) -> Vec<Item> {
     match item {
         Item::ArrayOfTables(tables) => tables.iter().cloned().map(Item::Table).collect(),
@@ -189,7 +189,7 @@ fn items(item: &Item) -> Vec<Item> {
 
 const PRODUCTION: &[&str] = &["name", "applicable", "inference", "graph", "protect", "work"];
 
-/// A table, or the text of the graph alone.
+/// A table, or only the text of the graph.
 fn production(
     report: &mut Report<'_>,
     frame: &Text,

@@ -12,9 +12,9 @@ use toml_edit::Item;
 const INPUT: &[&str] = &["source", "rules", "inference", "universe", "missing"];
 const SOURCES: &[&str] =
     &["battery", "fuel", "link", "custom", "distance", "time", "cost-to-goal", "price", "output"];
-/// How many channels have a meaning of the user's.
+/// Number of channels whose meaning the user defines.
 const CUSTOM_COUNT: u8 = MAX_CHANNELS as u8 - channel::CUSTOM;
-const SOURCES_MEND: &str = "write battery, fuel, link, custom N, distance X, Y, time, \
+const SOURCES_HELP: &str = "write battery, fuel, link, custom N, distance X, Y, time, \
     cost-to-goal PLAN, price PLAN/LAYER or output N";
 
 pub(super) fn input(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Input> {
@@ -30,7 +30,7 @@ pub(super) fn input(report: &mut Report<'_>, name: Text, item: &Item) -> Option<
         (both, _) => {
             let (message, help) = match both {
                 Some(_) => ("has both a source and rules", "keep one of the two"),
-                None => ("has no source", "add source = \"fuel\", or rules about other inputs"),
+                None => ("has no source", "add source = \"fuel\", or rules over other inputs"),
             };
             let message = format!("input `{}` {message}", name.as_str());
             report.error(message, &name.span, "this input", help);
@@ -49,7 +49,7 @@ fn universe(
     name: &Text,
 ) -> Option<[f32; 2]> {
     if let Some((_, span)) = fields.item("universe") {
-        let expected = "two finite numbers: what is wholly NB and what is wholly PB";
+        let expected = "two finite numbers: the values that are fully NB and fully PB";
         let ends = fields.numbers(report, "universe", expected, "universe = [0.0, 1.0]")?;
         if ends[0].to_bits() == ends[1].to_bits() || !(ends[1] - ends[0]).is_normal() {
             let message = format!("the universe of `{}` is a single value", name.as_str());
@@ -63,15 +63,15 @@ fn universe(
         Some(Channel(_) | Output(_) | Rules(_)) | None => Some([0.0, 1.0]),
         Some(_) => {
             let message = format!("input `{}` has no universe", name.as_str());
-            let help = "add universe = [LOW, HIGH]: what is wholly NB and what is wholly PB";
+            let help = "add universe = [LOW, HIGH]: the values that are fully NB and fully PB";
             report.error(message, &name.span, "this input has no natural ends", help);
             None
         }
     }
 }
 
-/// How long the last value is held, and what counts then. Whoever needs a value that may be
-/// missing says what that means.
+/// How long the last value is kept, in milliseconds, and the value used after that. Required for
+/// every input whose value may be missing.
 fn missing(
     report: &mut Report<'_>,
     fields: &Fields<'_>,
@@ -84,8 +84,10 @@ fn missing(
     let default_ms = (DEFAULT_MISSING_HOLD_S * 1e3) as u32;
     let Some((item, _)) = fields.item("missing") else {
         if !matches!(source, Some(Time | Output(_) | Rules(_)) | None) {
-            let message =
-                format!("input `{}` does not say what counts when it is missing", name.as_str());
+            let message = format!(
+                "input `{}` does not say which value replaces a missing one",
+                name.as_str()
+            );
             let help =
                 format!("add missing = {{ hold_s = {DEFAULT_MISSING_HOLD_S}, then = {low:?} }}");
             report.error(message, &name.span, "its value may be missing", &help);
@@ -99,8 +101,8 @@ fn missing(
     };
     if policy.item("then").is_none() {
         let message = format!("`{}` has no `then`", policy.path);
-        let help = format!("add then = {low:?}: what a missing value counts as");
-        report.error(message, &policy.span, "held, and then?", &help);
+        let help = format!("add then = {low:?}: the value that replaces a missing one");
+        report.error(message, &policy.span, "no value after the hold time", &help);
     }
     let hold_ms = milliseconds(report, &policy, "hold_s").unwrap_or(default_ms);
     let then = policy.number(report, "then", -1e9..=1e9, "");
@@ -140,8 +142,8 @@ fn source(report: &mut Report<'_>, text: &Text) -> Option<InputSource> {
             Some("output") => format!("the number is 0 to {}", MAX_OUTPUTS - 1),
             _ => "this source".into(),
         };
-        let message = format!("`{}` is not a source of values", text.as_str());
-        report.error(message, &text.span, &label, SOURCES_MEND);
+        let message = format!("`{}` is not an input source", text.as_str());
+        report.error(message, &text.span, &label, SOURCES_HELP);
     }
     found
 }
@@ -155,7 +157,7 @@ pub(super) fn pair(text: &str) -> Option<[f32; 2]> {
 
 const FACT: &[&str] =
     &["input", "at_least", "at_most", "near", "within", "inside", "no_progress", "for_s"];
-const FACT_MEND: &str = "write false or true for a symbol at the start, { inside = [W, S, E, N] }, \
+const FACT_HELP: &str = "write false or true for a symbol's initial value, { inside = [W, S, E, N] }, \
     { near = [X, Y], within = M }, { input = \"fuel\", at_least = 0.9 } or \
     { no_progress = 0.5, for_s = 10 }";
 
@@ -164,7 +166,7 @@ pub(super) fn fact(report: &mut Report<'_>, name: Text, item: &Item) -> Option<F
         return Some(Fact { name, kind: FactSyntax::Symbol { is_set } });
     }
     let path = format!("facts.{}", name.as_str());
-    let fields = Fields::open(report, path, item, name.span.clone(), FACT, &FACT_MEND[6..])?;
+    let fields = Fields::open(report, path, item, name.span.clone(), FACT, &FACT_HELP[6..])?;
     let has = |key: &str| fields.item(key).is_some();
     let kind = match (has("input"), has("near"), has("inside"), has("no_progress")) {
         (true, false, false, false) => level(report, &fields),
@@ -172,13 +174,13 @@ pub(super) fn fact(report: &mut Report<'_>, name: Text, item: &Item) -> Option<F
         (false, false, true, false) => inside(report, &fields, &name),
         (false, false, false, true) => no_progress(report, &fields),
         (false, false, false, false) => {
-            let message = format!("fact `{}` says nothing", name.as_str());
-            report.error(message, &name.span, "this fact", FACT_MEND);
+            let message = format!("fact `{}` has no condition", name.as_str());
+            report.error(message, &name.span, "this fact", FACT_HELP);
             None
         }
         _ => {
-            let message = format!("fact `{}` says more than one thing", name.as_str());
-            report.error(message, &name.span, "this fact", "make it several facts");
+            let message = format!("fact `{}` has more than one condition", name.as_str());
+            report.error(message, &name.span, "this fact", "split it into several facts");
             None
         }
     };
@@ -201,7 +203,7 @@ fn level(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<FactSyntax> {
         && low.value > high.value
     {
         let message = format!("`{}` never holds", fields.path);
-        report.error(message, &low.span, "above its `at_most`", "exchange the two numbers");
+        report.error(message, &low.span, "above its `at_most`", "swap the two numbers");
         return None;
     }
     Some(FactSyntax::Level { input: input?, low: low_m, high: high_m })
@@ -213,7 +215,7 @@ fn near(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<FactSyntax> {
     let within = fields.number(report, "within", 0.01..=1e5, "m");
     if fields.item("within").is_none() {
         let message = format!("`{}` has no `within`", fields.path);
-        report.error(message, &fields.span, "how near?", "add within = 2.0, in metres");
+        report.error(message, &fields.span, "no distance given", "add within = 2.0, in metres");
     }
     Some(FactSyntax::Near { at: at?, radius_m: within?.value as f32 })
 }
@@ -231,7 +233,7 @@ fn inside(report: &mut Report<'_>, fields: &Fields<'_>, name: &Text) -> Option<F
         message,
         &span,
         "west, south, east, north",
-        "let west be below east and south below north",
+        "write west below east and south below north",
     );
     None
 }
@@ -241,7 +243,7 @@ fn no_progress(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<FactSynta
     let time = fields.number(report, "for_s", 0.1..=super::MAX_TIME_S, "s");
     if fields.item("for_s").is_none() {
         let message = format!("`{}` has no `for_s`", fields.path);
-        report.error(message, &fields.span, "for how long?", "add for_s = 10");
+        report.error(message, &fields.span, "no time given", "add for_s = 10");
     }
     let within_ms = (time?.value * 1e3).round() as u32;
     Some(FactSyntax::NoProgress { distance_m: distance?.value as f32, within_ms })

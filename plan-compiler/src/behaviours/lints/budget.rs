@@ -10,22 +10,22 @@ use std::collections::{HashMap, HashSet};
 /// What a behaviour's plans may need at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Need {
-    /// Live components, of its plan and the larger of its activities.
+    /// Live components of the plan and of the larger of its two activities.
     pub components: usize,
-    /// Frames within frames, and an action within.
+    /// Levels of nested frames, including the action inside.
     pub depth: usize,
-    /// Plan steps from the moment it is reached until actions run: decompositions and starts.
+    /// Plan steps (decompositions and starts) from a vertex until actions run.
     pub steps: usize,
 }
 
-/// What the robot needs for all behaviours, for a reader.
+/// What the robot needs for all behaviours, in words.
 pub(super) fn in_words(needs: &[Need]) -> String {
     let components: usize = needs.iter().map(|need| need.components).sum();
     let most = |of: fn(&Need) -> usize| needs.iter().map(of).max().unwrap_or(0);
     let steps = most(|need| need.steps);
     format!(
         "the plans need at most {components} of {} live components, {} of {} levels, {steps} steps \
-         at once ({} of them a tick) and, like every mission, {} bytes of state",
+         in a row ({} per tick) and, like every mission, {} bytes of state",
         limits::MAX_COMPONENTS,
         most(|need| need.depth),
         limits::MAX_DEPTH,
@@ -34,8 +34,8 @@ pub(super) fn in_words(needs: &[Need]) -> String {
     )
 }
 
-/// What every behaviour's plans may need at once, by index; `None` where frames refer to each other
-/// in more ways than can be looked through.
+/// What each behaviour's plans may need at once, by index; `None` if frames contain each other in
+/// too many ways to be checked.
 pub(super) fn needs(draft: &MissionDraft) -> Option<Vec<Need>> {
     let mut search =
         Search { draft, known: HashMap::new(), above: Vec::new(), steps_left: 200_000 };
@@ -56,16 +56,17 @@ pub(super) fn needs(draft: &MissionDraft) -> Option<Vec<Need>> {
 
 struct Search<'s> {
     draft: &'s MissionDraft,
-    /// Of frames that are not part of a loop.
+    /// Needs of frames that are not part of a loop, by frame.
     known: HashMap<usize, Need>,
-    /// The frames that the one looked at lies in.
+    /// The frames that contain the current one.
     above: Vec<usize>,
     steps_left: usize,
 }
 
 impl Search<'_> {
-    /// A frame that contains itself does so as the last thing and takes its own place, so the inner
-    /// one counts as a single component. Deeper than the robot can go nothing is counted.
+    /// What a frame needs. A frame that contains itself does so as its last component and replaces
+    /// itself there, so the inner one counts as a single component. Levels beyond the robot's limit
+    /// are not counted.
     fn of_frame(&mut self, frame: usize) -> Option<Need> {
         const SINGLE: Need = Need { components: 1, depth: 1, steps: 1 };
         if self.above.contains(&frame) || self.above.len() > limits::MAX_DEPTH {
@@ -104,16 +105,16 @@ impl Search<'_> {
         Some(need)
     }
 
-    /// Whether what is found of a frame depends on those above it.
+    /// Whether the need of a frame depends on the frames above it.
     fn is_in_loop(&self, frame: usize) -> bool {
         self.above.iter().any(|&above| reaches(self.draft, frame, above))
     }
 }
 
-/// The most components of a production that live at once: those that wait, and those that are
-/// carried out with all that is below them.
+/// The largest number of components of a production that are live at once: waiting ones, and
+/// running ones with everything below them.
 fn most_at_once(draft: &MissionDraft, production: &Production, parts: &[Need]) -> usize {
-    /// More states of one production than this are not told apart.
+    /// With more states of one production than this, the sum of all parts is taken.
     const MAX_STATES: usize = 5_000;
     let first = usize::from(production.first_edge);
     let edges = &draft.edges[first..first + parts.len()];
@@ -142,10 +143,10 @@ fn most_at_once(draft: &MissionDraft, production: &Production, parts: &[Need]) -
 }
 
 impl Lints<'_> {
-    /// What every behaviour's plans need, if the robot has room for it.
+    /// What each behaviour's plans need; `None` after an error, if the robot has no room for them.
     pub(super) fn budget(&mut self) -> Option<Vec<Need>> {
         let Some(needs) = needs(self.draft) else {
-            let message = "the frames contain each other in too many ways to be looked through";
+            let message = "the frames contain each other in too many ways to be checked";
             self.report
                 .problems
                 .push(Problem::error(message).help("let fewer frames contain each other"));
@@ -154,12 +155,12 @@ impl Lints<'_> {
         for (behaviour, need) in self.syntax.behaviours.iter().zip(&needs) {
             if need.depth > limits::MAX_DEPTH {
                 let message = format!(
-                    "the plan of `{}` is {} levels deep, the robot has room for {}",
+                    "the plan of `{}` is {} levels deep; the robot has room for {}",
                     behaviour.name.as_str(),
                     need.depth,
                     limits::MAX_DEPTH
                 );
-                let help = "put some of the innermost components straight into the frames above";
+                let help = "move some of the innermost components into the frames above";
                 self.report.error(message, &behaviour.name.span, "this behaviour", help);
             }
         }
@@ -176,12 +177,12 @@ impl Lints<'_> {
                 .map(|(behaviour, need)| format!("{} {}", behaviour.name.as_str(), need.components))
                 .collect();
             let message = format!(
-                "the plans may need {all} live components at once, the robot has room for {}",
+                "the plans may need {all} live components at once; the robot has room for {}",
                 limits::MAX_COMPONENTS
             );
             let help = format!(
-                "shorten productions, or move parts into frames of their own, which are decomposed \
-                 when their turn comes; now: {}",
+                "shorten productions, or move parts into separate frames, which are decomposed only \
+                 when their turn comes; needed now: {}",
                 each.join(", ")
             );
             self.report.problems.push(Problem::error(message).help(help));

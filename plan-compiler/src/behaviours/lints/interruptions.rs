@@ -3,8 +3,8 @@
 use super::Lints;
 
 impl Lints<'_> {
-    /// Pairs that take over from each other within one step of one input. Hysteresis and a minimum
-    /// dwell damp that; where either is 0, the pair may chatter.
+    /// Warns of pairs that take over from each other within one step of one input. Hysteresis and a
+    /// minimum dwell damp this; if either is 0, the pair may chatter.
     pub(super) fn interruptions(&mut self) {
         let count = self.draft.behaviours.len();
         for a in 0..count {
@@ -14,12 +14,12 @@ impl Lints<'_> {
                 }
                 let Some((up, down)) = self.flip(a, b) else { continue };
                 let message = format!(
-                    "`{}` and `{}` interrupt each other in turn",
+                    "`{}` and `{}` interrupt each other alternately",
                     self.name(b),
                     self.name(a)
                 );
                 let label = format!(
-                    "`{}` takes over at {}, and the other again at {}",
+                    "`{}` takes over at {}, and the other takes over again at {}",
                     self.name(a),
                     self.describe(up),
                     self.describe(down)
@@ -36,15 +36,15 @@ impl Lints<'_> {
         behaviour.hysteresis > 0.0 && behaviour.dwell_ms > 0
     }
 
-    /// Two neighbouring situations, in the first of which `a` takes over from `b` and in the second
-    /// `b` from `a`.
+    /// Two neighbouring situations: `a` takes over from `b` in the first, and `b` from `a` in the
+    /// second.
     fn flip(&self, a: usize, b: usize) -> Option<(usize, usize)> {
         let situations = self.situations.as_ref()?;
         let takes_over = |by: usize, from: usize, situation: usize| {
             let (new, old) = (&self.draft.behaviours[by], &self.draft.behaviours[from]);
             let value = situations.result(situation, new.rules);
             let other = situations.result(situation, old.rules);
-            // A behaviour that is dormant is not interrupted to and fro: it has nothing to do.
+            // A dormant behaviour does not take part: it has nothing to do.
             value > new.dormant && other > old.dormant && value > other + old.hysteresis
         };
         (0..situations.count()).find_map(|here| {

@@ -1,11 +1,11 @@
-//! Frames that contain themselves: only as the last thing, so that the robot's memory suffices.
+//! Frames that contain themselves: allowed only as the last component, so that memory is bounded.
 
 use super::Lints;
 use crate::behaviours::lower::effects::below;
 use plan_format::mission::{Description, MissionDraft, Production, Symbol};
 
-/// Whether an edge of a production is the last thing that its frame waits for: it leads to the exit
-/// and everything else comes before it.
+/// Whether an edge of a production is the last component that its frame waits for: it leads to the
+/// exit and all other edges come before it.
 pub(super) fn is_last(draft: &MissionDraft, production: &Production, edge: usize) -> bool {
     let first = usize::from(production.first_edge);
     let edges = &draft.edges[first..first + usize::from(production.edges)];
@@ -17,13 +17,13 @@ pub(super) fn is_last(draft: &MissionDraft, production: &Production, edge: usize
             .all(|(other, before)| other == edge || leads(draft, production, before.to, last.from))
 }
 
-/// Whether a way leads from one vertex of a production to another, or they are the same.
+/// Whether a path leads from one vertex of a production to another, or they are the same.
 pub(super) fn leads(draft: &MissionDraft, production: &Production, from: u8, to: u8) -> bool {
     let first = usize::from(production.first_edge);
     let edges = &draft.edges[first..first + usize::from(production.edges)];
     let mut reached = vec![false; usize::from(production.vertices)];
     reached[usize::from(from)] = true;
-    // Edges lead upwards, so vertices in order see all that reaches them first.
+    // Edges lead to higher numbers, so all edges into a vertex are seen before it.
     for vertex in from..production.vertices {
         if reached[usize::from(vertex)] {
             let next = edges.iter().filter(|edge| edge.from == vertex);
@@ -33,7 +33,7 @@ pub(super) fn leads(draft: &MissionDraft, production: &Production, from: u8, to:
     reached[usize::from(to)]
 }
 
-/// Whether a frame can come to stand below another.
+/// Whether frame `to` can occur below frame `from`.
 pub(super) fn reaches(draft: &MissionDraft, from: usize, to: usize) -> bool {
     let mut seen = vec![from];
     let mut at = 0;
@@ -54,7 +54,8 @@ pub(super) fn reaches(draft: &MissionDraft, from: usize, to: usize) -> bool {
     false
 }
 
-/// As the robot's own crate has it: such a frame may be left out between a loop's head and its end.
+/// Whether a frame may be left out between a loop's head and its end, as the robot's own crate
+/// decides.
 fn is_silent(description: &Description) -> bool {
     description.transient.is_empty()
         && description.goal.is_empty()
@@ -65,7 +66,7 @@ fn is_silent(description: &Description) -> bool {
 }
 
 impl Lints<'_> {
-    /// Says why a frame that contains itself would need ever more memory.
+    /// Reports frames that contain themselves and would need unbounded memory.
     pub(super) fn recursion(&mut self) {
         let syntax = self.syntax;
         for (frame, written) in syntax.frames.iter().enumerate() {
@@ -96,10 +97,14 @@ impl Lints<'_> {
     ) -> Option<(String, String, &'static str)> {
         let draft = self.draft;
         let name = |index: usize| self.syntax.frames[index].name.as_str();
-        let message = format!("`{}` contains itself, and would need ever more memory", name(frame));
+        let message = format!("`{}` contains itself and would need unbounded memory", name(frame));
         if !is_last(draft, production, edge) {
-            let label = "not the last thing that is done".to_owned();
-            return Some((message, label, "move it to the end, alone, before `exit`"));
+            let label = "not the last component".to_owned();
+            return Some((
+                message,
+                label,
+                "make it the last component before `exit`, with nothing beside it",
+            ));
         }
         let record = draft.edges[usize::from(production.first_edge) + edge];
         let first = usize::from(production.first_interval);
@@ -107,11 +112,11 @@ impl Lints<'_> {
         let spans = |from: u8, to: u8| from <= record.from && to >= record.to;
         if let Some(interval) = intervals.iter().find(|i| spans(i.from, i.to)) {
             let how = if interval.is_derived { "a derived" } else { "a" };
-            let label = format!("{how} protection interval reaches over it");
-            return Some((message, label, "let the interval end before it"));
+            let label = format!("{how} protection interval spans it");
+            return Some((message, label, "end the interval before it"));
         }
-        // A frame in between keeps its place as long as it has something to say. The frame that the
-        // loop is entered by is its head and may say what it likes.
+        // A frame in between stays live as long as its description is not empty. The frame through
+        // which the loop is entered is its head and may have any description.
         let is_head = |index: usize| self.is_entered_from_outside(index);
         let description = usize::from(draft.frames[frame].description);
         if inner != frame && !is_head(frame) && !is_silent(&draft.descriptions[description]) {

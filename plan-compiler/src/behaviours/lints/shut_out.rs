@@ -1,4 +1,4 @@
-//! Protection intervals that pile up until a critical behaviour cannot be engaged (H35).
+//! Protection intervals that accumulate until a critical behaviour cannot be engaged (H35).
 
 use super::Lints;
 use super::recursion::leads;
@@ -18,10 +18,10 @@ struct Held {
 }
 
 impl Lints<'_> {
-    /// A sleeping behaviour keeps what it protects protected. Where a second one can interrupt it
-    /// there and a third would violate it, the third is shut out: the robot lets the sleeping one go
-    /// on first, unless the third becomes critical enough to overrule it. All three are named, and
-    /// where.
+    /// Warns of behaviours that are shut out. A sleeping behaviour still protects its facts. If a
+    /// second behaviour can interrupt it there and a third would violate the protection, the third
+    /// is shut out: the robot resumes the sleeping one first, unless the third becomes critical
+    /// enough to overrule it. The warning names all three and the place.
     pub(super) fn shut_out(&mut self) {
         let count = self.draft.behaviours.len();
         for sleeper in 0..count {
@@ -34,7 +34,7 @@ impl Lints<'_> {
         }
     }
 
-    /// Behaviours that can shut one out while they sleep.
+    /// Behaviours that can shut out `victim` while they sleep.
     pub(super) fn excluding(&self, victim: usize) -> Vec<usize> {
         let excludes = |&sleeper: &usize| {
             let held = held_at_points(self.draft, self.draft.behaviours[sleeper].root.into());
@@ -58,7 +58,7 @@ impl Lints<'_> {
             let by = (0..self.draft.behaviours.len()).find(interrupts)?;
             violates(victim, held).then_some((by, *held))
         })?;
-        // Someone who never wants the robot is not shut out.
+        // A behaviour that never takes over is not shut out.
         self.takes_over(held.0, victim).map(|_| held)
     }
 
@@ -84,18 +84,17 @@ impl Lints<'_> {
         let message =
             format!("behaviour `{victim_name}` can be shut out by the sleeping `{sleeper_name}`");
         let label = format!(
-            "when `{}` interrupts `{sleeper_name}` after `{}`, that one still protects `{facts}` and \
-             goes on first{never}",
+            "when `{}` interrupts `{sleeper_name}` after `{}`, `{sleeper_name}` still protects \
+             `{facts}` and resumes first{never}",
             self.name(by),
             after.join("` and `")
         );
-        let help =
-            "end the protection interval before that point, or restore in a shut_down activity";
+        let help = "end the protection interval before that point, or restore the facts in a shut_down activity";
         let span = self.syntax.behaviours[victim].name.span.clone();
         self.report.warning(message, &span, &label, help);
     }
 
-    /// The names of the facts that are protected and would be violated.
+    /// The names of the protected facts that `victim` may violate.
     fn facts_of(&self, held: Held, victim: usize) -> String {
         let (adds, deletes) = effects(self.draft, victim);
         let bits = held.must & deletes | held.must_not & adds;
@@ -106,7 +105,7 @@ impl Lints<'_> {
     }
 }
 
-/// What a behaviour's plans may do to facts.
+/// The facts that a behaviour's plans may add, and those that they may delete.
 pub(super) fn effects(draft: &MissionDraft, behaviour: usize) -> (u64, u64) {
     let behaviour = &draft.behaviours[behaviour];
     let frames = [Some(behaviour.root), behaviour.start_up, behaviour.shut_down];
@@ -116,7 +115,7 @@ pub(super) fn effects(draft: &MissionDraft, behaviour: usize) -> (u64, u64) {
     })
 }
 
-/// Everything that may be protected at some point of a plan, below a root frame.
+/// Everything that may be protected at any point of a plan, below a root frame.
 fn held_at_points(draft: &MissionDraft, root: usize) -> Vec<Held> {
     let mut found = Vec::new();
     let mut seen = HashSet::new();
@@ -147,8 +146,8 @@ fn held_at_points(draft: &MissionDraft, root: usize) -> Vec<Held> {
     found
 }
 
-/// What may be protected at a vertex, where both ends are the same, or along an edge: what frames
-/// above protect, and every interval that has not surely ended before and does not surely begin
+/// What may be protected along an edge, or at a vertex if both ends are the same: what frames above
+/// protect, and every interval that has not certainly ended before and does not certainly begin
 /// after.
 fn protected(
     draft: &MissionDraft,

@@ -1,11 +1,11 @@
-//! Every situation that the rules tell apart: the grid of the inputs' labels.
+//! Every situation that the rules distinguish: all combinations of the inputs' labels.
 //!
-//! The rules are evaluated by the robot's own crate, at every combination of the labels of the
-//! inputs that matter; with few inputs, halfway between labels too.
+//! The robot's own crate evaluates the rules at every combination of labels of the inputs that
+//! rules use; with few inputs, also halfway between labels.
 
 use plan_format::mission::{Label, MissionDraft, Source};
 
-/// Combinations that are looked at, at most.
+/// Most combinations that are evaluated.
 const MAX_SITUATIONS: usize = 120_000;
 
 /// The values of all rule bases at all combinations.
@@ -20,7 +20,7 @@ pub(crate) struct Situations {
 }
 
 impl Situations {
-    /// Explores; `None` where there are too many combinations.
+    /// Evaluates all combinations; `None` if there are too many.
     pub(crate) fn explore(draft: &MissionDraft) -> Option<Self> {
         let used = |index: usize| draft.rules.iter().any(|rule| usize::from(rule.input) == index);
         let is_primary = |index: &usize| {
@@ -77,7 +77,7 @@ impl Situations {
         })
     }
 
-    /// A situation for a reader: `fuel NB, load between ZO and PS`.
+    /// A situation in words: `fuel NB, load between ZO and PS`.
     pub(crate) fn describe(
         &self,
         situation: usize,
@@ -104,8 +104,8 @@ impl Situations {
     }
 }
 
-/// The results of all rule bases where the inputs are at some positions; bases build on earlier
-/// ones only.
+/// Adds the results of all rule bases at some positions of the inputs. A rule base depends on
+/// earlier ones only.
 fn evaluate(draft: &MissionDraft, positions: &mut [f32], results: &mut Vec<f32>) {
     let first = results.len();
     for base in &draft.rule_bases {

@@ -1,5 +1,5 @@
-//! Thresholds that no criticality can reach, behaviours that never run and never end, productions
-//! that are never applicable.
+//! Thresholds that no criticality can reach, behaviours that never run or never end, and
+//! productions that are never applicable.
 
 use super::Lints;
 use super::recursion::is_last;
@@ -11,7 +11,7 @@ const REACH: (f32, f32) = (1.0 / 18.0, 17.0 / 18.0);
 const UNEVEN: f32 = 0.935;
 
 impl Lints<'_> {
-    /// Thresholds that lie outside of what rules can result in.
+    /// Reports thresholds outside the range of results of rules.
     pub(super) fn thresholds(&mut self) {
         let syntax = self.syntax;
         for behaviour in &syntax.behaviours {
@@ -21,9 +21,11 @@ impl Lints<'_> {
                 self.threshold(what, threshold.value, &threshold.span);
             }
             if behaviour.dormant.value >= behaviour.unconditional.value {
-                let message =
-                    format!("behaviour `{}` is never just active", behaviour.name.as_str());
-                let help = "let `dormant` be below `unconditional`";
+                let message = format!(
+                    "behaviour `{}` is never active without being unconditional",
+                    behaviour.name.as_str()
+                );
+                let help = "make `dormant` lower than `unconditional`";
                 self.report.error(
                     message,
                     &behaviour.dormant.span,
@@ -33,7 +35,7 @@ impl Lints<'_> {
             }
         }
         for frame in &syntax.frames {
-            // Where a way has no table it is wholly applicable, whatever the threshold.
+            // A production without rules is fully applicable, whatever the threshold.
             if frame.productions.iter().any(|production| production.rules.is_some()) {
                 self.threshold("threshold", frame.threshold.value, &frame.threshold.span);
             }
@@ -43,7 +45,7 @@ impl Lints<'_> {
     fn threshold(&mut self, what: &str, value: f32, span: &crate::toml::Span) {
         let (low, high) = REACH;
         if value < low || value > high {
-            let message = format!("`{what}` is out of reach: rules result in 1/18 to 17/18");
+            let message = format!("`{what}` cannot be reached: rules result in 1/18 to 17/18");
             let label = format!("{value} lies outside 0.0556 to 0.9444");
             self.report.error(message, span, &label, "choose a value in between");
         } else if value > UNEVEN {
@@ -53,7 +55,7 @@ impl Lints<'_> {
         }
     }
 
-    /// What never runs, never ends and is never applicable, as far as situations are known.
+    /// Reports what never runs, never ends or is never applicable, if the situations are known.
     pub(super) fn reach(&mut self) {
         self.never_applicable();
         for behaviour in 0..self.syntax.behaviours.len() {
@@ -107,7 +109,7 @@ impl Lints<'_> {
             let is_beaten = |other: usize| {
                 let rival = &self.draft.behaviours[other];
                 let rival_value = situations.result(situation, rival.rules);
-                // Among equals the first one of the file comes first.
+                // Among equals the first one in the file wins.
                 let is_above =
                     rival_value > value || rival_value.total_cmp(&value).is_eq() && other < index;
                 self.conflict(index, other) && rival_value > rival.dormant && is_above
@@ -116,16 +118,17 @@ impl Lints<'_> {
         };
         if !(0..situations.count()).any(is_first) {
             let message = format!(
-                "behaviour `{}` never comes first: another that needs the same is always more critical",
+                "behaviour `{}` never comes first: another that needs the same resource is always more critical",
                 behaviour.name.as_str()
             );
-            let label = "more critical than this one is always another";
+            let label = "another behaviour is always more critical";
             let help = "change the table, or let the other become dormant";
             self.report.warning(message, &behaviour.rules.span, label, help);
         }
     }
 
-    /// A plan ends if some way through it does, or if it is a loop that comes to be inapplicable.
+    /// Warns of a plan that cannot end. A plan ends if one path through it ends, or if it is a loop
+    /// that can become inapplicable.
     fn never_ends(&mut self, index: usize) {
         let draft = self.draft;
         let mut ends = vec![false; draft.frames.len()];
@@ -145,8 +148,8 @@ impl Lints<'_> {
                 "behaviour `{}` never ends by itself, only by interruption or failure",
                 behaviour.name.as_str()
             );
-            let help = "give the loop's productions an applicability that ends it, or let another way \
-                out of it be applicable";
+            let help = "give the loop's productions an `applicable` table that ends the loop, or add \
+                a production that leaves it";
             let label = "its loop is always applicable";
             self.report.warning(message, &behaviour.root.span, label, help);
         }
@@ -175,7 +178,7 @@ impl Lints<'_> {
             });
             let lowest = match (production.rules, &self.situations) {
                 (Some(rules), Some(situations)) => situations.range(rules).0,
-                // Where situations are not known there may be one that ends it.
+                // If situations are not known, one of them may end it.
                 (Some(_), None) => 0.0,
                 (None, _) => 1.0,
             };

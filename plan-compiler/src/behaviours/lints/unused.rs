@@ -1,4 +1,4 @@
-//! What is defined and never used, and what cannot be used together.
+//! Definitions that are never used, and components that cannot run side by side.
 
 use super::Lints;
 use crate::behaviours::lower::effects::below;
@@ -6,7 +6,7 @@ use crate::toml::Text;
 use plan_format::mission::{FactKind, Source, Symbol};
 
 impl Lints<'_> {
-    /// Definitions that no behaviour comes to use.
+    /// Warns of definitions that no behaviour uses.
     pub(super) fn unused(&mut self) {
         let draft = self.draft;
         let mut used: Vec<Symbol> = Vec::new();
@@ -65,7 +65,7 @@ impl Lints<'_> {
             || matches!(draft.inputs[index].source, Source::Rules(_)) && draft.rules.is_empty()
     }
 
-    /// Components of one production that run side by side must not need the same.
+    /// Reports components that run side by side and need the same resource.
     pub(super) fn side_by_side(&mut self) {
         let (syntax, draft) = (self.syntax, self.draft);
         let resources = |symbol: Symbol| match symbol {
@@ -82,16 +82,16 @@ impl Lints<'_> {
                         graph.leads(first.to, second.from) || graph.leads(second.to, first.from);
                     if !in_turn && resources(symbol(a)) & resources(symbol(b)) != 0 {
                         let message = format!(
-                            "`{}` and `{}` run side by side and need the same",
+                            "`{}` and `{}` run side by side and need the same resource",
                             self.symbol(symbol(a)),
                             self.symbol(symbol(b))
                         );
-                        let help = "let one follow the other; all that drive or stand still need \
+                        let help = "let one follow the other; every action that drives or holds needs \
                             `motion`";
                         self.report.error(
                             message,
                             &second.span,
-                            "needs a resource of the other",
+                            "needs a resource that the other one needs",
                             help,
                         );
                     }

@@ -1,10 +1,11 @@
 //! How long a behaviour may have to wait for its turn: the bound on starvation.
 //!
-//! Every plan is carried out by the robot's own crates in every way that its actions can end, until
-//! no new state comes up. The longest way through these states that meets no vertex at which the
-//! waiting behaviour could be engaged is the bound, each action taking as long as it may; to it come
-//! the other's minimum dwell, its activities, and those that sleep and have to give up first what
-//! they protect. It holds for the most critical behaviour, as long as it is that.
+//! The robot's own crates carry out every plan in every way that its actions can end, until no new
+//! state appears. The bound is the longest path through these states that meets no vertex where the
+//! waiting behaviour could be engaged, with every action taking its longest time. Added to it are
+//! the other behaviour's minimum dwell and activities, and the waits for sleeping behaviours that
+//! must first finish what they protect. The bound holds for a behaviour while it is the most
+//! critical one.
 
 mod states;
 
@@ -24,14 +25,14 @@ pub struct Wait {
     pub bound: Bound,
 }
 
-/// A bound on time, from the least to the greatest.
+/// An upper bound on a time. Variants are ordered from the smallest to the largest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Bound {
     /// Milliseconds.
     Within(u64),
-    /// Too many states to be looked through.
+    /// Not known: there are too many states.
     Unknown,
-    /// None: there is a loop without a point of interruption.
+    /// No bound: there is a loop without a point of interruption.
     None,
 }
 
@@ -49,13 +50,13 @@ impl fmt::Display for Bound {
         match self {
             Self::Within(ms) => write!(f, "{:.1} s", *ms as f64 / 1e3),
             Self::Unknown => f.write_str("an unknown time (too many states)"),
-            Self::None => f.write_str("for ever"),
+            Self::None => f.write_str("an unlimited time"),
         }
     }
 }
 
 impl Lints<'_> {
-    /// The longest wait of each behaviour, and what is to be said of it.
+    /// Finds the longest wait of each behaviour and reports the waits.
     pub(super) fn waits(&mut self) -> Vec<Option<Wait>> {
         let draft = self.draft;
         let count = draft.behaviours.len();
@@ -88,7 +89,7 @@ impl Lints<'_> {
                     .filter(|&other| self.conflict(waiting, other))
                     .filter(|&other| self.takes_over(other, waiting).is_some())
                     .map(|other| {
-                        // Those that sleep and shut it out go on first, one after the other.
+                        // Sleeping behaviours that shut it out resume first, one after the other.
                         let excluding = self.excluding(waiting).into_iter().filter(|&s| s != other);
                         let bound = excluding.fold(behind(waiting, other), |bound, sleeper| {
                             bound.and(behind(waiting, sleeper))
@@ -108,9 +109,10 @@ impl Lints<'_> {
             let Some(Wait { behind, bound }) = *wait else { continue };
             let (name, other) = (self.name(waiting), self.name(behind));
             if bound == Bound::None {
-                let message = format!("behaviour `{name}` may wait for `{other}` for ever");
-                let label = format!("no point of `{other}` lets it in");
-                let help = "end a protection interval, or a loop, of the other earlier";
+                let message = format!("behaviour `{name}` may wait for `{other}` indefinitely");
+                let label =
+                    format!("`{other}` reaches no point where this behaviour may take over");
+                let help = "end a protection interval or a loop of the other behaviour earlier";
                 let span = self.syntax.behaviours[waiting].name.span.clone();
                 self.report.warning(message, &span, &label, help);
             } else {
@@ -118,9 +120,12 @@ impl Lints<'_> {
             }
         }
         if !bounds.is_empty() {
-            let message = format!("the longest waits of the most critical: {}", bounds.join(", "));
-            let help = "shorter with smaller timeout_s and dwell_s, and more points without \
-                protection intervals";
+            let message = format!(
+                "the longest waits of each behaviour while it is the most critical: {}",
+                bounds.join(", ")
+            );
+            let help = "shorten them with smaller timeout_s and dwell_s, and with more points \
+                outside protection intervals";
             self.report.problems.push(Problem::note(message).help(help));
         }
     }

@@ -9,11 +9,11 @@ use plan_format::mission::{
 };
 use plan_format::parameters::Gains;
 
-/// What every action that drives, or stands still, occupies.
+/// The resource that every action that drives or holds occupies.
 const MOTION: &str = "motion";
 
 impl Lowering<'_> {
-    /// Everything but intervals and what frames may do.
+    /// Everything except protection intervals and the effects of frames.
     pub(super) fn components(&mut self) {
         let syntax = self.syntax;
         for action in &syntax.actions {
@@ -26,8 +26,9 @@ impl Lowering<'_> {
             let first = self.draft.productions.len() as u16;
             if frame.productions.len() > limits::MAX_ALTERNATIVES {
                 let (limit, count) = (limits::MAX_ALTERNATIVES, frame.productions.len());
-                let message = format!("a frame has at most {limit} productions, this one {count}");
-                let help = "put some of them into a frame of their own";
+                let message =
+                    format!("a frame has at most {limit} productions; this one has {count}");
+                let help = "move some of them into a separate frame";
                 self.report.error(message, &frame.name.span, "this frame", help);
             }
             for production in &frame.productions {
@@ -100,7 +101,7 @@ impl Lowering<'_> {
         }) as u16
     }
 
-    /// Facts that a component can make true by being done.
+    /// The bits of symbols that a component adds at its end.
     fn symbols(&mut self, names: &[Text]) -> Facts {
         let mut bits = 0;
         for name in names {
@@ -108,8 +109,8 @@ impl Lowering<'_> {
             let fact = self.syntax.facts.iter().find(|fact| fact.name.value == name.value);
             if fact.is_some_and(|fact| !matches!(fact.kind, FactSyntax::Symbol { .. })) {
                 let message = format!("`{}` is sensed and cannot be added", name.as_str());
-                let help = "put it into `goal`: it has to hold at the end";
-                self.report.error(message, &name.span, "only symbols can", help);
+                let help = "put it into `goal`: it must hold at the end";
+                self.report.error(message, &name.span, "only symbols can be added", help);
             }
             bits |= bit;
         }

@@ -1,8 +1,8 @@
-//! What carrying out a component may change.
+//! The facts that a component may change.
 
 use plan_format::mission::{Facts, MissionDraft, Symbol};
 
-/// What a component surely makes true, and false, when it has reached its goal.
+/// The facts that a component certainly makes true, and false, when it succeeds.
 pub(crate) fn sure(draft: &MissionDraft, symbol: Symbol) -> (Facts, Facts) {
     let index = match symbol {
         Symbol::PlanFrame(index) => {
@@ -16,7 +16,8 @@ pub(crate) fn sure(draft: &MissionDraft, symbol: Symbol) -> (Facts, Facts) {
     description.map_or((0, 0), |d| (d.add | d.goal.must, d.delete | d.goal.must_not))
 }
 
-/// What a component may make true, and false; for frames as far as [`spread`] has come.
+/// The facts that a component may make true, and false. For frames the result is complete after
+/// [`spread`].
 pub(crate) fn possible(draft: &MissionDraft, symbol: Symbol) -> (Facts, Facts) {
     let (adds, deletes) = sure(draft, symbol);
     match symbol {
@@ -35,8 +36,9 @@ fn resources(draft: &MissionDraft, symbol: Symbol) -> u16 {
     }
 }
 
-/// Gives every frame what all components below it may change and occupy. Frames may contain each
-/// other, so it is repeated until nothing is added; each round adds a bit or is the last.
+/// Gives every frame the facts and resources that the components below it may change and occupy.
+/// Frames may contain each other, so this is repeated until nothing changes; each round but the
+/// last adds a bit.
 pub(super) fn spread(draft: &mut MissionDraft) {
     loop {
         let mut has_grown = false;
@@ -135,7 +137,7 @@ mod tests {
         draft
     }
 
-    /// By definition: everything that can be reached, each once.
+    /// The reference by definition: visits every reachable component once.
     fn by_search(draft: &MissionDraft, frame: usize) -> (Facts, Facts, u16) {
         let mut seen = vec![Symbol::PlanFrame(frame as u16)];
         let mut at = 0;

@@ -1,5 +1,5 @@
-//! Protection intervals: those set by hand, and those derived from a single producer with a
-//! single consumer (H, "Plan Components").
+//! Protection intervals: those written in the mission, and those derived from a single producer and
+//! a single consumer (H, "Plan Components").
 
 use super::{Lowering, effects};
 use crate::behaviours::graph_text::Graph;
@@ -9,7 +9,7 @@ use crate::toml::{Spanned, Text};
 use plan_format::mission::{Condition, Facts, Interval, MissionDraft, Symbol};
 
 impl Lowering<'_> {
-    /// The intervals of every production, those set by hand first.
+    /// The intervals of every production, those written in the mission first.
     pub(super) fn intervals(&mut self) {
         let syntax = self.syntax;
         let productions = syntax.frames.iter().flat_map(|frame| &frame.productions);
@@ -32,7 +32,7 @@ impl Lowering<'_> {
 
     /// `on field and not stuck from forward to back`
     fn by_hand(&mut self, production: &syntax::Production, text: &Text) -> Option<Interval> {
-        const HELP: &str = "write FACT from COMPONENT to COMPONENT, in quotes where names hold \
+        const HELP: &str = "write FACT from COMPONENT to COMPONENT; quote names that contain \
             `from` or `to`";
         let readings = self.readings(&production.graph, text);
         let (literals, from, to) = match readings.as_slice() {
@@ -59,8 +59,8 @@ impl Lowering<'_> {
         Some(Interval { from, to, condition, is_derived: false })
     }
 
-    /// Every way to part a text into facts, where they begin to hold and where they may end. Names
-    /// may hold the words that part them.
+    /// Every way to split a text into facts, a begin and an end. Names may contain the words at
+    /// which the text is split.
     fn readings(&self, graph: &Graph, text: &Text) -> Vec<(Vec<Literal>, u8, u8)> {
         let mut readings = Vec::new();
         let whole = text.as_str();
@@ -112,24 +112,25 @@ impl Lowering<'_> {
     }
 }
 
-/// Where a component begins, the first of that name; or a vertex.
+/// The vertex where the first component with a name begins, or the vertex with that name.
 fn begin(graph: &Graph, name: &str) -> Option<u8> {
     let name = name.trim().trim_matches(['\'', '"']);
     let all = graph.edges.iter().filter(|edge| edge.component == name);
     all.map(|edge| edge.from).min().or_else(|| graph.vertex(name))
 }
 
-/// Where a component ends, the last of that name; or a vertex.
+/// The vertex where the last component with a name ends, or the vertex with that name.
 fn end(graph: &Graph, name: &str) -> Option<u8> {
     let name = name.trim().trim_matches(['\'', '"']);
     let all = graph.edges.iter().filter(|edge| edge.component == name);
     all.map(|edge| edge.to).max().or_else(|| graph.vertex(name))
 }
 
-/// Where exactly one component of a production surely brings a fact about and exactly one needs
-/// it, the fact is protected from the end of the one until the other begins, or until it ends if
-/// it needs the fact throughout. Not derived where a component that may run in between may itself
-/// destroy the fact, nor what is protected by hand already.
+/// The derived intervals of a production. If exactly one component certainly makes a fact true and
+/// exactly one needs it, the fact is protected from the end of the producer to the start of the
+/// consumer, or to its end if it needs the fact throughout. No interval is derived if a component
+/// that may run in between may make the fact false, or if the mission already protects the fact
+/// there.
 fn derived(draft: &MissionDraft, index: usize, graph: &Graph, first: usize) -> Vec<Interval> {
     let by_hand = draft.intervals.get(first..).unwrap_or(&[]);
     let mut intervals: Vec<Interval> = Vec::new();
@@ -169,7 +170,7 @@ fn derived(draft: &MissionDraft, index: usize, graph: &Graph, first: usize) -> V
     intervals
 }
 
-/// The vertices between which a fact has to be kept for the sake of its only consumer.
+/// The vertices between which a fact must be kept for its only consumer.
 fn causal_link(
     draft: &MissionDraft,
     index: usize,
@@ -180,7 +181,7 @@ fn causal_link(
     let production = draft.productions.get(index)?;
     let first = usize::from(production.first_edge);
     let edges = draft.edges.get(first..first + usize::from(production.edges))?;
-    // What brings it about and what destroys it; for the absence of a fact the other way round.
+    // What makes the fact true and what makes it false; the reverse for the absence of a fact.
     let turned = |(adds, deletes): (Facts, Facts)| {
         let (for_it, against) = if is_negated { (deletes, adds) } else { (adds, deletes) };
         (for_it & fact != 0, against & fact != 0)

@@ -1,13 +1,13 @@
-//! Points as people and programs write them, one a line.
+//! Points as people and programs write them, one per line.
 //!
-//! `X Y`, `X,Y`, columns of a table parted by tabs or semicolons, `[X, Y]`; a pose `X Y HEADING`,
-//! of which the heading says nothing to a plan; and named numbers as in ROS messages and JSON,
-//! `{x: X, y: Y, z: 0}`, of which the first `x` and the first `y` count. A line that begins with
-//! `#`, an empty one and a table's head `x,y` hold no point.
+//! `X Y`, `X,Y`, columns of a table separated by tabs or semicolons, `[X, Y]`; a pose `X Y
+//! HEADING`, whose heading is ignored; and named numbers as in ROS messages and JSON, `{x: X, y: Y,
+//! z: 0}`, where the first `x` and the first `y` are used. Empty lines, lines that begin with `#`
+//! and a table's head `x,y` contain no point.
 
 use plan_compiler::mission::words::number;
 
-/// The point in a line; `None` where the line holds none.
+/// The point in a line; `None` if the line contains none.
 pub(super) fn point(line: &str) -> Result<Option<[f64; 2]>, String> {
     let line = line.trim();
     if line.starts_with('#') || line == "---" {

@@ -1,4 +1,4 @@
-//! The whole route from a point, as ROS, a table or a map viewer reads it.
+//! The whole route from a point, in the formats of ROS, tables and map viewers.
 
 use crate::cli::RouteFormat;
 use crate::commands::Failure;
@@ -23,7 +23,7 @@ struct Pose {
     yaw: f64,
 }
 
-/// Writes the route from a point to the goal; an error says why there is none.
+/// Writes the route from a point to the goal, or reports why there is none.
 pub(super) fn write(
     out: &mut dyn Write,
     blob: &Blob<'_>,
@@ -66,7 +66,7 @@ pub(super) fn write(
     Ok(())
 }
 
-/// Poses that look along the route; the last one as the one before it.
+/// Poses that point along the route; the last one has the yaw of the one before it.
 fn poses(route: &Route) -> Vec<Pose> {
     let points = &route.points;
     let mut yaw = 0.0;
@@ -93,7 +93,7 @@ fn write_table(out: &mut dyn Write, blob: &Blob<'_>, route: &Route) -> Result<()
     Ok(())
 }
 
-/// Longitude and latitude of every point; `None` where the plans have no place on the globe.
+/// Longitude and latitude of every point; `None` if the plans have no place on the globe.
 fn line(blob: &Blob<'_>, route: &Route) -> Option<Vec<[f64; 2]>> {
     let frame = blob.map_frame()?;
     let place = |&[x, y]: &Point| {

@@ -4,8 +4,8 @@ use super::*;
 use crate::render::cells::MAX_BANDS;
 use math::scalar::wide;
 
-/// Linear light to what a protanope, a deuteranope and a tritanope see of it (Machado, Oliveira and
-/// Fernandes 2009, severity 1), and everybody else.
+/// Matrices from linear light to what people with usual vision, a protanope, a deuteranope and a
+/// tritanope see (Machado, Oliveira and Fernandes 2009, severity 1).
 const VISIONS: [(&str, [[f64; 3]; 3]); 4] = [
     ("usual", [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
     (
@@ -109,7 +109,7 @@ fn distance(one: [f64; 3], other: [f64; 3]) -> f64 {
     wide::sqrt(dl * dl + dc * dc + dh * dh + rotation * dc * dh)
 }
 
-/// The distance between two colours to those who see it least.
+/// The smallest distance between two colours over all kinds of vision.
 fn least_distance(one: [u8; 3], other: [u8; 3]) -> (f64, &'static str) {
     let distances = VISIONS.iter().map(|(name, matrix)| {
         (distance(lab(times(matrix, linear(one))), lab(times(matrix, linear(other)))), *name)
@@ -126,7 +126,7 @@ fn contrast(one: [u8; 3], other: [u8; 3]) -> f64 {
     (one.max(other) + 0.05) / (one.min(other) + 0.05)
 }
 
-/// Asserts that all of these can be told apart.
+/// Asserts that all colours can be distinguished.
 fn apart(colours: &[(String, [u8; 3])], least: f64) {
     for (index, (name, colour)) in colours.iter().enumerate() {
         for (other_name, other) in &colours[..index] {
@@ -193,7 +193,7 @@ fn cells_of_all_kinds_can_be_told_apart() {
 
 #[test]
 fn routes_can_be_told_apart_and_from_their_casing() {
-    let colours: Vec<&str> = ROUTES.into_iter().chain([NOBODY.0]).collect();
+    let colours: Vec<&str> = ROUTES.into_iter().chain([NO_BEHAVIOUR_STYLE.0]).collect();
     apart(&named(&colours), 12.0);
     for colour in colours {
         assert!(contrast(rgb(colour), rgb(PAPER)) >= 3.0, "{colour}");

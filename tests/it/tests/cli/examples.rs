@@ -48,7 +48,7 @@ fn help_shows_commands_that_work() {
     assert!(run_all(&run, &help, "  ") >= 12, "{help}");
     let help = run.done("convert --help");
     assert!(run_all(&run, &help, "  ") >= 3, "{help}");
-    for name in ["plans.bin", "plans.hex", "cost.npy", "field.png", "ways.png", "Iplan.dat"] {
+    for name in ["plans.bin", "plans.hex", "cost.npy", "field.png", "routes.png", "Iplan.dat"] {
         assert!(run.path(name).exists(), "{name}");
     }
 }

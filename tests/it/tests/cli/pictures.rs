@@ -79,7 +79,7 @@ fn names_that_the_font_lacks_are_warned_of_in_a_png_only() {
     run.done("build yard.ovl");
     let ended = run.run("render plans.bin --layer gate/physical -o plan.png", "");
     assert_eq!(ended.status, 0, "{}", ended.err);
-    assert!(ended.err.contains("the font of pictures lacks 北門"), "{}", ended.err);
+    assert!(ended.err.contains("the font has no 北門"), "{}", ended.err);
     let ended = run.run("render plans.bin --layer gate/physical -o plan.svg", "");
     assert_eq!((ended.status, ended.err.as_str()), (0, ""));
     assert!(texts(&run.path("plan.svg")).contains(&"北門".to_owned()));

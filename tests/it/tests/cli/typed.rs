@@ -215,7 +215,7 @@ fn a_blob_knows_how_it_was_built() {
     ] {
         run.done(&format!("build yard.ovl --goal a=3,3 {options}"));
         let proof = run.done("verify plans.bin --map yard.ovl");
-        assert!(proof.contains("obstacles as in the map"), "{options}: {proof}");
+        assert!(proof.contains("the obstacles match the map"), "{options}: {proof}");
         run.done("render plans.bin --layer a/physical --map yard.ovl -o field.svg");
         // What is given outranks it.
         let ended = run.run("verify plans.bin --map yard.ovl --robot-radius 1.5", "");

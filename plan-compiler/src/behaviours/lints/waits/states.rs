@@ -1,4 +1,4 @@
-//! All states that a plan can come to, by the robot's own crates.
+//! All states that a plan can reach, found with the robot's own crates.
 
 use super::Bound;
 use grammar::{Choice, Ended, Event, Forest, Id, Life};
@@ -7,28 +7,28 @@ use plan_format::limits::MAX_DEPTH;
 use plan_format::mission::{ActionKind, Condition, Mission, MissionDraft, Production, Symbol};
 use std::collections::HashMap;
 
-/// States of one plan that are looked through, at most.
+/// Most states of one plan that are explored.
 const MAX_STATES: usize = 3_000;
-/// What the robot may need on top for each end of an action, milliseconds: some ticks for taking
-/// its steps.
+/// Extra time for each end of an action, milliseconds: the robot needs some ticks for the plan
+/// steps.
 const EVENT_MS: u64 = 500;
 /// The only plan in the forest belongs to this behaviour.
 const OWNER: u8 = 0;
 
-/// The states of one plan in which actions run, and how it goes on from each.
+/// The states of one plan in which actions run, and the transitions from each.
 pub(super) struct States {
-    /// For each state the ways on.
-    ways: Vec<Vec<Way>>,
+    /// The transitions from each state.
+    transitions: Vec<Vec<Transition>>,
     is_complete: bool,
 }
 
-/// One action ends.
-struct Way {
-    /// How long that takes at most, milliseconds.
+/// The end of one action.
+struct Transition {
+    /// Longest time until the end, milliseconds.
     time_ms: u64,
-    /// The point that is reached, if no other action runs then.
+    /// The point that is reached, if no other action runs there.
     stop: Option<Stop>,
-    /// The states that may come next; without any the plan has ended.
+    /// The states that may come next; empty if the plan has ended.
     next: Vec<usize>,
 }
 
@@ -36,45 +36,45 @@ struct Way {
 pub(super) struct Stop {
     /// What is protected there.
     pub(super) held: Condition,
-    /// The work that interrupting there costs; `None` after a failure, where it is not known.
+    /// The work lost by an interruption there; `None` after a failure, when it is not known.
     pub(super) lost_work: Option<u16>,
-    /// The points that come next, with what they cost and protect.
+    /// The next points, each with its lost work and what it protects.
     pub(super) ahead: Vec<(u16, Condition)>,
 }
 
-/// A plan as it is.
+/// The state of one plan while it is carried out.
 #[derive(Clone, Default)]
-struct Plan {
+struct PlanState {
     forest: Forest,
-    grid: SituationGrid,
+    situation_grid: SituationGrid,
 }
 
 impl States {
-    /// Carries a frame out in every way.
+    /// Carries out a frame in every way.
     pub(super) fn explore(draft: &MissionDraft, frame: u16) -> Self {
-        let mut states = Self { ways: Vec::new(), is_complete: true };
+        let mut states = Self { transitions: Vec::new(), is_complete: true };
         let Ok(bytes) = draft.write() else { return Self { is_complete: false, ..states } };
         let Ok(mission) = Mission::parse(&bytes) else {
             return Self { is_complete: false, ..states };
         };
-        let mut plan = Plan::default();
+        let mut plan = PlanState::default();
         plan.change(&mission, |forest, tell| forest.plant(OWNER, frame, tell));
         let mut known = HashMap::new();
-        let mut waiting: Vec<(usize, Plan)> = Vec::new();
+        let mut waiting: Vec<(usize, PlanState)> = Vec::new();
         states.add(&mission, plan, &mut known, &mut waiting);
         while let Some((index, plan)) = waiting.pop() {
             let running = plan.running(&mission);
             let time_ms = running.iter().map(|&(_, time_ms)| time_ms).min().unwrap_or(0) + EVENT_MS;
-            let mut ways = Vec::new();
+            let mut transitions = Vec::new();
             for (id, _) in running {
                 for has_failed in [false, true] {
                     let mut after = plan.clone();
                     let stop = after.end(&mission, id, has_failed);
                     let next = states.add(&mission, after, &mut known, &mut waiting);
-                    ways.push(Way { time_ms, stop, next });
+                    transitions.push(Transition { time_ms, stop, next });
                 }
             }
-            states.ways[index] = ways;
+            states.transitions[index] = transitions;
             if !states.is_complete {
                 break;
             }
@@ -82,26 +82,26 @@ impl States {
         states
     }
 
-    /// The states in which actions run that a plan comes to at once; new ones are still to be
-    /// looked at.
+    /// The indices of the states with running actions that a plan reaches at once; adds new states
+    /// to `waiting`.
     fn add(
         &mut self,
         mission: &Mission<'_>,
-        plan: Plan,
+        plan: PlanState,
         known: &mut HashMap<String, usize>,
-        waiting: &mut Vec<(usize, Plan)>,
+        waiting: &mut Vec<(usize, PlanState)>,
     ) -> Vec<usize> {
         let mut next = Vec::new();
         for settled in plan.settle(mission, &mut self.is_complete) {
             let key = format!("{:?}", settled.forest);
             let index = *known.entry(key).or_insert_with(|| {
-                self.ways.push(Vec::new());
-                waiting.push((self.ways.len() - 1, settled));
-                self.ways.len() - 1
+                self.transitions.push(Vec::new());
+                waiting.push((self.transitions.len() - 1, settled));
+                self.transitions.len() - 1
             });
             next.push(index);
         }
-        self.is_complete &= self.ways.len() <= MAX_STATES;
+        self.is_complete &= self.transitions.len() <= MAX_STATES;
         next
     }
 
@@ -110,24 +110,24 @@ impl States {
         if !self.is_complete {
             return Bound::Unknown;
         }
-        // The longest way in a graph without circles: states are settled when all after them are.
-        let mut longest: Vec<Option<u64>> = vec![None; self.ways.len()];
-        let mut left = self.ways.len();
+        // The longest path in a graph without cycles: a state is known when all after it are.
+        let mut longest: Vec<Option<u64>> = vec![None; self.transitions.len()];
+        let mut left = self.transitions.len();
         while left > 0 {
             let before = left;
-            for (state, ways) in self.ways.iter().enumerate().rev() {
+            for (state, transitions) in self.transitions.iter().enumerate().rev() {
                 if longest[state].is_some() {
                     continue;
                 }
-                let time = |way: &Way| {
-                    if way.next.is_empty() || way.stop.as_ref().is_some_and(&is_free) {
-                        return Some(way.time_ms);
+                let time = |end: &Transition| {
+                    if end.next.is_empty() || end.stop.as_ref().is_some_and(&is_free) {
+                        return Some(end.time_ms);
                     }
                     let after =
-                        way.next.iter().try_fold(0, |most, &next| Some(longest[next]?.max(most)));
-                    after.map(|after: u64| after.saturating_add(way.time_ms))
+                        end.next.iter().try_fold(0, |most, &next| Some(longest[next]?.max(most)));
+                    after.map(|after: u64| after.saturating_add(end.time_ms))
                 };
-                let most = ways.iter().try_fold(0, |most, way| Some(time(way)?.max(most)));
+                let most = transitions.iter().try_fold(0, |most, end| Some(time(end)?.max(most)));
                 if most.is_some() {
                     longest[state] = most;
                     left -= 1;
@@ -141,17 +141,17 @@ impl States {
     }
 }
 
-impl Plan {
+impl PlanState {
     fn change<T>(
         &mut self,
         mission: &Mission<'_>,
         act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T,
     ) -> T {
-        let Self { forest, grid } = self;
-        act(forest, &mut |event| grid.apply(mission, &event))
+        let Self { forest, situation_grid } = self;
+        act(forest, &mut |event| situation_grid.apply(mission, &event))
     }
 
-    /// The actions that run, and how long each may, milliseconds.
+    /// The running actions, and the longest time of each, milliseconds.
     fn running(&self, mission: &Mission<'_>) -> Vec<(Id, u64)> {
         let running = self.forest.iter().filter_map(|(id, component)| match component.symbol {
             Symbol::Action(index) if component.life == Life::Started => {
@@ -172,7 +172,7 @@ impl Plan {
         running.collect()
     }
 
-    /// Ends an action. Returns the point that is reached then, unless another action still runs.
+    /// Ends an action. Returns the point that is then reached, unless another action still runs.
     fn end(&mut self, mission: &Mission<'_>, id: Id, has_failed: bool) -> Option<Stop> {
         let work = self.work_after(mission, id);
         if has_failed {
@@ -183,14 +183,18 @@ impl Plan {
         if !self.running(mission).is_empty() {
             return None;
         }
-        let held = self.grid.held(OWNER).fold(Condition::default(), |all, (_, held)| all.and(held));
+        let held = self
+            .situation_grid
+            .held(OWNER)
+            .fold(Condition::default(), |all, (_, held)| all.and(held));
         let mut ahead = Vec::new();
-        self.grid.points(mission, OWNER, &mut |point| ahead.push((point.lost_work, point.held)));
+        self.situation_grid
+            .points(mission, OWNER, &mut |point| ahead.push((point.lost_work, point.held)));
         Some(Stop { held, lost_work: work.filter(|_| !has_failed), ahead })
     }
 
-    /// What interrupting at the vertex costs that a component leads to; where it completes the frames
-    /// above it, the outermost vertex counts, as on the robot.
+    /// The work lost by an interruption at the vertex that a component leads to. If it completes
+    /// the frames above it, the outermost vertex counts, as on the robot.
     fn work_after(&self, mission: &Mission<'_>, id: Id) -> Option<u16> {
         let outermost = core::iter::successors(Some(id), |&id| self.forest.completes(mission, id));
         let last = outermost.take(MAX_DEPTH + 1).filter(|&id| self.parent(id).is_some()).last()?;
@@ -214,11 +218,11 @@ impl Plan {
         }
     }
 
-    /// Every state that it comes to by decomposing what is scheduled and starting actions, whatever
-    /// is applicable. A plan that has ended comes to none.
+    /// Every state that the plan reaches by decomposing scheduled frames and starting actions,
+    /// whatever is applicable. A plan that has ended reaches none.
     fn settle(self, mission: &Mission<'_>, is_complete: &mut bool) -> Vec<Self> {
-        /// Decompositions without an action in between are few; a mission that fails for ever in
-        /// no time is cut off here.
+        /// Decompositions without an action in between are few; the limit stops a mission that
+        /// fails endlessly without taking time.
         const MAX_TRIES: usize = 2_000;
         let (mut settled, mut open) = (Vec::new(), vec![self]);
         for _ in 0..MAX_TRIES {
@@ -261,7 +265,7 @@ impl Plan {
             }
         }
         let mut plan = self.clone();
-        // What has no table is always applicable.
+        // A production without rules is always applicable.
         let none = &mut |_, production: &Production| production.rules.map_or(1.0, |_| -1.0);
         match decompose(&mut plan, none) {
             (id, Choice::LoopEnded) => plan.complete(mission, id),
