@@ -24,7 +24,7 @@ pub struct Stack {
 
 impl Stack {
     /// Puts a layer on top; `added` are the cells that it blocks besides those below it.
-    pub fn push(&mut self, name: &str, added: Bitmap) {
+    pub fn add(&mut self, name: &str, added: Bitmap) {
         let terrain = match self.layers.last() {
             Some(below) => below.terrain.with(&added),
             None => Terrain::new(added),
@@ -48,7 +48,7 @@ mod tests {
         let cell = |column| Bitmap::from_fn(4, 1, |at| at.column == column);
         let mut stack = Stack::default();
         for (name, column) in [("physical", 0), ("comms", 2), ("night", 2)] {
-            stack.push(name, cell(column));
+            stack.add(name, cell(column));
         }
         let blocked: Vec<Vec<u32>> = stack
             .layers()

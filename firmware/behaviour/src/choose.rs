@@ -21,7 +21,7 @@ impl Effects {
         let all = frames
             .into_iter()
             .flatten()
-            .filter_map(|index| mission.frames().get(usize::from(index)));
+            .filter_map(|index| mission.plan_frames().get(usize::from(index)));
         all.fold(Self { may_add: 0, may_delete: 0 }, |effects, frame| Self {
             may_add: effects.may_add | frame.may_add,
             may_delete: effects.may_delete | frame.may_delete,

@@ -49,7 +49,7 @@
 //!   station 0.9, at the far one 0.4.
 //! - **approach**: how an intent is carried out: by the advice of a plan or straight to a point.
 //!   Example: straight to (25.5, 15.5).
-//! - **aspect of interest** (input): a measured value that rules judge, mapped to 0 ..= 1.
+//! - **aspect of interest**: an input: a measured value that rules judge, mapped to 0 ..= 1.
 //!   Example: a fuel level of 12 of 40 litres is 0.3.
 //! - **atomic action**: a step that the robot carries out itself. Example: set output 3.
 //! - **behaviour**: a task with a plan and a criticality. Example: plough the field.

@@ -316,7 +316,7 @@ impl Forest {
     fn waiting_frame(&self, mission: &Mission<'_>, id: Id) -> Option<PlanFrame> {
         let component = self.get(id).filter(|component| component.life == Life::Scheduled)?;
         let Symbol::PlanFrame(index) = component.symbol else { return None };
-        mission.frames().get(usize::from(index))
+        mission.plan_frames().get(usize::from(index))
     }
 
     /// Tail recursion: if a frame is the last component that an equal frame above it waits for, the

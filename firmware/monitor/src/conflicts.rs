@@ -1,7 +1,7 @@
 //! Conflicts: what is violated now, and what may be violated later.
 
-use crate::grid::SituationGrid;
 use crate::relation::{Node, Relation};
+use crate::situation_grid::SituationGrid;
 use parts::{Component, Id, Life, Owner};
 use plan_format::mission::{Condition, Description, Facts, Mission, Symbol};
 
@@ -69,7 +69,7 @@ pub enum Doubt {
 fn effects(mission: &Mission<'_>, symbol: Symbol) -> (Facts, Facts) {
     match symbol {
         Symbol::PlanFrame(index) => mission
-            .frames()
+            .plan_frames()
             .get(usize::from(index))
             .map_or((0, 0), |frame| (frame.may_add, frame.may_delete)),
         Symbol::Action(_) => mission
@@ -162,7 +162,7 @@ impl SituationGrid {
     ) {
         let Some(entry) = self.get(id).filter(|entry| entry.production.is_none()) else { return };
         let Symbol::PlanFrame(index) = entry.symbol else { return };
-        let Some(frame) = mission.frames().get(usize::from(index)) else { return };
+        let Some(frame) = mission.plan_frames().get(usize::from(index)) else { return };
         let held = self.held(entry.owner).fold(foreign, |all, (_, held)| all.and(held));
         let numbers = (frame.first..).zip(0..frame.count);
         for production in numbers.map(|(production, _)| production) {

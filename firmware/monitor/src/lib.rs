@@ -65,15 +65,15 @@
 #![no_std]
 
 mod conflicts;
-mod grid;
 mod points;
 mod relation;
+mod situation_grid;
 
 pub use conflicts::{Doubt, Signal, Violation};
-pub use grid::SituationGrid;
 pub use parts::{Component, Id, Life, Owner};
 pub use points::Point;
 pub use relation::{Node, Relation};
+pub use situation_grid::SituationGrid;
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! Where a behaviour can be interrupted: the vertices ahead, and what is protected there.
 
-use crate::grid::{SituationGrid, ahead};
 use crate::relation::leads;
+use crate::situation_grid::{SituationGrid, ahead};
 use parts::bits::bit;
 use parts::{Component, Id, Life, Owner};
 use plan_format::mission::{Condition, Mission, Production};

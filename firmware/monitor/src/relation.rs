@@ -1,6 +1,6 @@
 //! The relation between two components.
 
-use crate::grid::SituationGrid;
+use crate::situation_grid::SituationGrid;
 use parts::Id;
 use parts::bits::bit;
 use plan_format::mission::{Mission, Production};

@@ -76,7 +76,7 @@ fn in_round(group: &str, round: u32) -> String {
     format!("{group} round {round}")
 }
 
-/// Number of rounds, each of which measures everything.
+/// Number of rounds. Each round measures everything.
 fn rounds() -> u32 {
     std::env::var("ROUNDS").map_or(2, |chosen| chosen.parse().expect("ROUNDS is a number"))
 }

@@ -27,7 +27,7 @@ pub(crate) fn picture(character: char) -> Option<char> {
     match character {
         '\0'..='\u{1f}' => char::from_u32(0x2400 + u32::from(character)),
         '\u{7f}' => Some('\u{2421}'),
-        // C1 controls, some of which are escape sequences in one character.
+        // C1 controls; some are escape sequences in one character.
         '\u{80}'..='\u{9f}' => Some(UNSHOWN),
         // Bidirectional marks, embeddings, overrides and isolates.
         '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {

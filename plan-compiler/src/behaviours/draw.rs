@@ -31,7 +31,7 @@ impl<'d> Drawn<'d> {
     fn symbol(&self, symbol: Symbol) -> &'d str {
         let name = match symbol {
             Symbol::PlanFrame(index) => {
-                self.mission.frames().get(usize::from(index)).map(|frame| frame.name)
+                self.mission.plan_frames().get(usize::from(index)).map(|frame| frame.name)
             }
             Symbol::Action(index) => {
                 self.mission.actions().get(usize::from(index)).map(|action| action.name)

@@ -20,7 +20,7 @@ pub struct Syntax {
     /// Atomic actions.
     pub actions: Vec<Action>,
     /// Plan frames.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<PlanFrame>,
     /// Behaviours.
     pub behaviours: Vec<Behaviour>,
     /// Names of definitions that could not be understood; references to them are not reported.
@@ -164,7 +164,7 @@ pub enum Doing {
 
 /// A plan frame.
 #[derive(Clone, Debug)]
-pub struct Frame {
+pub struct PlanFrame {
     /// Its name.
     pub name: Text,
     /// Its conditions, effects and limits.

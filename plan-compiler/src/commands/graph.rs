@@ -45,7 +45,7 @@ fn drawn(
     drawn: &Drawn<'_>,
     draw: fn(&Drawn<'_>) -> Result<Vec<u8>, String>,
 ) -> Result<Vec<u8>, Failure> {
-    if drawn.mission.frames().is_empty() {
+    if drawn.mission.plan_frames().is_empty() {
         let message = format!("{} has no behaviours", args.input.display());
         let help = "define behaviours in a mission file, as BEHAVIOURS.md describes";
         return Err(Problem::error(message).help(help).into());

@@ -37,7 +37,7 @@ pub(super) fn stack(
         for mask in &added.masks {
             keep_out(&mask.cells, grid, robot_radius_m, &mut blocked);
         }
-        stack.push(name, blocked);
+        stack.add(name, blocked);
     }
     problems.extend(input.mission.masks.iter().filter_map(|mask| beside(mask, grid)));
     Some(stack)

@@ -267,9 +267,9 @@ fn own_layers(
         let error = |message: String, help: String| {
             with_place(Problem::error(message), Some(&layer.place), "asked for here").help(help)
         };
-        match layers.iter().position(|layer| layer.name == layer.name) {
+        match layers.iter().position(|known| known.name == layer.name) {
             None => {
-                let names = layers.iter().map(|layer| layer.name.as_str()).collect::<Vec<_>>();
+                let names = layers.iter().map(|known| known.name.as_str()).collect::<Vec<_>>();
                 let message = format!("there is no layer `{}`", layer.name);
                 problems.push(error(message, format!("the layers are: {}", names.join(", "))));
             }

@@ -53,7 +53,7 @@ pub(super) fn settle(report: &mut Report<'_>, root: &dyn TableLike, parameters: 
         ],
     ] {
         if lower.1 > upper.1 && upper.1 > 0.0 {
-            let [low, high] = [lower, upper].map(|(name, speed, at)| said(name, speed, at));
+            let [low, high] = [lower, upper].map(|(name, speed, at)| with_origin(name, speed, at));
             let message = format!("{low} is above {high}");
             let help = format!("`{}` may be at most `{}`", lower.0, upper.0);
             error(message, lower.2.clone().or_else(|| upper.2.clone()), help);
@@ -63,7 +63,7 @@ pub(super) fn settle(report: &mut Report<'_>, root: &dyn TableLike, parameters: 
 }
 
 /// A speed and whether it is a default.
-fn said(name: &str, speed: f32, at: &Option<Range<usize>>) -> String {
+fn with_origin(name: &str, speed: f32, at: &Option<Range<usize>>) -> String {
     let whose = if at.is_some() { "" } else { ", the default" };
     format!("`vehicle.{name}` ({speed} m/s{whose})")
 }

@@ -48,7 +48,7 @@ const WIDTHS: u32 = 16;
 
 /// Where a legend goes.
 #[derive(Clone)]
-enum Place {
+enum Placement {
     Nowhere,
     Beside(Flow),
     Below(Flow),
@@ -67,7 +67,7 @@ struct Around {
 /// One arrangement.
 struct Trial {
     across: usize,
-    place: Place,
+    place: Placement,
     map: [u32; 2],
     panel: [f64; 2],
     size: [f64; 2],
@@ -83,7 +83,7 @@ impl Sheet {
         trials.retain(|trial| side(trial) <= around.size.max(smallest));
         let long = |trial: &Trial| f64::from(trial.map[0].max(trial.map[1]));
         let has_room = |trial: &&Trial| {
-            !matches!(trial.place, Place::Nowhere) && long(trial) >= MIN_MAP_PART * around.size
+            !matches!(trial.place, Placement::Nowhere) && long(trial) >= MIN_MAP_PART * around.size
         };
         // The largest maps, preferably side by side; among equals the smallest picture.
         let worth = |trial: &&Trial| {
@@ -96,11 +96,11 @@ impl Sheet {
             let (a, b) = (worth(a), worth(b));
             a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
         };
-        // A small map in a small picture is no reason to leave the legend out.
-        let bare = trials.iter().filter(|trial| matches!(trial.place, Place::Nowhere));
+        // A map that is small anyway keeps its legend.
+        let bare = trials.iter().filter(|trial| matches!(trial.place, Placement::Nowhere));
         let bare = bare.max_by(largest);
         let fits = |trial: &&Trial| has_room(trial) || bare.is_some_and(|b| trial.map == b.map);
-        let legible = trials.iter().filter(|trial| !matches!(trial.place, Place::Nowhere));
+        let legible = trials.iter().filter(|trial| !matches!(trial.place, Placement::Nowhere));
         let best = legible.filter(fits).max_by(largest).or(bare).unwrap_or(&trials[0]);
         around.finish(contents, best)
     }
@@ -130,15 +130,15 @@ impl Around {
     /// All arrangements to try; the first has no legend.
     fn trials(&self, contents: &Contents<'_>) -> Vec<Trial> {
         let room = self.size - 2.0 * self.measure.margin();
-        let mut places = vec![Place::Nowhere];
+        let mut places = vec![Placement::Nowhere];
         let flow = |width| Flow::new(contents.legend, width, self.measure);
         if !contents.legend.is_empty() {
             let widths: Vec<f64> =
                 (3..=WIDTHS).map(|part| room * f64::from(part) / f64::from(WIDTHS)).collect();
             let flows: Vec<Flow> = widths.into_iter().map(flow).collect();
             let fits = |flow: &&Flow| flow.size[0] <= room && flow.size[1] <= room;
-            places.extend(flows.iter().filter(fits).cloned().map(Place::Beside));
-            places.extend(flows.iter().filter(fits).cloned().map(Place::Below));
+            places.extend(flows.iter().filter(fits).cloned().map(Placement::Beside));
+            places.extend(flows.iter().filter(fits).cloned().map(Placement::Below));
         }
         let across = 1..=contents.panels.max(1);
         let arrangements =
@@ -147,13 +147,13 @@ impl Around {
     }
 
     /// The largest maps with `across` panels in a row and the legend in a place.
-    fn trial(&self, contents: &Contents<'_>, across: usize, place: &Place) -> Trial {
+    fn trial(&self, contents: &Contents<'_>, across: usize, place: &Placement) -> Trial {
         let (margin, [left, top, right, bottom]) = (self.measure.margin(), self.frame);
         let down = contents.panels.div_ceil(across).max(1);
         let legend = match place {
-            Place::Nowhere => [0.0, 0.0],
-            Place::Beside(flow) => [flow.size[0] + margin, 0.0],
-            Place::Below(flow) => [0.0, flow.size[1] + margin],
+            Placement::Nowhere => [0.0, 0.0],
+            Placement::Beside(flow) => [flow.size[0] + margin, 0.0],
+            Placement::Below(flow) => [0.0, flow.size[1] + margin],
         };
         let room = |axis: usize, panels: usize, frame: f64| {
             let gaps = margin * (panels + 1) as f64;
@@ -169,9 +169,9 @@ impl Around {
         };
         let (mut width, mut height) = (sum(0, across), sum(1, down));
         match place {
-            Place::Nowhere => {}
-            Place::Beside(flow) => height = height.max(flow.size[1] + 2.0 * margin),
-            Place::Below(flow) => width = width.max(flow.size[0] + 2.0 * margin),
+            Placement::Nowhere => {}
+            Placement::Beside(flow) => height = height.max(flow.size[1] + 2.0 * margin),
+            Placement::Below(flow) => width = width.max(flow.size[0] + 2.0 * margin),
         }
         Trial {
             across,
@@ -207,11 +207,11 @@ impl Around {
         });
         let down = contents.panels.div_ceil(trial.across).max(1) as f64;
         let corner = match &trial.place {
-            Place::Nowhere => None,
-            Place::Beside(flow) => {
+            Placement::Nowhere => None,
+            Placement::Beside(flow) => {
                 Some(([trial.size[0] - margin - flow.size[0], margin + top], flow))
             }
-            Place::Below(flow) => {
+            Placement::Below(flow) => {
                 Some(([margin, 2.0 * margin + down * (trial.panel[1] + margin) - margin], flow))
             }
         };

@@ -67,7 +67,7 @@ impl<R: Rows> pulp::WithSimd for Advise<'_, R> {
         let mut near = Near::new(columns);
         let (mut read, mut found) = ([0; SIDE], [0; SIDE]);
         for row in 0..=rows {
-            near.go_north();
+            near.advance_row();
             if row < rows {
                 let cost = &mut field.cost[row * columns..];
                 for word in 0..words {
@@ -98,7 +98,7 @@ const NOWHERE: u16 = 1 << 15;
 /// The bits of a cost that are compared.
 const KEPT: u16 = NOWHERE - 1;
 
-const _: () = assert!(2 * DIAGONAL_STEP < KEPT as u32, "steps are told apart");
+const _: () = assert!(2 * DIAGONAL_STEP < KEPT as u32, "costs one step apart stay distinct");
 
 /// The shortened costs of a word's columns and of one column beyond either end.
 type Line = [u16; SIDE + 2];
@@ -117,7 +117,7 @@ impl Near {
 
     /// Advances to the next row; then the costs of the row north of it must be set.
     #[inline(always)]
-    pub(crate) fn go_north(&mut self) {
+    pub(crate) fn advance_row(&mut self) {
         let [south, here, north] = &mut self.lines;
         std::mem::swap(south, here);
         std::mem::swap(here, north);

@@ -62,7 +62,7 @@ impl pulp::WithSimd for Escape<'_> {
         let mut near = Near::new(columns);
         let (mut read, mut moves) = ([0; SIDE], [0; SIDE]);
         for row in 0..=rows {
-            near.go_north();
+            near.advance_row();
             if row < rows {
                 for word in 0..columns.div_ceil(SIDE) {
                     costs.read(row, word, &mut read);

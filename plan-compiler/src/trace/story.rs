@@ -112,7 +112,7 @@ pub fn decided(mission: &Mission<'_>, decision: &Decision) -> String {
                 Choice::TooDeep => "it is nested too deeply",
                 _ => "no untried production is applicable",
             };
-            let record = mission.frames().get(frame.into());
+            let record = mission.plan_frames().get(frame.into());
             let name = record.map_or("?", |record| mission.name(record.name));
             format!("frame {frame} `{name}` fails: {why}")
         }

@@ -284,7 +284,7 @@ fn blobs_that_are_refused() {
     let blob = |name: &str, bytes: &[u8], arguments: &str| {
         check(name, &[("plans.bin", bytes)], arguments, "");
     };
-    blob("blob_rubbish", b"this is no blob, however long it may be made", "inspect plans.bin");
+    blob("blob_rubbish", b"this is not a blob, however long it may be made", "inspect plans.bin");
     blob("blob_truncated", &good[..good.len() - 1], "inspect plans.bin --json");
     blob("blob_flipped", &flipped, "verify plans.bin");
     blob("blob_empty", b"", "query plans.bin --layer a/b --at 1,1");

@@ -107,7 +107,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
 ];
 
 /// Folders whose code may be `unsafe`: the shell, the boards and the QEMU guest.
-const MAY_BE_UNSAFE: &[&str] = &["firmware/runtime", "boards", "qemu/guest"];
+const MAY_BE_UNSAFE: &[&str] = &["firmware/runtime", "qemu/guest"];
 
 /// Files and folders at the root, besides dot files and build output.
 const AT_ROOT: &[&str] = &[
@@ -317,7 +317,7 @@ fn read_manifest(path: &Path) -> toml_edit::Document<String> {
     text.parse().expect("a manifest is TOML")
 }
 
-/// The name by which other manifests use the package: without the prefix that it is published by.
+/// The package's name in other manifests: without the prefix of published packages.
 fn crate_name(manifest: &toml_edit::Document<String>) -> String {
     let package = manifest["package"]["name"].as_str().expect("a package has a name");
     package.strip_prefix("wayfield-").unwrap_or(package).to_owned()

@@ -73,7 +73,7 @@ fn copied(mission: &Mission<'_>) -> MissionDraft {
     draft.facts = mission.facts().iter().map(|fact| Fact { name, ..fact }).collect();
     draft.descriptions = mission.descriptions().iter().collect();
     draft.actions = mission.actions().iter().map(|action| Action { name, ..action }).collect();
-    draft.frames = mission.frames().iter().map(|frame| PlanFrame { name, ..frame }).collect();
+    draft.frames = mission.plan_frames().iter().map(|frame| PlanFrame { name, ..frame }).collect();
     draft.productions =
         mission.productions().iter().map(|production| Production { name, ..production }).collect();
     draft.edges = mission.edges().iter().collect();

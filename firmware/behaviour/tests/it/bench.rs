@@ -189,7 +189,7 @@ impl<'a> Robot<'a> {
                 format!("{} overruled by {}", name(behaviour), name(by))
             }
             Decision::NotDecomposed { frame, why } => {
-                let record = self.mission.frames().get(usize::from(frame)).expect("a frame");
+                let record = self.mission.plan_frames().get(usize::from(frame)).expect("a frame");
                 format!("{} {why:?}", self.mission.name(record.name))
             }
             Decision::Failed { behaviour } => format!("{} failed", name(behaviour)),

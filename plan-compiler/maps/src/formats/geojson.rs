@@ -3,7 +3,7 @@
 //! Source: RFC 7946; RFC 8142 and newline-delimited GeoJSON for sequences of features.
 //! Coordinates are WGS-84, longitude before latitude; an altitude after them is ignored.
 //! Properties have the meaning of OpenStreetMap's tags, see `tags`. In addition a point may have a
-//! `radius` in metres, and a point with a `name` is a goal unless its property `goal` is no. The
+//! `radius` in metres, and a point with a `name` is a goal unless it has `goal=no`. The
 //! collection's member `origin`, a position, gives the place of 0,0.
 //!
 //! The raw text of each part is kept (`RawValue`), so that every mistake can be located.
@@ -205,7 +205,7 @@ impl<'a> Reader<'a> {
             _ => (
                 "the file holds no features",
                 "neither a Feature nor a FeatureCollection with features",
-                "wrap geometries in features: their properties say what they are",
+                "wrap geometries in features: their properties give their meaning",
             ),
         };
         self.error(message, self.first_line(text), label, help);

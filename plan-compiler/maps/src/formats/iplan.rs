@@ -60,13 +60,13 @@ pub fn read(source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
 
 /// The grid that all maps of a file share.
 #[derive(Clone, Copy, PartialEq)]
-struct Frame {
+struct Dimensions {
     columns: u32,
     rows: u32,
     resolution_m: f64,
 }
 
-impl Frame {
+impl Dimensions {
     fn cells(&self) -> usize {
         self.columns as usize * self.rows as usize
     }
@@ -82,7 +82,7 @@ impl Frame {
 
 /// The first map of a file; the others must agree with it.
 struct First {
-    frame: Frame,
+    dimensions: Dimensions,
     /// Whether each value is an obstacle, in the order of the file.
     blocked: Vec<bool>,
 }
@@ -204,15 +204,15 @@ impl<'a> Reader<'a> {
         let count_line = self.field("the number of elements");
         let points = self.maps(count_line);
         let first = self.first.take()?;
-        let frame = first.frame;
-        let occupied = Bitmap::from_fn(frame.columns, frame.rows, |cell| {
-            let index = cell.column as usize * frame.rows as usize + cell.row as usize;
+        let dimensions = first.dimensions;
+        let occupied = Bitmap::from_fn(dimensions.columns, dimensions.rows, |cell| {
+            let index = cell.column as usize * dimensions.rows as usize + cell.row as usize;
             first.blocked.get(index).copied().unwrap_or_default()
         });
         let map = Map::of_cells(CellMap {
-            resolution_m: frame.resolution_m,
-            corner: [-frame.resolution_m / 2.0; 2],
-            unknown: Bitmap::new(frame.columns, frame.rows),
+            resolution_m: dimensions.resolution_m,
+            corner: [-dimensions.resolution_m / 2.0; 2],
+            unknown: Bitmap::new(dimensions.columns, dimensions.rows),
             occupied,
             unknown_as: Unknown::default(),
             turned_from: None,
@@ -307,9 +307,9 @@ impl<'a> Reader<'a> {
             let help = "a map begins with its name, two sizes, resolution and the goal's x and y";
             self.error("#Data is missing", at, "expected here", help);
         }
-        let frame = match (columns, rows, resolution) {
+        let dimensions = match (columns, rows, resolution) {
             (Some(columns), Some(rows), Some(resolution_m)) => {
-                Some(Frame { columns, rows, resolution_m })
+                Some(Dimensions { columns, rows, resolution_m })
             }
             _ => None,
         };
@@ -317,15 +317,22 @@ impl<'a> Reader<'a> {
             [Some(x), Some(y)] => Some([x, y]),
             _ => None,
         };
-        self.values(frame, goal, &span);
+        self.values(dimensions, goal, &span);
         goal.map(|at| NamedPoint { name: String::new(), at, span })
     }
 
     /// Reads the values of the map that is named at `span`.
-    fn values(&mut self, frame: Option<Frame>, goal: Option<[f64; 2]>, span: &Range<usize>) {
+    fn values(
+        &mut self,
+        dimensions: Option<Dimensions>,
+        goal: Option<[f64; 2]>,
+        span: &Range<usize>,
+    ) {
         let name = self.text(span);
-        let alike = self.first.as_ref().zip(frame).is_some_and(|(first, own)| first.frame == own);
-        let goal_index = frame.zip(goal).and_then(|(frame, goal)| frame.index_at(goal));
+        let alike =
+            self.first.as_ref().zip(dimensions).is_some_and(|(first, own)| first.dimensions == own);
+        let goal_index =
+            dimensions.zip(goal).and_then(|(dimensions, goal)| dimensions.index_at(goal));
         let mut blocked = Vec::new();
         let (mut wrong, mut differing) = (0_usize, 0_usize);
         let mut first_differing = None;
@@ -374,27 +381,30 @@ impl<'a> Reader<'a> {
                 self.error(message, last.clone(), "its last line", help);
             }
         }
-        let Some(frame) = frame else { return };
-        if blocked.len() != frame.cells() {
-            let (count, cells) = (blocked.len(), frame.cells());
+        let Some(dimensions) = dimensions else { return };
+        if blocked.len() != dimensions.cells() {
+            let (count, cells) = (blocked.len(), dimensions.cells());
             let message = format!("map `{name}` has {count} values, but its sizes make {cells}");
             self.error(message, last, "its last line", "correct the sizes, or the values");
             return;
         }
         let Some(first) = &self.first else {
-            self.first = Some(First { frame, blocked });
+            self.first = Some(First { dimensions, blocked });
             return;
         };
-        let describe = |frame: Frame| {
-            format!("{} x {} cells of {} m", frame.columns, frame.rows, frame.resolution_m)
+        let describe = |dimensions: Dimensions| {
+            format!(
+                "{} x {} cells of {} m",
+                dimensions.columns, dimensions.rows, dimensions.resolution_m
+            )
         };
         let help = "plan for all goals on one grid, or split the file: a blob has one grid";
-        if first.frame != frame {
-            let (own, other) = (describe(frame), describe(first.frame));
+        if first.dimensions != dimensions {
+            let (own, other) = (describe(dimensions), describe(first.dimensions));
             let message = format!("map `{name}` has {own}, but the first map {other}");
             self.error(message, span.clone(), "this map", help);
         } else if let Some(line) = first_differing {
-            let cells = frame.cells();
+            let cells = dimensions.cells();
             let message = format!(
                 "map `{name}` and the first map differ in their obstacles: {differing} of {cells} cells"
             );

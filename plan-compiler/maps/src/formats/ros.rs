@@ -10,7 +10,7 @@
 //! compares it with the same thresholds.
 //!
 //! The image's last row is the southernmost. `origin` is the south-west corner of its south-west
-//! pixel, and the angle by which the image is rotated about that corner.
+//! pixel, and the image's angle of rotation about that corner.
 //! Deliberately absent: keep-out masks, which are separate maps that a mission names.
 
 mod image;

@@ -117,8 +117,8 @@ mod tests {
 
     #[test]
     fn places_project_to_published_coordinates() {
-        // On a central meridian the northing is 0.9996 of the meridian arc, of which a quarter
-        // is 10,001,965.7293 m; the first place is the example of GeographicLib's GeoConvert.
+        // On a central meridian the northing is 0.9996 of the meridian arc; a quarter of that
+        // arc is 10,001,965.7293 m. The first place is the example of GeographicLib's GeoConvert.
         for (zone, lat, lon, east, north, tolerance) in [
             (38, 33.3, 44.4, 444_140.54, 3_684_706.36, 0.006),
             (31, 0.0, 3.0, 500_000.0, 0.0, 1e-6),

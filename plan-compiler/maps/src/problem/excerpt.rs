@@ -1,6 +1,6 @@
 //! The lines around a mistake, as miette draws them.
 //!
-//! Offsets come from many parsers, some of which count characters, and files may have any size. So
+//! Offsets come from many parsers, and some count characters. Files may have any size. So
 //! every offset moves to the nearest character boundary, long lines are cut, and the rest is copied
 //! with control characters replaced. Nothing here fails.
 

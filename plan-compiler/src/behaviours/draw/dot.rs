@@ -28,7 +28,7 @@ pub fn dot(drawn: &Drawn<'_>) -> String {
         let label = quoted(&lines.join("\n"), "\\l");
         let _ = writeln!(out, "  i{index} [shape=note, label={label}];");
     }
-    for (index, frame) in mission.frames().iter().enumerate() {
+    for (index, frame) in mission.plan_frames().iter().enumerate() {
         let _ = writeln!(out, "  subgraph cluster_f{index} {{");
         let _ = writeln!(out, "    label={};", quoted(&drawn.frame_title(&frame), "\\n"));
         for (number, production) in mission.productions_of(&frame).enumerate() {
@@ -51,7 +51,7 @@ pub fn dot(drawn: &Drawn<'_>) -> String {
         ];
         for (root, what) in roots {
             let Some(root) = root else { continue };
-            let Some(frame) = mission.frames().get(usize::from(root)) else { continue };
+            let Some(frame) = mission.plan_frames().get(usize::from(root)) else { continue };
             let _ = writeln!(
                 out,
                 "  b{index} -> p{}_0 [lhead=cluster_f{root}, style=dotted, label={}];",

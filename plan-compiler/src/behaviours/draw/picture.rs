@@ -44,7 +44,7 @@ pub fn picture(drawn: &Drawn<'_>) -> String {
             panel.table(&drawn.rows(rules));
         });
     }
-    for frame in mission.frames().iter() {
+    for frame in mission.plan_frames().iter() {
         page.panel(|panel| {
             panel.heading(&drawn.frame_title(&frame));
             for production in mission.productions_of(&frame) {

@@ -3,7 +3,7 @@
 use super::inputs::pair;
 use super::{MAX_TIME_S, literals, milliseconds, name, rules};
 use crate::behaviours::graph_text;
-use crate::behaviours::syntax::{Action, Description, Doing, Frame, Production};
+use crate::behaviours::syntax::{Action, Description, Doing, PlanFrame, Production};
 use crate::behaviours::{DEFAULT_THRESHOLD, DEFAULT_TIMEOUT_S};
 use crate::toml::{Fields, Report, Spanned, Text, key_span, part_of};
 use maps::names::nearest;
@@ -140,7 +140,7 @@ const FRAME: &[&str] = &[
 ];
 const FRAME_EXAMPLE: &str = "productions = [\"entry -> a -> b -> exit\"]";
 
-pub(super) fn frame(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Frame> {
+pub(super) fn frame(report: &mut Report<'_>, name: Text, item: &Item) -> Option<PlanFrame> {
     let path = format!("frames.{}", name.as_str());
     let example = format!("{{ {FRAME_EXAMPLE} }}");
     let fields = Fields::open(report, path, item, name.span.clone(), FRAME, &example)?;
@@ -169,7 +169,7 @@ pub(super) fn frame(report: &mut Report<'_>, name: Text, item: &Item) -> Option<
         );
     }
     // A frame that lacks a production would cause misleading lints.
-    (is_whole && !productions.is_empty()).then_some(Frame {
+    (is_whole && !productions.is_empty()).then_some(PlanFrame {
         name,
         description,
         threshold,

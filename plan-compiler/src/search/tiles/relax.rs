@@ -29,8 +29,8 @@ use crate::search::open::{Open, SIDE, TileOpen};
 use plan_format::grid::{DIAGONAL_STEP as DIAGONAL, STRAIGHT_STEP as STRAIGHT};
 use pulp::Simd;
 
-/// Cells between one row of a tile and the next, of which the first is the halo east of the one
-/// and the last the halo west of the other. A cache line, so that rows are aligned.
+/// Cells between one row of a tile and the next: one cache line, so that rows are aligned. The first
+/// is the halo east of the one row, the last the halo west of the other.
 pub(super) const GAP: usize = 16;
 
 /// From one row of a tile to the next.

@@ -114,7 +114,7 @@ fn tables(mission: &Mission<'_>) -> Checked {
     sound(mission.facts(), limits::MAX_FACTS)?;
     sound(mission.descriptions(), limits::MAX_DESCRIPTIONS)?;
     sound(mission.actions(), limits::MAX_ACTIONS)?;
-    sound(mission.frames(), limits::MAX_FRAMES)?;
+    sound(mission.plan_frames(), limits::MAX_FRAMES)?;
     sound(mission.productions(), limits::MAX_PRODUCTIONS)?;
     sound(mission.edges(), limits::MAX_EDGES)?;
     sound(mission.intervals(), limits::MAX_INTERVALS)?;
@@ -128,7 +128,7 @@ fn names(mission: &Mission<'_>) -> Checked {
         .map(|input| input.name)
         .chain(mission.facts().iter().map(|fact| fact.name))
         .chain(mission.actions().iter().map(|action| action.name))
-        .chain(mission.frames().iter().map(|frame| frame.name))
+        .chain(mission.plan_frames().iter().map(|frame| frame.name))
         .chain(mission.productions().iter().map(|production| production.name))
         .chain(mission.behaviours().iter().map(|behaviour| behaviour.name));
     for name in all {
@@ -213,8 +213,8 @@ fn components(mission: &Mission<'_>) -> Checked {
             ActionKind::Hold { .. } | ActionKind::Wander { .. } | ActionKind::Signal { .. } => {}
         }
     }
-    referred(mission.frames().iter().map(|frame| frame.count), limits::MAX_PRODUCTIONS)?;
-    for frame in mission.frames().iter() {
+    referred(mission.plan_frames().iter().map(|frame| frame.count), limits::MAX_PRODUCTIONS)?;
+    for frame in mission.plan_frames().iter() {
         exists(mission.descriptions(), frame.description)?;
         require(frame.count > 0, MissionError::Reference)?;
         require(usize::from(frame.count) <= limits::MAX_ALTERNATIVES, MissionError::TooLarge)?;
@@ -252,7 +252,7 @@ fn graph(mission: &Mission<'_>, production: &Production) -> Checked {
         entered |= 1 << to;
         left |= 1 << from;
         match symbol {
-            Symbol::PlanFrame(index) => exists(mission.frames(), index)?,
+            Symbol::PlanFrame(index) => exists(mission.plan_frames(), index)?,
             Symbol::Action(index) => exists(mission.actions(), index)?,
         }
     }
@@ -268,7 +268,7 @@ fn behaviours(mission: &Mission<'_>) -> Checked {
     for behaviour in mission.behaviours().iter() {
         let frames = [Some(behaviour.root), behaviour.start_up, behaviour.shut_down];
         for frame in frames.into_iter().flatten() {
-            exists(mission.frames(), frame)?;
+            exists(mission.plan_frames(), frame)?;
         }
         exists(mission.rule_bases(), behaviour.rules)?;
         let unit = 0.0..=1.0;

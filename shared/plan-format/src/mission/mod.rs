@@ -101,7 +101,7 @@ impl<'a> Mission<'a> {
     }
 
     /// Plan frames.
-    pub fn frames(&self) -> Table<'a, PlanFrame> {
+    pub fn plan_frames(&self) -> Table<'a, PlanFrame> {
         Table::new(self.0.frames)
     }
 
@@ -157,7 +157,7 @@ impl<'a> Mission<'a> {
     #[inline]
     pub fn description(&self, symbol: Symbol) -> Option<Description> {
         let index = match symbol {
-            Symbol::PlanFrame(index) => self.frames().get(usize::from(index))?.description,
+            Symbol::PlanFrame(index) => self.plan_frames().get(usize::from(index))?.description,
             Symbol::Action(index) => self.actions().get(usize::from(index))?.description,
         };
         self.descriptions().get(usize::from(index))
@@ -268,12 +268,12 @@ mod tests {
         assert!(mission.facts().iter().eq(draft.facts));
         assert!(mission.descriptions().iter().eq(draft.descriptions));
         assert!(mission.actions().iter().eq(draft.actions));
-        assert!(mission.frames().iter().eq(draft.frames));
+        assert!(mission.plan_frames().iter().eq(draft.frames));
         assert!(mission.productions().iter().eq(draft.productions));
         assert!(mission.edges().iter().eq(draft.edges));
         assert!(mission.intervals().iter().eq(draft.intervals));
         assert!(mission.behaviours().iter().eq(draft.behaviours));
-        assert_eq!(mission.name(mission.frames().get(0).unwrap().name), "work");
+        assert_eq!(mission.name(mission.plan_frames().get(0).unwrap().name), "work");
     }
 
     /// The bytes of every kind of record, as the first writer of the format wrote them.

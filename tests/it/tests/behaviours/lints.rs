@@ -197,7 +197,7 @@ criticality = { battery = "PM PM NB NB NB NB NB" }
     let (_, problems) = compiled(&text);
     let note = problems.iter().map(ToString::to_string).find(|p| p.contains("longest waits"));
     // `one` waits for the dwell of `two`, then at most until `drive` has ended.
-    let note = note.expect("waits are said");
+    let note = note.expect("waits are reported");
     assert!(note.contains("`two` 11.5 s (behind `one`)"), "{note}");
 }
 

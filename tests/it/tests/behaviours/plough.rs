@@ -40,7 +40,7 @@ fn h39_the_papers_tables_compile_to_the_golden_bytes() {
     let behaviour = |index: usize| mission.behaviours().get(index).expect("checked");
     assert_eq!(rules(behaviour(0).rules), [TABLE_4]);
     assert_eq!(rules(behaviour(1).rules), [TABLE_5]);
-    let root = mission.frames().get(behaviour(0).root.into()).expect("checked");
+    let root = mission.plan_frames().get(behaviour(0).root.into()).expect("checked");
     let strips = mission.productions_of(&root).next().expect("checked");
     assert_eq!(rules(strips.rules.expect("it has a table")), [TABLE_6]);
 
@@ -58,12 +58,14 @@ fn h39_the_papers_tables_compile_to_the_golden_bytes() {
 fn h12_the_interval_is_where_the_paper_has_it() {
     let section = section();
     let mission = Mission::parse(&section).expect("a good mission");
-    let root = mission.frames().get(0).expect("checked");
+    let root = mission.plan_frames().get(0).expect("checked");
     let production = mission.productions_of(&root).next().expect("checked");
     let names: Vec<&str> = mission
         .edges_of(&production)
         .map(|edge| match edge.symbol {
-            Symbol::PlanFrame(index) => mission.frames().get(index.into()).expect("checked").name,
+            Symbol::PlanFrame(index) => {
+                mission.plan_frames().get(index.into()).expect("checked").name
+            }
             Symbol::Action(index) => mission.actions().get(index.into()).expect("checked").name,
         })
         .map(|name| mission.name(name))
@@ -76,7 +78,7 @@ fn h12_the_interval_is_where_the_paper_has_it() {
 
     // Refuelling drives off the field, so it endangers the interval.
     let refuel = mission.behaviours().get(1).expect("checked");
-    let refuel = mission.frames().get(refuel.root.into()).expect("checked");
+    let refuel = mission.plan_frames().get(refuel.root.into()).expect("checked");
     assert_ne!(refuel.may_delete & on_field, 0);
     assert_eq!(root.may_delete & on_field, 0);
 }

@@ -173,7 +173,7 @@ impl Builder {
         Ok(())
     }
 
-    /// Adds a node of which only the place is known; equal places are the same node.
+    /// Adds a node whose place alone is known; equal places are the same node.
     pub(super) fn unnamed(&mut self, place: Option<GeoPoint>) -> Result<i64, TooMuch> {
         let Some(place) = place else {
             self.unknown += 1;

@@ -52,7 +52,7 @@ fn check(objects: &str) -> String {
     ))
 }
 
-/// Nodes, one of which an editor dropped at 0,0. In XML the excerpt shows it, in PBF its id.
+/// An editor dropped one of the nodes at 0,0. In XML the excerpt shows it, in PBF its id.
 #[test]
 fn the_cause_of_an_absurd_extent_is_named() {
     let file = |bounds: &str| {

@@ -248,7 +248,7 @@ impl PlanState {
     /// One plan for each production that a frame may choose, and one for the case that none is
     /// applicable.
     fn choices(&self, mission: &Mission<'_>, id: Id, frame: u16, open: &mut Vec<Self>) {
-        let Some(frame) = mission.frames().get(usize::from(frame)) else { return };
+        let Some(frame) = mission.plan_frames().get(usize::from(frame)) else { return };
         let decompose = |plan: &mut Self, value: &mut dyn FnMut(u16, &Production) -> f32| {
             plan.change(mission, |forest, tell| forest.decompose(mission, id, value, tell))
         };

@@ -253,7 +253,7 @@ fn files_that_are_not_maps_are_refused() {
        · ──────────────┬──────────────
        ·               ╰── neither a Feature nor a FeatureCollection with features
        ╰────
-      help: wrap geometries in features: their properties say what they are
+      help: wrap geometries in features: their properties give their meaning
 
     no map
     ----
@@ -268,7 +268,7 @@ fn files_that_are_not_maps_are_refused() {
        · ────────────────────┬───────────────────
        ·                     ╰── neither a Feature nor a FeatureCollection with features
        ╰────
-      help: wrap geometries in features: their properties say what they are
+      help: wrap geometries in features: their properties give their meaning
 
     no map
     ----
