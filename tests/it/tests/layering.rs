@@ -271,7 +271,7 @@ fn one_version_of_rust_is_pinned_stated_and_documented() {
 
 /// Every test that a requirement names exists, and a requirement without a test is marked open.
 #[test]
-fn every_requirement_names_tests_that_exist() {
+fn every_requirement_names_code_and_tests_that_exist() {
     let table = std::fs::read_to_string(root().join("tests/REQUIREMENTS.md")).expect("it is there");
     let mut sources = String::new();
     for top in ["shared", "firmware", "qemu", "tests", "plan-compiler"] {
@@ -284,7 +284,11 @@ fn every_requirement_names_tests_that_exist() {
     let mut wrong = Vec::new();
     for row in table.lines().filter(|line| line.starts_with("| W") || line.starts_with("| H")) {
         let cells: Vec<&str> = row.split('|').map(str::trim).collect();
-        let (id, proof) = (cells[1], cells[4]);
+        let (id, place, proof) = (cells[1], cells[3], cells[4]);
+        let paths = place.split('`').skip(1).step_by(2).filter(|path| path.contains('/'));
+        for path in paths.filter(|path| !root().join(path).exists()) {
+            wrong.push(format!("{id}: `{path}` does not exist"));
+        }
         // Every second part is between backticks; the name of a test has an underscore.
         let names = proof.split('`').skip(1).step_by(2).filter(|name| name.contains('_'));
         for name in names {
