@@ -36,21 +36,25 @@ impl Bitmap {
     }
 
     /// Cells from west to east.
+    #[inline]
     pub fn columns(&self) -> u32 {
         self.columns
     }
 
     /// Cells from south to north.
+    #[inline]
     pub fn rows(&self) -> u32 {
         self.rows
     }
 
     /// Whether the set holds a cell; false off the grid.
+    #[inline]
     pub fn get(&self, cell: Cell) -> bool {
         self.place(cell).is_some_and(|(word, bit)| self.words[word] & bit != 0)
     }
 
     /// Adds or removes a cell; ignores cells off the grid.
+    #[inline]
     pub fn set(&mut self, cell: Cell, value: bool) {
         if let Some((word, bit)) = self.place(cell) {
             if value {
@@ -72,12 +76,14 @@ impl Bitmap {
     }
 
     /// The words of one row, 64 cells each; empty off the grid.
+    #[inline]
     pub fn row(&self, row: u32) -> &[u64] {
         let start = row as usize * self.words_per_row;
         self.words.get(start..start + self.words_per_row).unwrap_or_default()
     }
 
     /// The words of one row, mutable; bits beyond the last column must stay zero.
+    #[inline]
     pub fn row_mut(&mut self, row: u32) -> &mut [u64] {
         let start = row as usize * self.words_per_row;
         self.words.get_mut(start..start + self.words_per_row).unwrap_or_default()

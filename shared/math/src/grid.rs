@@ -33,6 +33,7 @@ pub fn cost_metres(cost: u32, resolution_m: f64) -> f64 {
 }
 
 /// Cost of the shortest path of `dx` columns and `dy` rows without obstacles.
+#[inline]
 pub const fn octile(dx: u32, dy: u32) -> u32 {
     let (short, long) = if dx < dy { (dx, dy) } else { (dy, dx) };
     short * (DIAGONAL_STEP - STRAIGHT_STEP) + long * STRAIGHT_STEP
@@ -66,16 +67,19 @@ impl Direction {
         [Self::E, Self::NE, Self::N, Self::NW, Self::W, Self::SW, Self::S, Self::SE];
 
     /// The direction of a code; only the lowest three bits count.
+    #[inline]
     pub const fn from_code(code: u8) -> Self {
         Self::ALL[(code & 7) as usize]
     }
 
     /// Code of the direction, 0 to 7.
+    #[inline]
     pub const fn code(self) -> u8 {
         self as u8
     }
 
     /// Columns and rows of one step.
+    #[inline]
     pub const fn step(self) -> (i32, i32) {
         match self {
             Self::E => (1, 0),
@@ -113,16 +117,19 @@ impl Direction {
     }
 
     /// Whether a step changes both column and row.
+    #[inline]
     pub const fn is_diagonal(self) -> bool {
         self as u8 & 1 == 1
     }
 
     /// Cost of one step.
+    #[inline]
     pub const fn step_cost(self) -> u32 {
         if self.is_diagonal() { DIAGONAL_STEP } else { STRAIGHT_STEP }
     }
 
     /// The opposite direction.
+    #[inline]
     pub const fn reversed(self) -> Self {
         Self::from_code(self as u8 + 4)
     }
@@ -168,6 +175,7 @@ pub struct Cell {
 
 impl Cell {
     /// The cell in a column and row.
+    #[inline]
     pub const fn new(column: u32, row: u32) -> Self {
         Self { column, row }
     }
@@ -185,6 +193,7 @@ impl Cell {
     }
 
     /// The neighbour in a direction; `None` off a cell grid of this size.
+    #[inline]
     pub const fn neighbour(self, direction: Direction, columns: u32, rows: u32) -> Option<Self> {
         let (dx, dy) = direction.step();
         let column = self.column.wrapping_add_signed(dx);
@@ -221,11 +230,13 @@ impl Grid {
     }
 
     /// Number of cells.
+    #[inline]
     pub fn cells(&self) -> usize {
         self.columns as usize * self.rows as usize
     }
 
     /// Index in a row-major array, row 0 in the south.
+    #[inline]
     pub fn index(&self, cell: Cell) -> usize {
         cell.row as usize * self.columns as usize + cell.column as usize
     }

@@ -154,6 +154,7 @@ pub struct Root {
 
 impl Root {
     /// The words of a root in the section.
+    #[inline]
     pub const fn words(self) -> [u32; ROOT_WORDS as usize] {
         [self.cell.to_word(), self.cost]
     }

@@ -269,7 +269,7 @@ fn one_version_of_rust_is_pinned_stated_and_documented() {
     }
 }
 
-/// Every test that a requirement names exists, and a requirement without a test is marked open.
+/// The code and the tests that a requirement names exist; a requirement without a test is marked open.
 #[test]
 fn every_requirement_names_code_and_tests_that_exist() {
     let table = std::fs::read_to_string(root().join("tests/REQUIREMENTS.md")).expect("it is there");
