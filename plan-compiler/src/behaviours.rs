@@ -24,8 +24,7 @@ pub use language::{TABLES, read};
 pub use lower::{PlanNames, Plans, lower};
 pub use syntax::Syntax;
 
-use maps::problem::Problem;
-use maps::problem::has_errors;
+use maps::problem::{Problem, has_errors};
 use plan_format::mission::MissionDraft;
 
 /// A behaviour is dormant up to this criticality by default, which lies between NB alone (1/18) and

@@ -25,11 +25,11 @@ pub struct Stack {
 impl Stack {
     /// Puts a layer on top; `added` are the cells that it blocks besides those below it.
     pub fn add(&mut self, name: &str, added: Bitmap) {
-        let terrain = match self.layers.last() {
-            Some(below) => below.terrain.with(&added),
-            None => Terrain::new(added),
-        };
-        self.layers.push(Layer { name: name.to_owned(), terrain });
+        let mut blocked = added;
+        if let Some(below) = self.layers.last() {
+            blocked.add_all(&below.terrain.blocked);
+        }
+        self.layers.push(Layer { name: name.to_owned(), terrain: Terrain::new(blocked) });
     }
 
     /// The layers, the least constrained first.

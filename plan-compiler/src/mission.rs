@@ -23,8 +23,7 @@ use crate::toml::{Report, Span, key_span, number};
 use keys::{KEYS, Key, Kind, SECTIONS};
 use maps::Point;
 use maps::formats::TagRules;
-use maps::problem::MAX_PROBLEMS;
-use maps::problem::{Place, Problem, Source};
+use maps::problem::{MAX_PROBLEMS, Place, Problem, Source};
 use math::GeoPoint;
 use plan_format::{Parameters, limits};
 use std::path::{Path, PathBuf};
@@ -116,29 +115,27 @@ pub struct LayerRule {
 /// Reads the text of a mission file. The mission contains whatever was understood.
 pub fn parse(source: &Arc<Source>) -> (Mission, Vec<Problem>) {
     let mut problems = Vec::new();
-    let mission = read(&mut Report { source, problems: &mut problems });
+    let mut report = Report { source, problems: &mut problems };
+    let mission = match Document::parse(source.text.as_str()) {
+        Ok(document) => read(document.as_table(), report),
+        Err(first) => {
+            report.syntax(&first);
+            Mission::default()
+        }
+    };
     (mission, problems)
 }
 
-fn read(report: &mut Report<'_>) -> Mission {
-    let Report { source, problems } = report;
-    let document = match Document::parse(source.text.as_str()) {
-        Ok(document) => document,
-        Err(first) => {
-            report.syntax(&first);
-            return Mission::default();
-        }
-    };
-    let report = Report { source, problems };
+fn read(file: &dyn TableLike, report: Report<'_>) -> Mission {
     let mut reader = Reader { report, mission: Mission::default() };
-    reader.section("", document.as_table());
-    speeds::settle(&mut reader.report, document.as_table(), &mut reader.mission.parameters);
+    reader.section("", file);
+    speeds::settle(&mut reader.report, file, &mut reader.mission.parameters);
     // Last, because masks may add layers to those that the file lists.
-    if let Some(masks) = document.get("masks").and_then(Item::as_table_like) {
+    if let Some(masks) = file.get("masks").and_then(Item::as_table_like) {
         reader.masks(masks);
     }
     let Reader { report, mut mission } = reader;
-    mission.behaviours = behaviours::read(report.source, document.as_table(), report.problems);
+    mission.behaviours = behaviours::read(report.source, file, report.problems);
     mission
 }
 

@@ -39,12 +39,4 @@ impl Terrain {
     pub fn gaps<'t>(&'t self, below: &'t Self) -> impl Iterator<Item = Cell> + 't {
         below.blocked.iter().filter(|&cell| !self.blocked.get(cell))
     }
-
-    /// This terrain with more cells blocked.
-    #[must_use]
-    pub fn with(&self, added: &Bitmap) -> Self {
-        let mut blocked = self.blocked.clone();
-        blocked.add_all(added);
-        Self { blocked }
-    }
 }

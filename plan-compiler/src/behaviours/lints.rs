@@ -20,8 +20,7 @@ pub use waits::Wait;
 
 use super::syntax::Syntax;
 use crate::toml::Report;
-use maps::problem::Problem;
-use maps::problem::has_errors;
+use maps::problem::{Problem, has_errors};
 use plan_format::mission::{MissionDraft, Symbol};
 use situations::Situations;
 

@@ -2,8 +2,7 @@
 
 use super::{Failure, open, read_blob, refuse_output, tell};
 use crate::cli::Graph;
-use maps::problem::Problem;
-use maps::problem::has_errors;
+use maps::problem::{Problem, has_errors};
 use maps::source;
 use plan_compiler::behaviours::draw::{Drawn, dot, picture};
 use plan_compiler::behaviours::{self, Plans};

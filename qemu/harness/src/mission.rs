@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use maps::problem::has_errors;
-use maps::problem::{self, Place, Problem, Source};
+use maps::problem::{self, Place, Problem, Source, has_errors};
 use plan_compiler::compile::compile;
 use plan_compiler::input::Options;
 use plan_compiler::mission::{Goal, Named};

@@ -2,8 +2,7 @@
 
 use ::maps::Map;
 use ::maps::formats::{self, Format, ReadOptions};
-use ::maps::problem::has_errors;
-use ::maps::problem::{Problem, Source, draw};
+use ::maps::problem::{Problem, Source, draw, has_errors};
 use ::maps::source;
 use plan_compiler::compile::{compile, grid, layers};
 use plan_compiler::input::{Input, Options};
