@@ -5,9 +5,9 @@ use embassy_nrf::gpio::{AnyPin, Input, Level, Output, OutputDrive, Pull};
 use embassy_nrf::peripherals::{PWM0, WDT};
 use embassy_nrf::pwm::{DutyCycle, Prescaler, SimpleConfig, SimplePwm};
 use embassy_nrf::wdt::{self, HaltConfig, Watchdog, WatchdogHandle};
-use robot_io::{CommandRecord, Commands, Operator, Percepts};
+use robot_io::{CommandRecord, Commands, Percepts};
 use runtime::mixer::Mixer;
-use runtime::{Observer, Robot, time};
+use runtime::{ArmButton, Observer, Robot, time};
 
 /// Measure these on the rover. The blob's parameters have its limits.
 const MIXER: Mixer = Mixer { track_m: 0.4, full_speed_mps: 2.0 };
@@ -22,8 +22,7 @@ const WATCHDOG_PERIODS: u32 = 32_768 / 4;
 pub(crate) struct Rover {
     motors: SimplePwm<'static>,
     button: Input<'static>,
-    was_pressed: bool,
-    is_armed: bool,
+    arming: ArmButton,
     watchdog: Option<WatchdogHandle>,
     pace: time::Pace,
 }
@@ -56,19 +55,10 @@ impl Rover {
         Self {
             motors,
             button: Input::new(button, Pull::Up),
-            was_pressed: false,
-            is_armed: false,
+            arming: ArmButton::default(),
             watchdog,
             pace: time::Pace::default(),
         }
-    }
-
-    /// Each press of the button arms or disarms. Ticks are longer than contacts bounce.
-    fn by_button(&mut self) -> Operator {
-        let is_pressed = self.button.is_low();
-        self.is_armed ^= is_pressed && !self.was_pressed;
-        self.was_pressed = is_pressed;
-        Operator { is_armed: self.is_armed, ..Operator::default() }
     }
 }
 
@@ -80,7 +70,7 @@ impl Robot for Rover {
     /// The kit has no compass, odometry or range sensors: the heading is the course of the fixes,
     /// and only the plan keeps the rover away from obstacles. Add your sensors here.
     async fn sense(&mut self, percepts: &mut Percepts) {
-        percepts.operator = self.by_button();
+        percepts.operator = self.arming.read(self.button.is_low());
     }
 
     async fn act(&mut self, record: &CommandRecord) {

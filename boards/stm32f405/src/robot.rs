@@ -5,9 +5,9 @@ use embassy_stm32::peripherals::{IWDG, TIM3, TIM4};
 use embassy_stm32::timer::simple_pwm::SimplePwm;
 use embassy_stm32::timer::{Channel, GeneralInstance4Channel};
 use embassy_stm32::wdg::IndependentWatchdog;
-use robot_io::{CommandRecord, Commands, Operator, Percepts};
+use robot_io::{CommandRecord, Commands, Percepts};
 use runtime::mixer::Mixer;
-use runtime::{Observer, Robot, time};
+use runtime::{ArmButton, Observer, Robot, time};
 
 /// Measure these on the rover. The blob's parameters have its limits.
 const MIXER: Mixer = Mixer { track_m: 0.4, full_speed_mps: 2.0 };
@@ -21,8 +21,7 @@ pub(crate) struct Rover {
     left: SimplePwm<'static, TIM3>,
     right: SimplePwm<'static, TIM4>,
     button: Input<'static>,
-    was_pressed: bool,
-    is_armed: bool,
+    arming: ArmButton,
     watchdog: IndependentWatchdog<'static, IWDG>,
     pace: time::Pace,
 }
@@ -47,19 +46,10 @@ impl Rover {
             left,
             right,
             button,
-            was_pressed: false,
-            is_armed: false,
+            arming: ArmButton::default(),
             watchdog,
             pace: time::Pace::default(),
         }
-    }
-
-    /// Each press of the button arms or disarms. Ticks are longer than contacts bounce.
-    fn by_button(&mut self) -> Operator {
-        let is_pressed = self.button.is_low();
-        self.is_armed ^= is_pressed && !self.was_pressed;
-        self.was_pressed = is_pressed;
-        Operator { is_armed: self.is_armed, ..Operator::default() }
     }
 }
 
@@ -71,7 +61,7 @@ impl Robot for Rover {
     /// The kit has no compass, odometry or range sensors: the heading is the course of the fixes,
     /// and only the plan keeps the rover away from obstacles. Add your sensors here.
     async fn sense(&mut self, percepts: &mut Percepts) {
-        percepts.operator = self.by_button();
+        percepts.operator = self.arming.read(self.button.is_low());
     }
 
     async fn act(&mut self, record: &CommandRecord) {

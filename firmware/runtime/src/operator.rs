@@ -39,6 +39,23 @@ impl<M: RawMutex> OperatorSlot<M> {
     }
 }
 
+/// A button on the robot: each press arms or disarms. Read it once a tick: its contacts bounce for
+/// less than that.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ArmButton {
+    was_pressed: bool,
+    is_armed: bool,
+}
+
+impl ArmButton {
+    /// The orders of the button in this tick.
+    pub fn read(&mut self, is_pressed: bool) -> Operator {
+        self.is_armed ^= is_pressed && !self.was_pressed;
+        self.was_pressed = is_pressed;
+        Operator { is_armed: self.is_armed, ..Operator::default() }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -56,5 +73,13 @@ mod tests {
         slot.hear(6, armed);
         assert_eq!(slot.at(7, &policy), Some(armed));
         assert_eq!(slot.at(5, &policy), Some(armed), "a lagging clock does not age the orders");
+    }
+
+    #[test]
+    fn each_press_arms_or_disarms_once() {
+        let mut button = ArmButton::default();
+        let presses = [false, true, true, false, true, false];
+        let armed = presses.map(|is_pressed| button.read(is_pressed).is_armed);
+        assert_eq!(armed, [false, true, true, true, false, false]);
     }
 }
