@@ -1,13 +1,13 @@
 //! From syntax to the blob's tables: turns names into indices and checks limits.
 
 mod components;
-pub(super) mod effects;
 mod intervals;
 
 use super::syntax::{FactSyntax, InputSource, Literal, Rules, Syntax};
 use crate::toml::{Report, Span, Text};
 use maps::problem::{Problem, Severity};
 use plan_format::limits;
+use plan_format::mission::effects;
 use plan_format::mission::{
     Behaviour, Condition, Fact, FactKind, Facts, Input, MissionDraft, Rule, RuleBase, Source,
 };

@@ -3,6 +3,7 @@
 use crate::fixtures;
 use crate::random::Random;
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_CHANNELS, MAX_FACTS, MAX_OUTPUTS};
+use plan_format::mission::effects;
 use plan_format::mission::{
     Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Inference,
     Input, Interval, Label, Mission, MissionDraft, PlanFrame, Production, Rule, RuleBase, Source,
@@ -18,7 +19,7 @@ pub fn draw(random: &mut Random) -> MissionDraft {
     artist.actions();
     artist.frames();
     artist.behaviours();
-    ::fixtures::close_effects(&mut artist.draft);
+    effects::spread(&mut artist.draft);
     artist.draft
 }
 

@@ -1,7 +1,7 @@
 //! Frames that contain themselves: allowed only as the last component, so that memory is bounded.
 
 use super::Lints;
-use crate::behaviours::lower::effects::below;
+use plan_format::mission::effects::below;
 use plan_format::mission::{Description, MissionDraft, Production, Symbol};
 
 /// Whether an edge of a production is the last component that its frame waits for: it leads to the

@@ -1,8 +1,8 @@
 //! Definitions that are never used, and components that cannot run side by side.
 
 use super::Lints;
-use crate::behaviours::lower::effects::below;
 use crate::toml::Text;
+use plan_format::mission::effects::below;
 use plan_format::mission::{FactKind, Source, Symbol};
 
 impl Lints<'_> {

@@ -1,11 +1,12 @@
 //! Protection intervals: those written in the mission, and those derived from a single producer and
 //! a single consumer (H, "Plan Components").
 
-use super::{Lowering, effects};
+use super::Lowering;
 use crate::behaviours::graph_text::Graph;
 use crate::behaviours::language::literal;
 use crate::behaviours::syntax::{self, Literal};
 use crate::toml::{Spanned, Text};
+use plan_format::mission::effects;
 use plan_format::mission::{Condition, Facts, Interval, MissionDraft, Symbol};
 
 impl Lowering<'_> {

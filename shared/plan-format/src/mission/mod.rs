@@ -14,6 +14,8 @@ mod check;
 mod components;
 #[cfg(feature = "std")]
 mod draft;
+#[cfg(feature = "std")]
+pub mod effects;
 mod facts;
 mod productions;
 mod rules;

@@ -1,9 +1,10 @@
-//! The facts that a component may change.
+//! The facts that a component of a draft may change. The compiler and the missions of tests share
+//! this.
 
-use plan_format::mission::{Facts, MissionDraft, Symbol};
+use super::{Facts, MissionDraft, Symbol};
 
 /// The facts that a component certainly makes true, and false, when it succeeds.
-pub(crate) fn sure(draft: &MissionDraft, symbol: Symbol) -> (Facts, Facts) {
+pub fn sure(draft: &MissionDraft, symbol: Symbol) -> (Facts, Facts) {
     let index = match symbol {
         Symbol::PlanFrame(index) => {
             draft.frames.get(usize::from(index)).map(|frame| frame.description)
@@ -18,7 +19,7 @@ pub(crate) fn sure(draft: &MissionDraft, symbol: Symbol) -> (Facts, Facts) {
 
 /// The facts that a component may make true, and false. For frames the result is complete after
 /// [`spread`].
-pub(crate) fn possible(draft: &MissionDraft, symbol: Symbol) -> (Facts, Facts) {
+pub fn possible(draft: &MissionDraft, symbol: Symbol) -> (Facts, Facts) {
     let (adds, deletes) = sure(draft, symbol);
     match symbol {
         Symbol::Action(_) => (adds, deletes),
@@ -39,7 +40,7 @@ fn resources(draft: &MissionDraft, symbol: Symbol) -> u16 {
 /// Gives every frame the facts and resources that the components below it may change and occupy.
 /// Frames may contain each other, so this is repeated until nothing changes; each round but the
 /// last adds a bit.
-pub(super) fn spread(draft: &mut MissionDraft) {
+pub fn spread(draft: &mut MissionDraft) {
     loop {
         let mut has_grown = false;
         for index in 0..draft.frames.len() {
@@ -63,7 +64,7 @@ pub(super) fn spread(draft: &mut MissionDraft) {
 }
 
 /// The components of all productions of a frame.
-pub(crate) fn below(draft: &MissionDraft, frame: usize) -> Vec<Symbol> {
+pub fn below(draft: &MissionDraft, frame: usize) -> Vec<Symbol> {
     let Some(frame) = draft.frames.get(frame) else { return Vec::new() };
     let first = usize::from(frame.first);
     let productions = draft.productions.iter().skip(first).take(usize::from(frame.count));
@@ -79,7 +80,7 @@ pub(crate) fn below(draft: &MissionDraft, frame: usize) -> Vec<Symbol> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plan_format::mission::{Condition, Description, Edge, PlanFrame, Production};
+    use crate::mission::{Action, ActionKind, Condition, Description, Edge, PlanFrame, Production};
     use proptest::prelude::*;
 
     /// Frames and actions, each frame with one production of the given components.
@@ -96,9 +97,9 @@ mod tests {
                 max_speed_mps: f32::INFINITY,
                 min_distance_m: 0.0,
             });
-            draft.actions.push(plan_format::mission::Action {
+            draft.actions.push(Action {
                 name,
-                kind: plan_format::mission::ActionKind::Signal { code: 1 },
+                kind: ActionKind::Signal { code: 1 },
                 description: (draft.descriptions.len() - 1) as u16,
                 until: Condition::default(),
                 timeout_ms: 1,
