@@ -89,7 +89,13 @@ pub struct Vehicle {
     pub max_turn_rate_radps: f32,
     /// Minimum turning radius, metres; for Ackermann steering.
     pub min_turn_radius_m: f32,
-    /// Motion towards a range reading closer to the body than this is stopped, metres.
+    /// Deceleration that the brakes give at least, m/s^2.
+    pub braking_mps2: f32,
+    /// Longest time from a range reading to the effect of the brakes, microseconds.
+    pub latency_us: u32,
+    /// Distance at which the range sensors see obstacles reliably, metres.
+    pub reach_m: f32,
+    /// The robot keeps this distance between its body and what it sees ahead, metres.
     pub stop_distance_m: f32,
     /// Whether to creep straight ahead while the heading is unknown.
     pub may_creep: bool,
@@ -100,6 +106,9 @@ pub struct Vehicle {
 pub struct SchemaParameters {
     /// Gain of move-to-goal within the reactive part.
     pub goal_gain: f32,
+    /// Whether move-to-goal acts beside advice too, as in the paper. If not, it acts only where
+    /// there is no advice.
+    pub goal_beside_advice: bool,
     /// Gain of avoid-static-obstacle within the reactive part.
     pub avoid_gain: f32,
     /// Beyond the margin, an obstacle repels up to this distance, metres.
@@ -174,11 +183,15 @@ impl Default for Parameters {
                 cautious_speed_mps: 0.3,
                 max_turn_rate_radps: 1.0,
                 min_turn_radius_m: 0.0,
+                braking_mps2: 2.0,
+                latency_us: 100_000,
+                reach_m: 10.0,
                 stop_distance_m: 0.3,
                 may_creep: true,
             },
             schemas: SchemaParameters {
                 goal_gain: 1.0,
+                goal_beside_advice: true,
                 avoid_gain: 1.0,
                 avoid_sphere_m: 5.0,
                 avoid_margin_m: 0.5,
@@ -211,6 +224,9 @@ impl Parameters {
             ("vehicle.cautious_speed", self.vehicle.cautious_speed_mps, 0.0, 50.0),
             ("vehicle.max_turn_rate", self.vehicle.max_turn_rate_radps, 0.01, 20.0),
             ("vehicle.min_turn_radius", self.vehicle.min_turn_radius_m, 0.0, 100.0),
+            ("vehicle.braking", self.vehicle.braking_mps2, 0.05, 50.0),
+            ("vehicle.latency", self.vehicle.latency_us as f32 / 1e6, 0.0, 2.0),
+            ("vehicle.reach", self.vehicle.reach_m, 0.1, 1_000.0),
             ("vehicle.stop_distance", self.vehicle.stop_distance_m, 0.0, 100.0),
             ("schemas.goal_gain", self.schemas.goal_gain, 0.0, 100.0),
             ("schemas.avoid_gain", self.schemas.avoid_gain, 0.0, 100.0),
