@@ -1,7 +1,7 @@
 //! Traces: the percepts of a run, tick by tick, with the blob that the robot used.
 //!
 //! A tick is a pure function, so the percepts and the blob are enough to repeat the whole run bit
-//! for bit. The file contains the eight bytes `WAYTRACE`, the version (2) as `u16`, the trace hash
+//! for bit. The file contains the eight bytes `WAYTRACE`, the version (3) as `u16`, the trace hash
 //! of the run as `u64`, the blob's length as `u32` and the blob, then for each tick the length as
 //! `u16` and the percepts in postcard; all numbers are little-endian.
 
@@ -13,7 +13,7 @@ use thiserror::Error;
 
 /// The first bytes of every trace.
 pub const MAGIC: &[u8; 8] = b"WAYTRACE";
-const VERSION: u16 = 2;
+const VERSION: u16 = 3;
 
 /// A recorded run.
 #[derive(Clone, Debug, PartialEq)]

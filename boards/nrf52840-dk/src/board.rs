@@ -90,7 +90,7 @@ async fn gps_task(reader: BufferedUarteRx<'static>) {
 
 #[embassy_executor::task]
 async fn operator_task(reader: BufferedUarteRx<'static>) {
-    runtime::operator_task(reader, &SLOTS.operator, time::now_us).await;
+    runtime::operator_task(reader, &SLOTS, time::now_us).await;
 }
 
 #[embassy_executor::task]

@@ -89,7 +89,7 @@ async fn gps_task(reader: BufferedUartRx) {
 
 #[embassy_executor::task]
 async fn operator_task(reader: BufferedUartRx) {
-    runtime::operator_task(reader, &SLOTS.operator, time::now_us).await;
+    runtime::operator_task(reader, &SLOTS, time::now_us).await;
 }
 
 #[embassy_executor::task]

@@ -154,6 +154,7 @@ mod tests {
             place: GeoPoint { lat_e7: 0, lon_e7: 0 },
             accuracy_mm: 0,
             velocity_mmps: Some([0, 0]),
+            receiver_ms: None,
         };
         let moving = Percepts { fix: Some(fix), ..Percepts::default() };
         let silent = Fix { velocity_mmps: None, ..fix };

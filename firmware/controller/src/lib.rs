@@ -22,7 +22,9 @@
 //! let goal = Vec2::new(100.0, 0.0);
 //! let blob = Blob::without_map(Parameters::default(), Some(origin), Some(goal));
 //! let mut state = State::new(&blob);
-//! let fix = Fix { time_us: 0, is_valid: true, place, accuracy_mm: 500, velocity_mmps: None };
+//! let fix = Fix {
+//!     time_us: 0, is_valid: true, place, accuracy_mm: 500, velocity_mmps: None, receiver_ms: None,
+//! };
 //! let mut percepts = Percepts { fix: Some(fix), heading_rad: Some(0.0), ..Percepts::default() };
 //! assert_eq!(tick(&blob, &mut state, &percepts).reason, Reason::Disarmed);
 //! percepts.operator = Operator { is_armed: true, ..Operator::default() };
@@ -123,13 +125,14 @@ pub mod behave;
 pub mod drive;
 pub mod guidance;
 pub mod limit;
+pub mod ranges;
 pub mod sense;
 
 use behave::Intent;
 use behaviour::Behaviours;
 use plan_format::Blob;
 use plan_format::parameters::Vehicle;
-use robot_io::{Commands, Percepts, Reason};
+use robot_io::{Checks, Commands, Percepts, Reason};
 use schemas::{Noise, Vectors};
 
 /// Everything that one tick passes to the next: plain data to store, compare and replay.
@@ -143,6 +146,8 @@ pub struct State {
     pub progress: guidance::Progress,
     /// The noise schema.
     pub noise: Noise,
+    /// The checks before arming that failed in the last tick.
+    pub checks: Checks,
 }
 
 /// Boards keep the state in static memory; its budget is 8 KB.
@@ -156,6 +161,7 @@ impl State {
             behaviours: Behaviours::new(&blob.mission()),
             progress: guidance::Progress::default(),
             noise: Noise::new(blob.parameters().seed),
+            checks: Checks::default(),
         }
     }
 }
@@ -225,6 +231,9 @@ fn decide(
         }
         behave::Approach::Straight(guidance) => guidance,
     };
+    if let Some(reason) = sensed.ranges.reason() {
+        return Err(reason);
+    }
     let Some(heading_rad) = sensed.heading_rad else {
         return drive::creep(vehicle, percepts).map(|commands| (commands, None));
     };

@@ -15,6 +15,8 @@ use plan_format::parameters::FixPolicy;
 use robot_io::{Commands, Fix, Percepts, Reason, Receiver};
 use serde::{Deserialize, Serialize};
 
+use crate::ranges::{RangeTrack, RangeTrust};
+
 /// Below this speed the course over ground does not show the heading, m/s.
 pub const COURSE_SPEED_MPS: f32 = 0.5;
 
@@ -36,6 +38,8 @@ pub struct Sensed {
     pub position: Result<Vec2, Reason>,
     /// Heading in radians counter-clockwise from the map's x axis; `None` while unknown.
     pub heading_rad: Option<f32>,
+    /// How far the range readings can be trusted.
+    pub ranges: RangeTrust,
 }
 
 /// What the estimate keeps from tick to tick.
@@ -56,6 +60,7 @@ pub struct Track {
     speed_mps: f32,
     /// Turn rate of the last commands.
     turn_rate_radps: f32,
+    ranges: RangeTrack,
 }
 
 /// A good fix, in map metres.
@@ -135,7 +140,9 @@ impl Anchor {
 /// let blob = Blob::without_map(Parameters::default(), Some(origin), None);
 /// let mut track = Track::default();
 /// let (time_us, accuracy_mm) = (50_000, 500);
-/// let fix = Fix { time_us, is_valid: true, place, accuracy_mm, velocity_mmps: None };
+/// let fix = Fix {
+///     time_us, is_valid: true, place, accuracy_mm, velocity_mmps: None, receiver_ms: None,
+/// };
 /// let heading_rad = Some(0.0);
 /// let mut percepts = Percepts { time_us, fix: Some(fix), heading_rad, ..Percepts::default() };
 /// let start = sense(&blob, &mut track, &percepts).position.unwrap();
@@ -147,8 +154,9 @@ impl Anchor {
 /// ```
 pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed {
     let elapsed_s = track.advance(percepts.time_us);
+    let ranges = track.ranges.judge(percepts, &blob.parameters().ranges);
     let (Some(frame), Some(origin)) = (blob.map_frame(), blob.origin()) else {
-        return Sensed { position: Err(Reason::NoOrigin), heading_rad: None };
+        return Sensed { position: Err(Reason::NoOrigin), heading_rad: None, ranges };
     };
     let speed_mps = percepts.speed_mps.unwrap_or(track.speed_mps).clamp(-FASTEST, FASTEST);
     let compass_rad =
@@ -166,7 +174,7 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
     }
     track.heading_rad = compass_rad.or(track.heading_rad);
     let position = position(track, &blob.parameters().fixes, percepts);
-    Sensed { position, heading_rad: track.heading_rad }
+    Sensed { position, heading_rad: track.heading_rad, ranges }
 }
 
 fn carry_on(track: &mut Track, percepts: &Percepts, elapsed_s: f32, speed_mps: f32) {

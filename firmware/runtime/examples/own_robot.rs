@@ -41,6 +41,7 @@ impl Robot for Ideal<'_> {
             place: self.frame.to_geodetic(self.position),
             accuracy_mm: 500,
             velocity_mmps: None,
+            receiver_ms: Some((self.time_us / 1_000) as u32),
         });
         percepts.heading_rad = Some(self.heading_rad);
         percepts.operator = Operator { is_armed: true, ..Operator::default() };

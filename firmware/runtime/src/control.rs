@@ -8,6 +8,7 @@ use robot_io::{CommandRecord, Commands, Percepts, TraceHash};
 use crate::gps::FixSlot;
 use crate::link::Telemetry;
 use crate::operator::OperatorSlot;
+use crate::pose::PoseSlot;
 
 /// Time from tick to tick, microseconds: 20 Hz.
 pub const TICK_PERIOD_US: u64 = 50_000;
@@ -19,9 +20,11 @@ pub trait Robot {
     /// decreases. `None` ends the control task; a real robot never returns it.
     async fn wait(&mut self) -> Option<u64>;
 
-    /// Fills in heading, odometry, ranges, inputs and, on a robot with buttons, the operator's
-    /// orders. The link outranks the buttons from its first packet on. Time, fix and state of
-    /// the receiver are already set.
+    /// Fills in heading, odometry, inputs and, on a robot with buttons, the operator's orders. A
+    /// robot with a range finder fills in the ranges of its last complete scan and that scan's
+    /// time, an empty scan included. The link outranks the buttons from its first packet on. Time,
+    /// fix, state of the receiver and the pose that the link brought are already set; a robot with
+    /// its own source of poses replaces the pose.
     async fn sense(&mut self, percepts: &mut Percepts);
 
     /// Carries out the commands of one tick. The record around them is the tick's telemetry.
@@ -54,6 +57,8 @@ pub struct Slots<M: RawMutex> {
     pub fixes: FixSlot<M>,
     /// Orders, from the operator task to the control task.
     pub operator: OperatorSlot<M>,
+    /// Poses, from the operator task to the control task.
+    pub poses: PoseSlot<M>,
     /// Records, from the control task to the telemetry task.
     pub telemetry: Telemetry<M>,
 }
@@ -67,7 +72,12 @@ impl<M: RawMutex> Default for Slots<M> {
 impl<M: RawMutex> Slots<M> {
     /// Empty slots.
     pub const fn new() -> Self {
-        Self { fixes: FixSlot::new(), operator: OperatorSlot::new(), telemetry: Telemetry::new() }
+        Self {
+            fixes: FixSlot::new(),
+            operator: OperatorSlot::new(),
+            poses: PoseSlot::new(),
+            telemetry: Telemetry::new(),
+        }
     }
 }
 
@@ -85,10 +95,12 @@ pub async fn control_task<M: RawMutex>(
     while let Some(time_us) = robot.wait().await {
         let receiver = slots.fixes.receiver(time_us);
         let fix = slots.fixes.latest();
-        let mut percepts = Percepts { time_us, fix, receiver, ..Percepts::default() };
+        let pose = slots.poses.latest();
+        let mut percepts = Percepts { time_us, fix, receiver, pose, ..Percepts::default() };
         robot.sense(&mut percepts).await;
-        if let Some(operator) = slots.operator.at(time_us, &blob.parameters().link) {
-            percepts.operator = operator;
+        if let Some(radio) = slots.operator.at(time_us, &blob.parameters().link) {
+            percepts.operator = radio.operator;
+            percepts.is_link_lost = radio.is_link_lost;
         }
         let percepts = percepts.sanitised();
 
@@ -98,7 +110,9 @@ pub async fn control_task<M: RawMutex>(
 
         trace.record(&percepts, &commands);
         let trace_hash = trace.get();
-        let record = CommandRecord { time_us, commands, trace_hash, instructions, receiver };
+        let checks = state.checks;
+        let record =
+            CommandRecord { time_us, commands, trace_hash, instructions, receiver, checks };
         robot.act(&record).await;
         slots.telemetry.signal(record);
         robot.feed_watchdog();

@@ -47,13 +47,15 @@ pub struct Solution {
     pub accuracy_mm: u32,
     /// As in [`Fix`].
     pub velocity_mmps: Option<[i32; 2]>,
+    /// As in [`Fix`].
+    pub receiver_ms: Option<u32>,
 }
 
 impl Solution {
     /// The fix whose last byte arrived at `time_us`.
     pub fn at(self, time_us: u64) -> Fix {
-        let Self { is_valid, place, accuracy_mm, velocity_mmps } = self;
-        Fix { time_us, is_valid, place, accuracy_mm, velocity_mmps }
+        let Self { is_valid, place, accuracy_mm, velocity_mmps, receiver_ms } = self;
+        Fix { time_us, is_valid, place, accuracy_mm, velocity_mmps, receiver_ms }
     }
 }
 

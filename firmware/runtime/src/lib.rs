@@ -11,8 +11,8 @@
 //! | [`operator_task`], [`telemetry_task`] | receive and send the packets of the link |
 //!
 //! A board implements [`Robot`] and spawns these tasks, which share [`Slots`]. [`link`] has the
-//! protocol of the link, [`operator`] the operator's latest orders, and [`silence`] what link loss
-//! does to them. [`lockstep`] is a robot that runs on records instead of hardware, so a simulation
+//! protocol of the link, [`operator`] the operator's latest orders, [`silence`] what link loss does
+//! to them, and [`pose`] the latest pose that arrived over it. [`lockstep`] is a robot that runs on records instead of hardware, so a simulation
 //! runs exactly this code. An [`Observer`] watches the ticks.
 //!
 //! ```
@@ -47,6 +47,7 @@ pub mod link;
 pub mod lockstep;
 pub mod mixer;
 pub mod operator;
+pub mod pose;
 pub mod silence;
 #[cfg(target_os = "none")]
 pub mod time;
@@ -57,4 +58,5 @@ pub use blob::{Fallback, Loaded, load, load_paced};
 pub use control::{Observer, Robot, Slots, TICK_PERIOD_US, control_task};
 pub use gps::{FixSlot, gps_task};
 pub use link::{Telemetry, operator_task, telemetry_task};
-pub use operator::{ArmButton, OperatorSlot};
+pub use operator::{ArmButton, OperatorSlot, RadioOrders};
+pub use pose::PoseSlot;

@@ -11,15 +11,15 @@ use embedded_io_async::{Read, Write};
 use robot_io::CommandRecord;
 use robot_io::packet::{self, Decoder, Downlink, Uplink};
 
-use crate::operator::OperatorSlot;
+use crate::control::Slots;
 
 /// The newest unsent record.
 pub type Telemetry<M> = Signal<M, CommandRecord>;
 
-/// Reads packets from `reader` into `operator` until the reader ends.
+/// Reads packets from `reader` into the slots of orders and poses until the reader ends.
 pub async fn operator_task<M: RawMutex>(
     mut reader: impl Read,
-    operator: &OperatorSlot<M>,
+    slots: &Slots<M>,
     clock_us: impl Fn() -> u64,
 ) {
     let mut decoder = Decoder::default();
@@ -29,8 +29,10 @@ pub async fn operator_task<M: RawMutex>(
             Ok(0) => return,
             Ok(count) => {
                 for &byte in chunk.get(..count).unwrap_or_default() {
-                    if let Some(Uplink::Operator(heard)) = decoder.push(byte) {
-                        operator.hear(clock_us(), heard);
+                    match decoder.push(byte) {
+                        Some(Uplink::Operator(heard)) => slots.operator.hear(clock_us(), heard),
+                        Some(Uplink::Pose(pose)) => slots.poses.hear(clock_us(), pose),
+                        None => {}
                     }
                 }
             }
@@ -62,7 +64,7 @@ mod tests {
     use embassy_sync::blocking_mutex::raw::NoopRawMutex;
     use embassy_sync::pipe::Pipe;
     use plan_format::Parameters;
-    use robot_io::{Commands, Manual, Operator, Reason, Receiver};
+    use robot_io::{Checks, Commands, Manual, Operator, Pose, Reason, Receiver};
 
     const BY_HAND: Operator = Operator {
         is_armed: true,
@@ -78,6 +80,7 @@ mod tests {
             trace_hash: 1,
             instructions: 2,
             receiver: Receiver::Silent,
+            checks: Checks::PLAN,
         };
         let telemetry = Telemetry::<NoopRawMutex>::new();
         let wire = Pipe::<NoopRawMutex, 512>::new();
@@ -98,13 +101,18 @@ mod tests {
     }
 
     #[test]
-    fn packets_reach_the_slot_through_garbage() {
-        let slot = OperatorSlot::<NoopRawMutex>::new();
-        let packet = packet::encode(&Uplink::Operator(BY_HAND)).unwrap();
-        let mut bytes = [0x55; 200];
-        bytes[100] = 0;
-        bytes[101..101 + packet.len()].copy_from_slice(&packet);
-        block_on(operator_task(&bytes[..], &slot, || 7));
-        assert_eq!(slot.at(7, &Parameters::default().link), Some(BY_HAND));
+    fn packets_reach_their_slots_through_garbage() {
+        let slots = Slots::<NoopRawMutex>::new();
+        let pose = Pose { time_us: 99, position_m: [1.0, 2.0], heading_rad: None, accuracy_mm: 50 };
+        let mut bytes = [0x55; 300];
+        for (at, uplink) in [(100, Uplink::Operator(BY_HAND)), (200, Uplink::Pose(pose))] {
+            let packet = packet::encode(&uplink).unwrap();
+            bytes[at] = 0;
+            bytes[at + 1..=at + packet.len()].copy_from_slice(&packet);
+        }
+        block_on(operator_task(&bytes[..], &slots, || 7));
+        let heard = slots.operator.at(7, &Parameters::default().link).map(|orders| orders.operator);
+        assert_eq!(heard, Some(BY_HAND));
+        assert_eq!(slots.poses.latest(), Some(Pose { time_us: 7, ..pose }), "it arrived at 7 us");
     }
 }

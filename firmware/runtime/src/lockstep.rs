@@ -51,8 +51,14 @@ pub async fn run(blob: Blob<'_>, transport: impl Transport, observer: impl Obser
     let gps = Pipe::<NoopRawMutex, MAX_GPS_BYTES>::new();
     let now_us = Cell::new(0);
     let slots = Slots::<NoopRawMutex>::new();
-    let record = SensorRecord::default();
-    let mut robot = LockstepRobot { transport, gps: &gps, now_us: &now_us, record };
+    let mut robot = LockstepRobot {
+        transport,
+        gps: &gps,
+        now_us: &now_us,
+        slots: &slots,
+        record: SensorRecord::default(),
+        scan_us: None,
+    };
     select(
         gps_task(&gps, &slots.fixes, || now_us.get()),
         control_task(blob, &mut robot, &slots, observer),
@@ -64,7 +70,29 @@ struct LockstepRobot<'a, T> {
     transport: T,
     gps: &'a Pipe<NoopRawMutex, MAX_GPS_BYTES>,
     now_us: &'a Cell<u64>,
+    slots: &'a Slots<NoopRawMutex>,
+    /// The last record; its ranges are the last scan.
     record: SensorRecord,
+    /// Time of the last scan.
+    scan_us: Option<u64>,
+}
+
+impl<T> LockstepRobot<'_, T> {
+    /// Takes over the record that arrived at `now_us`. What is missing in it keeps its last value
+    /// and time.
+    fn hear(&mut self, now_us: u64, record: SensorRecord) {
+        if let Some(operator) = record.radio {
+            self.slots.operator.hear(now_us, operator);
+        }
+        if let Some(pose) = record.pose {
+            self.slots.poses.hear(now_us, pose);
+        }
+        if record.ranges.is_some() {
+            self.scan_us = Some(now_us);
+        }
+        let ranges = record.ranges.or_else(|| self.record.ranges.take());
+        self.record = SensorRecord { ranges, ..record };
+    }
 }
 
 impl<T: Transport> Robot for LockstepRobot<'_, T> {
@@ -72,9 +100,10 @@ impl<T: Transport> Robot for LockstepRobot<'_, T> {
         while !self.transport.is_ready() {
             yield_now().await;
         }
-        self.record = self.transport.receive()?;
+        let record = self.transport.receive()?;
         let now_us = self.now_us.get().saturating_add(TICK_PERIOD_US);
         self.now_us.set(now_us);
+        self.hear(now_us, record);
         // The pipe has room for a whole record and is empty here, so this never waits.
         self.gps.write_all(&self.record.gps).await;
         // Once the pipe is empty its reader has stored the fix: it does not yield in between.
@@ -88,7 +117,10 @@ impl<T: Transport> Robot for LockstepRobot<'_, T> {
         percepts.heading_rad = self.record.heading_rad;
         percepts.speed_mps = self.record.speed_mps;
         percepts.turn_rate_radps = self.record.turn_rate_radps;
-        percepts.ranges.clone_from(&self.record.ranges);
+        percepts.scan_us = self.scan_us;
+        if let Some(ranges) = &self.record.ranges {
+            percepts.ranges.clone_from(ranges);
+        }
         percepts.inputs = self.record.inputs;
         percepts.operator = self.record.operator;
     }

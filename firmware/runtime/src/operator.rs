@@ -33,10 +33,20 @@ impl<M: RawMutex> OperatorSlot<M> {
 
     /// The orders that count at `now_us`, after [`silence`]; `None` before the first packet, so
     /// that a robot without a radio obeys its own buttons.
-    pub fn at(&self, now_us: u64, policy: &LinkPolicy) -> Option<Operator> {
+    pub fn at(&self, now_us: u64, policy: &LinkPolicy) -> Option<RadioOrders> {
         let (time_us, heard) = self.heard.lock(Cell::get)?;
-        Some(silence::after(heard, now_us.saturating_sub(time_us), policy))
+        let operator = silence::after(heard, now_us.saturating_sub(time_us), policy);
+        Some(RadioOrders { operator, is_link_lost: heard.is_armed && !operator.is_armed })
     }
+}
+
+/// The orders that arrived over the link, after [`silence`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RadioOrders {
+    /// The orders.
+    pub operator: Operator,
+    /// Silence disarmed the robot.
+    pub is_link_lost: bool,
 }
 
 /// A button on the robot: each press arms or disarms. Read it once a tick: its contacts bounce for
@@ -71,8 +81,9 @@ mod tests {
         let armed = Operator { is_armed: true, ..Operator::default() };
         slot.hear(5, stop);
         slot.hear(6, armed);
-        assert_eq!(slot.at(7, &policy), Some(armed));
-        assert_eq!(slot.at(5, &policy), Some(armed), "a lagging clock does not age the orders");
+        let fresh = Some(RadioOrders { operator: armed, is_link_lost: false });
+        assert_eq!(slot.at(7, &policy), fresh);
+        assert_eq!(slot.at(5, &policy), fresh, "a lagging clock does not age the orders");
     }
 
     #[test]

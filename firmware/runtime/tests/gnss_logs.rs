@@ -24,11 +24,16 @@ fn nav_pvt_is_read_as_pyubx2_reads_it() {
             },
             accuracy_mm: number("hAcc_mm") as u32,
             velocity_mmps: Some([number("velE_mm_s") as i32, number("velN_mm_s") as i32]),
+            receiver_ms: None,
         });
     }
     assert_eq!(expected.len(), 6, "files with NAV-PVT");
     for (file, expected) in expected {
-        assert_eq!(decode(&folder.join(file)), expected, "{file}");
+        // The table has no time of the week.
+        let read = decode(&folder.join(file)).into_iter();
+        let read: Vec<Solution> =
+            read.map(|solution| Solution { receiver_ms: None, ..solution }).collect();
+        assert_eq!(read, expected, "{file}");
     }
 }
 

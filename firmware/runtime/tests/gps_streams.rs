@@ -23,6 +23,9 @@ struct NavPvt {
     east_mmps: i32,
 }
 
+/// The receiver's time of every NAV-PVT here, milliseconds of the week.
+const WEEK_MS: u32 = 302_400_123;
+
 const GOOD: NavPvt = NavPvt {
     fix_type: 3,
     flags: 1,
@@ -37,6 +40,7 @@ const GOOD: NavPvt = NavPvt {
 impl NavPvt {
     fn bytes(&self) -> Vec<u8> {
         let mut payload = [0; 92];
+        payload[..4].copy_from_slice(&WEEK_MS.to_le_bytes());
         payload[20] = self.fix_type;
         payload[21] = self.flags;
         payload[24..28].copy_from_slice(&self.lon_e7.to_le_bytes());
@@ -61,6 +65,7 @@ impl NavPvt {
             place: GeoPoint { lat_e7: self.lat_e7, lon_e7: self.lon_e7 },
             accuracy_mm: self.accuracy_mm,
             velocity_mmps: Some([self.east_mmps, self.north_mmps]),
+            receiver_ms: Some(WEEK_MS),
         }
     }
 }
@@ -140,6 +145,8 @@ fn rmc_and_gga_of_one_epoch_make_one_fix_in_either_order() {
         place: GeoPoint { lat_e7: 337_756_180, lon_e7: -843_963_300 },
         accuracy_mm: 3_600,
         velocity_mmps: Some([1_000, 0]),
+        // 10:10:10 o'clock.
+        receiver_ms: Some(36_610_000),
     };
     for text in [
         gga("101010.00", 1, "0.9") + &rmc("101010.00", 'A'),

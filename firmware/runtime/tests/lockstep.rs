@@ -40,6 +40,7 @@ fn record(gps: &[u8]) -> SensorRecord {
     SensorRecord {
         gps: gps.iter().copied().collect(),
         heading_rad: Some(0.0),
+        ranges: Some(Default::default()),
         operator: ARMED,
         ..SensorRecord::default()
     }
@@ -100,7 +101,7 @@ fn mission() -> Vec<SensorRecord> {
             });
             if (50..80).contains(&tick) {
                 let reading = RangeReading { bearing_rad: 0.1, distance_m: 2.0 };
-                record.ranges.push(reading).expect("there is room");
+                record.ranges.get_or_insert_default().push(reading).expect("there is room");
             }
             record.operator.is_emergency_stop = (100..110).contains(&tick);
             record
@@ -169,8 +170,8 @@ fn nan_and_infinity_are_not_percepts() {
     let mut noisy = mission();
     for record in &mut noisy {
         record.turn_rate_radps = Some(f32::NAN);
-        let nowhere = RangeReading { bearing_rad: f32::INFINITY, distance_m: 1.0 };
-        record.ranges.push(nowhere).expect("there is room");
+        let nowhere = RangeReading { bearing_rad: 1.0, distance_m: f32::INFINITY };
+        record.ranges.get_or_insert_default().push(nowhere).expect("there is room");
     }
     assert_eq!(play(eastward(), &noisy), play(eastward(), &mission()));
 }

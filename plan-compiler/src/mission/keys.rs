@@ -5,11 +5,15 @@ use crate::search::Corners;
 use maps::formats::TagRule;
 use math::GeoPoint;
 use plan_format::limits;
-use plan_format::parameters::{Gains, OnLinkLoss, OnTrouble, Selection, Steering};
+use plan_format::parameters::{
+    ArmingChecks, Gains, OnLinkLoss, OnNoProgress, OnTrouble, Selection, Steering,
+};
 
 /// The tables of a mission file.
-pub const SECTIONS: [&str; 9] =
-    ["goals", "layers", "masks", "gains", "vehicle", "schemas", "fixes", "trouble", "link"];
+pub const SECTIONS: [&str; 14] = [
+    "goals", "layers", "masks", "gains", "vehicle", "schemas", "fixes", "trouble", "link",
+    "ranges", "progress", "arming", "fence", "battery",
+];
 
 /// A key with one value. `[goals]`, `[layers]` and `[masks]` have names of the user's instead.
 #[derive(Debug)]
@@ -522,11 +526,78 @@ pub const KEYS: &[Key] = &[
     word(
         "link",
         "on_loss",
-        "\"continue\"",
-        "What to do when the link is lost while the robot is armed: continue the mission, or disarm and stand still. Manual driving always ends.",
+        "\"disarm\"",
+        "What to do when the link is lost while the robot is armed: disarm and stand still, or continue the mission, for plans that lead out of radio range. Manual driving always ends.",
         &[
-            ("continue", |m| m.parameters.link.on_loss = OnLinkLoss::Continue),
             ("disarm", |m| m.parameters.link.on_loss = OnLinkLoss::Disarm),
+            ("continue", |m| m.parameters.link.on_loss = OnLinkLoss::Continue),
         ],
+    ),
+    number(
+        "ranges",
+        "stale_after",
+        "s",
+        "0.5",
+        "A range finder that has worked counts as silent after this time without a scan; the robot then stops.",
+        |m, v| m.parameters.ranges.stale_after_us = (v * 1e6).round() as u32,
+    ),
+    flag(
+        "ranges",
+        "required",
+        "false",
+        "Whether a robot whose range finder has never reported stands still.",
+        |m, v| m.parameters.ranges.is_required = v,
+    ),
+    number(
+        "progress",
+        "after",
+        "s",
+        "20.0",
+        "The robot makes no progress if it drives for this time without leaving a circle. A slow robot gets more: twice the circle's radius at its highest speed.",
+        |m, v| m.parameters.progress.after_us = (v * 1e6).round() as u32,
+    ),
+    number(
+        "progress",
+        "within",
+        "m",
+        "1.0",
+        "Radius of that circle. Three times the accuracy of the position is added.",
+        |m, v| m.parameters.progress.within_m = v as f32,
+    ),
+    word(
+        "progress",
+        "on_none",
+        "\"stop\"",
+        "What to do without progress: stop until the operator arms the robot anew, or drive on.",
+        &[
+            ("stop", |m| m.parameters.progress.on_none = OnNoProgress::Stop),
+            ("continue", |m| m.parameters.progress.on_none = OnNoProgress::Continue),
+        ],
+    ),
+    word(
+        "arming",
+        "checks",
+        "\"all\"",
+        "Which checks must pass before the robot may be armed: all, or none. Telemetry reports failing checks in either case.",
+        &[
+            ("all", |m| m.parameters.safety.checks = ArmingChecks::All),
+            ("none", |m| m.parameters.safety.checks = ArmingChecks::None),
+        ],
+    ),
+    number(
+        "fence",
+        "radius",
+        "m",
+        "0.0",
+        "Radius of the fence around the place where the robot was armed; 0 for none. It needs no map. Outside, the robot stops, or drives at most at cautious speed by hand.",
+        |m, v| m.parameters.safety.fence_radius_m = v as f32,
+    ),
+    number(
+        "battery",
+        "low",
+        "",
+        "0.0",
+        "The robot stops if its battery, the first input channel, is below this; 0 for never.",
+        |m, v| m.parameters.safety.battery_low = v as f32,
     ),
 ];

@@ -23,6 +23,12 @@ pub struct Parameters {
     pub trouble: TroublePolicy,
     /// When the operator's link is lost, and what that does.
     pub link: LinkPolicy,
+    /// When the range finder counts as silent.
+    pub ranges: RangePolicy,
+    /// When the robot makes no progress, and what that does.
+    pub progress: ProgressPolicy,
+    /// What the robot needs before it may drive, and where it may drive.
+    pub safety: SafetyPolicy,
     /// Seed of the noise schema.
     pub seed: u32,
 }
@@ -169,6 +175,56 @@ pub struct LinkPolicy {
     pub on_loss: OnLinkLoss,
 }
 
+/// When the range finder counts as silent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct RangePolicy {
+    /// A range finder that has worked is silent after this time without a scan, microseconds.
+    pub stale_after_us: u32,
+    /// A robot whose range finder has never reported stands still.
+    pub is_required: bool,
+}
+
+/// What a robot does that makes no progress.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum OnNoProgress {
+    /// Stop until the operator arms the robot anew.
+    Stop,
+    /// Drive on.
+    Continue,
+}
+
+/// When the robot makes no progress, and what that does.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct ProgressPolicy {
+    /// The robot makes no progress if it drives for this time within one circle, microseconds.
+    pub after_us: u32,
+    /// Radius of that circle, metres; the accuracy of the position enlarges it.
+    pub within_m: f32,
+    /// The robot's reaction.
+    pub on_none: OnNoProgress,
+}
+
+/// Which checks must pass before the robot may be armed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum ArmingChecks {
+    /// All that the mission needs.
+    All,
+    /// None; failing checks are reported only.
+    None,
+}
+
+/// What the robot needs before it may drive, and where it may drive.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct SafetyPolicy {
+    /// Which checks must pass before the robot may be armed.
+    pub checks: ArmingChecks,
+    /// Radius of the fence around the place where the robot was armed, metres; 0 for none.
+    pub fence_radius_m: f32,
+    /// The robot stops if the first input channel, the battery's charge, is below this; 0 for
+    /// never.
+    pub battery_low: f32,
+}
+
 impl Default for Parameters {
     fn default() -> Self {
         Self {
@@ -204,7 +260,18 @@ impl Default for Parameters {
                 max_jump_mps: 15.0,
             },
             trouble: TroublePolicy { off_map: OnTrouble::Stop, no_route: OnTrouble::Stop },
-            link: LinkPolicy { timeout_us: 1_000_000, on_loss: OnLinkLoss::Continue },
+            link: LinkPolicy { timeout_us: 1_000_000, on_loss: OnLinkLoss::Disarm },
+            ranges: RangePolicy { stale_after_us: 500_000, is_required: false },
+            progress: ProgressPolicy {
+                after_us: 20_000_000,
+                within_m: 1.0,
+                on_none: OnNoProgress::Stop,
+            },
+            safety: SafetyPolicy {
+                checks: ArmingChecks::All,
+                fence_radius_m: 0.0,
+                battery_low: 0.0,
+            },
             seed: 1,
         }
     }
@@ -235,6 +302,11 @@ impl Parameters {
             ("schemas.goal_tolerance", self.schemas.goal_tolerance_m, 0.01, 1_000.0),
             ("fixes.max_jump", self.fixes.max_jump_mps, 0.1, 1_000.0),
             ("link.timeout", self.link.timeout_us as f32 / 1e6, 0.1, 3_600.0),
+            ("ranges.stale_after", self.ranges.stale_after_us as f32 / 1e6, 0.05, 3_600.0),
+            ("progress.after", self.progress.after_us as f32 / 1e6, 1.0, 3_600.0),
+            ("progress.within", self.progress.within_m, 0.01, 1_000.0),
+            ("fence.radius", self.safety.fence_radius_m, 0.0, 100_000.0),
+            ("battery.low", self.safety.battery_low, 0.0, 1_000_000.0),
         ];
         table
             .into_iter()

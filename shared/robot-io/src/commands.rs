@@ -74,4 +74,26 @@ pub enum Reason {
     UncheckedReceiver,
     /// No fix has arrived yet: the receiver sends messages without a position.
     NoPositionMessage,
+    /// The range finder has worked and reports nothing any more, or the mission requires one and
+    /// none reports.
+    SilentRanges,
+    /// The range finder repeats one scan although the robot moves, or its readings are impossible.
+    FaultyRanges,
+    /// The receiver repeats one solution, or its position does not follow the robot's motion.
+    FrozenFix,
+    /// The compass contradicts the course over ground or the turn rate, and nothing else shows the
+    /// heading.
+    WrongHeading,
+    /// The robot is commanded to move and stays in one place.
+    NoProgress,
+    /// The robot's clock stands still.
+    ClockStopped,
+    /// The link to the operator is silent, and that disarmed the robot.
+    LinkLost,
+    /// The robot is outside the fence around the place where it was armed.
+    OutsideFence,
+    /// A check before arming fails; [`crate::Checks`] names it.
+    NotReady,
+    /// The battery's charge is below the mission's threshold.
+    LowBattery,
 }

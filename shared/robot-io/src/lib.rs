@@ -23,6 +23,7 @@
 //! Deliberately absent: clocks, drivers, allocation.
 #![no_std]
 
+pub mod checks;
 pub mod commands;
 pub mod limits;
 pub mod packet;
@@ -31,8 +32,9 @@ pub mod receiver;
 pub mod record;
 pub mod trace;
 
+pub use checks::Checks;
 pub use commands::{Commands, Reason};
-pub use percepts::{Fix, Manual, Operator, Percepts, RangeReading};
+pub use percepts::{Fix, Manual, Operator, Percepts, Pose, RangeReading};
 pub use receiver::Receiver;
 pub use record::{CommandRecord, SensorRecord};
 pub use trace::TraceHash;

@@ -2,12 +2,15 @@
 
 /// Range readings in one tick's percepts.
 pub const MAX_RANGES: usize = 16;
+/// Longest distance of a range reading, metres; longer ones are garbled. The longest survey
+/// scanners reach half of it.
+pub const MOST_RANGE_M: f32 = 10_000.0;
 /// Input channels in one tick's percepts.
 pub const MAX_CHANNELS: usize = 8;
 /// Digital outputs in one tick's commands.
 pub const MAX_OUTPUTS: usize = 16;
 /// Bytes of the longest encoded percepts or commands.
-pub const MAX_WIRE_BYTES: usize = 256;
+pub const MAX_WIRE_BYTES: usize = 320;
 /// Bytes from the GPS receiver in one record: 115,200 baud bring 576 per tick at 20 Hz.
 pub const MAX_GPS_BYTES: usize = 576;
 /// Bytes of a [`crate::SensorRecord`] on a pipe: the largest one, rounded up.

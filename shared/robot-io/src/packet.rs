@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::limits::MAX_WIRE_BYTES;
-use crate::{CommandRecord, Operator};
+use crate::{CommandRecord, Operator, Pose};
 
 const CRC_BYTES: usize = 2;
 /// Bytes of the longest packet before stuffing.
@@ -36,6 +36,8 @@ pub enum Downlink {
 pub enum Uplink {
     /// The operator's orders; repeated, because silence counts as link loss.
     Operator(Operator),
+    /// A pose from another source than the GPS receiver. Its arrival counts, not its `time_us`.
+    Pose(Pose),
 }
 
 /// The packet of `value`, with the closing 0; `None` if it is too long.
@@ -136,7 +138,7 @@ fn crc16(bytes: &[u8]) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Commands, Manual, Reason, Receiver};
+    use crate::{Checks, Commands, Manual, Reason, Receiver};
 
     /// The values of all valid packets in a stream.
     fn read_all(bytes: &[u8]) -> Vec<Uplink, 8> {
@@ -196,6 +198,7 @@ mod tests {
             trace_hash: 0x0102_0300_0000_0004,
             instructions: u32::MAX,
             receiver: Receiver::NoVelocity,
+            checks: Checks::HEADING,
         };
         let packet = encode(&Downlink::Telemetry(record)).unwrap();
         let mut decoder = Decoder::default();

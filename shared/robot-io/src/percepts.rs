@@ -1,6 +1,6 @@
 //! What the robot perceives at one tick.
 
-use crate::limits::{MAX_CHANNELS, MAX_RANGES};
+use crate::limits::{MAX_CHANNELS, MAX_RANGES, MOST_RANGE_M};
 use crate::receiver::Receiver;
 use heapless::Vec;
 use math::{GeoPoint, scalar};
@@ -19,7 +19,8 @@ pub struct Percepts {
     pub speed_mps: Option<f32>,
     /// Turn rate from a gyroscope, rad/s counter-clockwise.
     pub turn_rate_radps: Option<f32>,
-    /// Obstacles around the robot, in any order.
+    /// Obstacles of the range finder's last complete scan, in any order. A direction without a
+    /// reading is clear.
     pub ranges: Vec<RangeReading, MAX_RANGES>,
     /// Input channels of the mission's rules, each in the unit of its universe. The first are
     /// battery, fuel and link, see [`channel`].
@@ -28,6 +29,17 @@ pub struct Percepts {
     pub operator: Operator,
     /// State of the GPS receiver.
     pub receiver: Receiver,
+    /// When the range finder last reported a complete scan. An empty scan is a report too: all is
+    /// clear. `None` before the first scan, and on a robot without a range finder.
+    pub scan_us: Option<u64>,
+    /// Readings of the last scan that were impossible and are not in `ranges`, see
+    /// [`Percepts::sanitised`].
+    pub garbled_ranges: u8,
+    /// The latest pose from another source than the GPS receiver, new or not; `None` before the
+    /// first.
+    pub pose: Option<Pose>,
+    /// The link is silent, and that disarmed the robot.
+    pub is_link_lost: bool,
 }
 
 /// Numbers of the input channels.
@@ -57,6 +69,24 @@ pub struct Fix {
     pub accuracy_mm: u32,
     /// Velocity east and north, mm/s, if the receiver reports it.
     pub velocity_mmps: Option<[i32; 2]>,
+    /// The receiver's own time of the solution, milliseconds. Only its changes count, because its
+    /// start differs: NAV-PVT counts from the start of the week, NMEA from midnight. A receiver
+    /// that repeats one solution repeats this too.
+    pub receiver_ms: Option<u32>,
+}
+
+/// Position and heading from another source than the GPS receiver: ultra-wideband beacons, motion
+/// capture, visual odometry. In the map's own metres, so it needs no place on the globe.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// Arrival of the pose, on the clock of [`Percepts::time_us`].
+    pub time_us: u64,
+    /// Position, map metres.
+    pub position_m: [f32; 2],
+    /// Heading, radians counter-clockwise from the map's x axis; `None` if it is not measured.
+    pub heading_rad: Option<f32>,
+    /// Accuracy of the position, one standard deviation, millimetres.
+    pub accuracy_mm: u32,
 }
 
 /// The nearest obstacle in one direction.
@@ -89,19 +119,27 @@ pub struct Manual {
 }
 
 impl Percepts {
-    /// A copy without values that are not finite: such a reading becomes `None`, such a range
-    /// reading is removed, such a manual command becomes 0. Angles are wrapped.
+    /// A copy without values that are not finite: such a reading becomes `None`, such a manual
+    /// command becomes 0. Angles are wrapped.
+    ///
+    /// Impossible range readings are removed and counted as garbled: a bearing or distance that is
+    /// not finite, a negative distance, one beyond [`MOST_RANGE_M`]. Only positive infinity is not
+    /// garbled: many drivers report it where nothing is within range.
     #[must_use]
     pub fn sanitised(&self) -> Self {
         let finite = |x: Option<f32>| x.filter(|x| x.is_finite());
         let mut ranges = Vec::new();
+        let mut garbled_ranges = self.garbled_ranges;
         for range in &self.ranges {
-            if range.bearing_rad.is_finite() && range.distance_m.is_finite() {
+            let is_clear = range.distance_m == f32::INFINITY;
+            if range.bearing_rad.is_finite() && (0.0..=MOST_RANGE_M).contains(&range.distance_m) {
                 // Never full: both vectors have the same capacity.
                 let _ = ranges.push(RangeReading {
                     bearing_rad: scalar::wrap_angle(range.bearing_rad),
                     distance_m: range.distance_m,
                 });
+            } else if !(range.bearing_rad.is_finite() && is_clear) {
+                garbled_ranges = garbled_ranges.saturating_add(1);
             }
         }
         let or_zero = |x: f32| if x.is_finite() { x } else { 0.0 };
@@ -121,6 +159,65 @@ impl Percepts {
                 ..self.operator
             },
             receiver: self.receiver,
+            scan_us: self.scan_us,
+            garbled_ranges,
+            pose: self.pose.and_then(Pose::sanitised),
+            is_link_lost: self.is_link_lost,
         }
+    }
+}
+
+impl Pose {
+    /// The pose without a heading that is not finite; `None` if the position is not finite.
+    fn sanitised(self) -> Option<Self> {
+        let heading = self.heading_rad.filter(|heading| heading.is_finite());
+        let is_somewhere = self.position_m.iter().all(|metres| metres.is_finite());
+        is_somewhere.then_some(Self { heading_rad: heading.map(scalar::wrap_angle), ..self })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn impossible_readings_are_removed_and_counted_once() {
+        let table = [
+            // bearing, distance, kept, garbled
+            (0.0, 1.0, 1, 0),
+            (0.0, 0.0, 1, 0),
+            (0.0, f32::INFINITY, 0, 0),
+            (0.0, f32::NEG_INFINITY, 0, 1),
+            (0.0, f32::NAN, 0, 1),
+            (0.0, -0.01, 0, 1),
+            (0.0, 1e30, 0, 1),
+            (f32::NAN, 1.0, 0, 1),
+            (f32::INFINITY, f32::INFINITY, 0, 1),
+        ];
+        for (bearing_rad, distance_m, kept, garbled) in table {
+            let reading = RangeReading { bearing_rad, distance_m };
+            let percepts =
+                Percepts { ranges: [reading].into_iter().collect(), ..Percepts::default() };
+            let clean = percepts.sanitised();
+            let case = (bearing_rad, distance_m);
+            assert_eq!((clean.ranges.len(), clean.garbled_ranges), (kept, garbled), "{case:?}");
+            assert_eq!(clean.sanitised(), clean, "{case:?}");
+        }
+    }
+
+    #[test]
+    fn a_pose_needs_a_finite_position_and_not_a_heading() {
+        let pose = |x, heading| Percepts {
+            pose: Some(Pose {
+                time_us: 1,
+                position_m: [x, 2.0],
+                heading_rad: Some(heading),
+                accuracy_mm: 10,
+            }),
+            ..Percepts::default()
+        };
+        assert_eq!(pose(f32::NAN, 0.0).sanitised().pose, None);
+        let without = pose(1.0, f32::NAN).sanitised().pose.unwrap();
+        assert_eq!((without.position_m, without.heading_rad), ([1.0, 2.0], None));
     }
 }

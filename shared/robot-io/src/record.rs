@@ -7,7 +7,7 @@
 use crate::limits::{
     COMMAND_RECORD_BYTES, MAX_CHANNELS, MAX_GPS_BYTES, MAX_RANGES, SENSOR_RECORD_BYTES,
 };
-use crate::{Commands, Operator, RangeReading, Receiver};
+use crate::{Checks, Commands, Operator, Pose, RangeReading, Receiver};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -22,12 +22,18 @@ pub struct SensorRecord {
     pub speed_mps: Option<f32>,
     /// As in [`crate::Percepts`].
     pub turn_rate_radps: Option<f32>,
-    /// As in [`crate::Percepts`].
-    pub ranges: Vec<RangeReading, MAX_RANGES>,
+    /// The range finder's scan of this tick, empty if all is clear; `None` if no scan arrived. The
+    /// robot keeps the last one with its time.
+    pub ranges: Option<Vec<RangeReading, MAX_RANGES>>,
     /// As in [`crate::Percepts`].
     pub inputs: [Option<f32>; MAX_CHANNELS],
-    /// As in [`crate::Percepts`].
+    /// Orders of the robot's own buttons.
     pub operator: Operator,
+    /// Orders that arrived over the link since the last tick; `None` if none did. A robot that has
+    /// never heard any obeys its buttons.
+    pub radio: Option<Operator>,
+    /// A pose that arrived since the last tick; its arrival counts, not its `time_us`.
+    pub pose: Option<Pose>,
 }
 
 /// What the robot sends to the world after a tick.
@@ -43,6 +49,8 @@ pub struct CommandRecord {
     pub instructions: u32,
     /// State of the GPS receiver.
     pub receiver: Receiver,
+    /// The checks before arming that fail in this tick.
+    pub checks: Checks,
 }
 
 impl SensorRecord {
@@ -84,18 +92,26 @@ mod tests {
     #[test]
     fn the_largest_records_fit_and_come_back() {
         let reading = RangeReading { bearing_rad: -3.0, distance_m: 1e9 };
+        let operator = Operator {
+            is_armed: true,
+            is_emergency_stop: true,
+            manual: Some(Manual { speed_mps: 1.0, turn_rate_radps: 1.0 }),
+        };
         let sensors = SensorRecord {
             gps: repeat_n(0xb5, MAX_GPS_BYTES).collect(),
             heading_rad: Some(1.0),
             speed_mps: Some(1.0),
             turn_rate_radps: Some(1.0),
-            ranges: repeat_n(reading, MAX_RANGES).collect(),
+            ranges: Some(repeat_n(reading, MAX_RANGES).collect()),
             inputs: [Some(1.0); MAX_CHANNELS],
-            operator: Operator {
-                is_armed: true,
-                is_emergency_stop: true,
-                manual: Some(Manual { speed_mps: 1.0, turn_rate_radps: 1.0 }),
-            },
+            operator,
+            radio: Some(operator),
+            pose: Some(Pose {
+                time_us: u64::MAX,
+                position_m: [1.0; 2],
+                heading_rad: Some(1.0),
+                accuracy_mm: u32::MAX,
+            }),
         };
         let bytes = sensors.to_bytes().unwrap();
         assert_eq!(SensorRecord::from_bytes(&bytes), Some(sensors));
@@ -113,6 +129,7 @@ mod tests {
             trace_hash: u64::MAX,
             instructions: u32::MAX,
             receiver: Receiver::Sound,
+            checks: Checks::all(),
         };
         assert_eq!(CommandRecord::from_bytes(&record.to_bytes().unwrap()), Some(record));
         assert_eq!(CommandRecord::from_bytes(&[0xff; COMMAND_RECORD_BYTES]), None);

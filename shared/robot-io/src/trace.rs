@@ -45,7 +45,7 @@ impl TraceHash {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Fix, Manual, Operator, RangeReading, Receiver};
+    use crate::{Fix, Manual, Operator, Pose, RangeReading, Receiver};
     use math::GeoPoint;
 
     #[test]
@@ -59,8 +59,18 @@ mod tests {
                 place: GeoPoint { lat_e7: i32::MIN, lon_e7: i32::MIN },
                 accuracy_mm: u32::MAX,
                 velocity_mmps: Some([i32::MIN; 2]),
+                receiver_ms: Some(u32::MAX),
             }),
             receiver: Receiver::Sound,
+            scan_us: Some(u64::MAX),
+            garbled_ranges: u8::MAX,
+            pose: Some(Pose {
+                time_us: u64::MAX,
+                position_m: [1.0; 2],
+                heading_rad: Some(1.0),
+                accuracy_mm: u32::MAX,
+            }),
+            is_link_lost: true,
             heading_rad: Some(1.0),
             speed_mps: Some(1.0),
             turn_rate_radps: Some(1.0),

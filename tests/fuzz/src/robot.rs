@@ -10,9 +10,10 @@ use plan_format::{Blob, Cell, Layer, Parameters, limits};
 use robot_io::limits::{COMMAND_RECORD_BYTES, SENSOR_RECORD_BYTES};
 use robot_io::packet::{self, Downlink, Uplink};
 use robot_io::{
-    CommandRecord, Commands, Fix, Manual, Operator, Percepts, RangeReading, Receiver, SensorRecord,
+    CommandRecord, Commands, Fix, Manual, Operator, Percepts, Pose, RangeReading, Receiver,
+    SensorRecord,
 };
-use runtime::OperatorSlot;
+use runtime::Slots;
 use std::sync::OnceLock;
 
 /// Size of a blob's header, bytes.
@@ -123,6 +124,7 @@ fn percepts(blob: &Blob<'_>, time_us: u64, random: &mut Random) -> Percepts {
         place: frame.to_geodetic(at),
         accuracy_mm: random.below(8_000) as u32,
         velocity_mmps: (random.below(2) > 0).then_some([500, -700]),
+        receiver_ms: (random.below(2) > 0).then_some(random.below(3) as u32 * 200),
     });
     let mut number = || match random.below(30) {
         0 => None,
@@ -152,8 +154,22 @@ fn percepts(blob: &Blob<'_>, time_us: u64, random: &mut Random) -> Percepts {
         ranges,
         inputs,
         operator,
+        scan_us: (random.below(3) > 0).then_some(time_us),
+        pose: pose(time_us, random),
+        is_link_lost: random.below(9) == 0,
+        garbled_ranges: 0,
         receiver: receivers[random.below(receivers.len())],
     }
+}
+
+/// Poses at random, some of them not finite.
+fn pose(time_us: u64, random: &mut Random) -> Option<Pose> {
+    (random.below(3) == 0).then(|| Pose {
+        time_us,
+        position_m: [random.unit() * 50.0, f32::from_bits(random.next() as u32)],
+        heading_rad: (random.below(2) > 0).then_some(random.unit() * 9.0),
+        accuracy_mm: random.below(8_000) as u32,
+    })
 }
 
 /// A receiver's bytes, decoded by the drivers.
@@ -177,9 +193,9 @@ pub(crate) fn link(bytes: &[u8]) {
             assert!(packet::encode(&downlink).is_some(), "a decoded downlink can be encoded");
         }
     }
-    let slot = OperatorSlot::<NoopRawMutex>::new();
-    block_on(runtime::operator_task(bytes, &slot, || 7));
-    let _ = slot.at(u64::MAX, &Parameters::default().link);
+    let slots = Slots::<NoopRawMutex>::new();
+    block_on(runtime::operator_task(bytes, &slots, || 7));
+    let _ = slots.operator.at(u64::MAX, &Parameters::default().link);
 }
 
 /// A transport that delivers sensor records from bytes.

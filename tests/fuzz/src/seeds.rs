@@ -4,7 +4,8 @@ use math::GeoPoint;
 use plan_compiler::trace::Trace;
 use robot_io::packet::{self, Downlink, Uplink};
 use robot_io::{
-    CommandRecord, Commands, Fix, Manual, Operator, Percepts, Reason, Receiver, SensorRecord,
+    Checks, CommandRecord, Commands, Fix, Manual, Operator, Percepts, Reason, Receiver,
+    SensorRecord,
 };
 use sim::receiver::Solution;
 use sim::{Dialect, Mode};
@@ -76,6 +77,7 @@ fn trace(blob: Vec<u8>) -> Trace {
             place: PLACE,
             accuracy_mm: 500,
             velocity_mmps: Some([500, 0]),
+            receiver_ms: Some(tick as u32 * 50),
         }),
         inputs: [Some(fixtures::wave(tick as u32)); robot_io::limits::MAX_CHANNELS],
         operator: Operator { is_armed: true, ..Operator::default() },
@@ -110,6 +112,7 @@ fn packets() -> Vec<u8> {
         trace_hash: u64::MAX,
         instructions: 3_000,
         receiver: Receiver::Sound,
+        checks: Checks::HEADING,
     }));
     up.into_iter().chain([down]).flat_map(|packet| packet.expect("a packet fits")).collect()
 }

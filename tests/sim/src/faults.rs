@@ -176,7 +176,7 @@ impl Channel {
             Self::Heading => record.heading_rad = shifted(record.heading_rad),
             Self::Odometry => record.speed_mps = shifted(record.speed_mps),
             Self::Ranges => {
-                record.ranges.iter_mut().for_each(|range| range.distance_m += by);
+                record.ranges.iter_mut().flatten().for_each(|range| range.distance_m += by);
             }
         }
     }
@@ -195,7 +195,7 @@ impl Channel {
                 both.for_each(number);
             }
             Self::Ranges => {
-                for range in &mut record.ranges {
+                for range in record.ranges.iter_mut().flatten() {
                     number(&mut range.bearing_rad);
                     number(&mut range.distance_m);
                 }

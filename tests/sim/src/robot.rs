@@ -218,6 +218,7 @@ mod tests {
                 trace_hash: self.0,
                 instructions: 0,
                 receiver,
+                checks: robot_io::Checks::default(),
             })
         }
     }
@@ -255,7 +256,15 @@ mod tests {
             left[0].0 = left[0].0.saturating_sub(1);
             let commands = Commands::stop(left[0].1);
             let receiver = robot_io::Receiver::Sound;
-            Ok(CommandRecord { time_us: 0, commands, trace_hash: 0, instructions: 0, receiver })
+            let checks = robot_io::Checks::default();
+            Ok(CommandRecord {
+                time_us: 0,
+                commands,
+                trace_hash: 0,
+                instructions: 0,
+                receiver,
+                checks,
+            })
         }
     }
 

@@ -187,9 +187,11 @@ impl Sensors for SensorSuite {
             heading_rad,
             speed_mps: odometry.map(|(speed, _)| speed as f32),
             turn_rate_radps: odometry.map(|(_, turn)| turn as f32),
-            ranges: self.settings.ring.map(|ring| self.ring(ring, scene)).unwrap_or_default(),
+            ranges: self.settings.ring.map(|ring| self.ring(ring, scene)),
             inputs: Default::default(),
             operator: self.settings.operator,
+            radio: None,
+            pose: None,
         }
     }
 }

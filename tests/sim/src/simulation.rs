@@ -148,7 +148,8 @@ mod tests {
                 self.hash = (self.hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
             }
             let ahead = |reading: &&robot_io::RangeReading| reading.bearing_rad.abs() < 0.3;
-            let nearest = sensors.ranges.iter().filter(ahead).map(|reading| reading.distance_m);
+            let nearest =
+                sensors.ranges.iter().flatten().filter(ahead).map(|reading| reading.distance_m);
             let is_free = nearest.fold(f32::INFINITY, f32::min) >= self.distance_m;
             let (speed_mps, turn_rate_radps) = if is_free { (1.0, 0.0) } else { (0.3, 0.8) };
             let commands =
@@ -160,6 +161,7 @@ mod tests {
                 trace_hash: self.hash,
                 instructions: 0,
                 receiver,
+                checks: robot_io::Checks::default(),
             })
         }
     }

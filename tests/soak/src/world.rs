@@ -50,6 +50,7 @@ impl<'a> World<'a> {
             place: frame.to_geodetic(self.position),
             accuracy_mm: 500,
             velocity_mmps: None,
+            receiver_ms: Some((self.time_us / 1_000) as u32),
         });
         let readings = if random.one_in(10) { random.index(9) } else { 0 };
         let ranges = (0..readings).map(|_| RangeReading {

@@ -105,6 +105,7 @@ fn the_mission_of_the_budget_is_as_large_as_it_says() {
             place: frame.to_geodetic(math::Vec2::new(3.5, 3.5)),
             accuracy_mm: 500,
             velocity_mmps: None,
+            receiver_ms: Some(tick * 50),
         });
         percepts.heading_rad = Some(0.0);
         let explanation = explain(&blob, &mut state, &percepts);

@@ -122,6 +122,7 @@ impl<'a> Robot<'a> {
             place: frame.to_geodetic(self.position),
             accuracy_mm: 10,
             velocity_mmps: None,
+            receiver_ms: None,
         });
         Percepts {
             time_us: self.time_us,

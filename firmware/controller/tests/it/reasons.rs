@@ -69,12 +69,18 @@ fn index_of(reason: Reason) -> usize {
         UnreadableReceiver,
         UncheckedReceiver,
         NoPositionMessage,
+        SilentRanges,
+        FaultyRanges,
     ];
     match reason {
         Driving | AtGoal | Escaping | NoPlan | NoRoute | OffMap | NoFix | StaleFix | PoorFix
         | JumpedFix | DistantFix | NoHeading | ObstacleStop | Disarmed | EmergencyStop | Manual
         | NoOrigin | Holding | Idle | UnreadableReceiver | UncheckedReceiver
-        | NoPositionMessage => all.iter().position(|&other| other == reason).expect("it is listed"),
+        | NoPositionMessage | SilentRanges | FaultyRanges => {
+            all.iter().position(|&other| other == reason).expect("it is listed")
+        }
+        FrozenFix | WrongHeading | NoProgress | ClockStopped | LinkLost | OutsideFence
+        | NotReady | LowBattery => unreachable!("no case reaches it"),
     }
 }
 
@@ -133,6 +139,12 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         p.fix.as_mut().unwrap().velocity_mmps = Some([0, 0]);
     };
     let blocked = |_: usize, p: &mut Percepts| p.ranges = [ahead(0.5)].into_iter().collect();
+    let lost_ranges = |index: usize, p: &mut Percepts| {
+        p.scan_us = Some(if index == 0 { p.time_us } else { 1_000_000 });
+    };
+    let garbled = |_: usize, p: &mut Percepts| {
+        (p.scan_us, p.garbled_ranges) = (Some(p.time_us), 1);
+    };
     let disarmed = |_: usize, p: &mut Percepts| p.operator.is_armed = false;
     let emergency = |_: usize, p: &mut Percepts| p.operator.is_emergency_stop = true;
     let by_hand = |_: usize, p: &mut Percepts| {
@@ -165,6 +177,9 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         ("a course to find", &stops, START, 9, &still, Reason::NoHeading, Drives),
         ("it must not creep", &waits, START, 9, &still, Reason::NoHeading, Stops),
         ("something ahead", &plan_only, START, 1, &blocked, Reason::ObstacleStop, Drives),
+        ("ranges lost, 0.5 s", &stops, START, 11, &lost_ranges, Reason::Driving, Drives),
+        ("ranges lost", &stops, START, 12, &lost_ranges, Reason::SilentRanges, Stops),
+        ("garbled ranges", &stops, START, 9, &garbled, Reason::FaultyRanges, Stops),
         ("disarmed", &stops, START, 1, &disarmed, Reason::Disarmed, Stops),
         ("emergency stop", &stops, START, 1, &emergency, Reason::EmergencyStop, Stops),
         ("by hand", &stops, START, 1, &by_hand, Reason::Manual, Drives),
@@ -172,7 +187,7 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         ("nothing to do", &idle, START, 1, &nothing, Reason::Idle, Stops),
         ("no origin", &unknown_place, START, 1, &nothing, Reason::NoOrigin, Stops),
     ];
-    let mut reached = vec![false; 22];
+    let mut reached = vec![false; 24];
     for (name, blob, at, ticks, change, reason, does) in table {
         let blob = Blob::parse(blob).expect("the blob is valid");
         let (result, did) = after(*ticks, blob, *at, *change);

@@ -40,8 +40,9 @@ prop_compose! {
         place in place(),
         accuracy_mm in prop_oneof![0..6_000_u32, any::<u32>()],
         velocity_mmps in prop::option::of(prop::array::uniform2(any::<i32>())),
+        receiver_ms in prop::option::of(any::<u32>()),
     ) -> (i64, Fix) {
-        (age_us, Fix { time_us: 0, is_valid, place, accuracy_mm, velocity_mmps })
+        (age_us, Fix { time_us: 0, is_valid, place, accuracy_mm, velocity_mmps, receiver_ms })
     }
 }
 
@@ -93,6 +94,7 @@ fn step() -> impl Strategy<Value = (i64, Percepts)> {
                 inputs: Default::default(),
                 operator,
                 receiver,
+                ..Percepts::default()
             };
             (elapsed_us, percepts)
         },

@@ -171,6 +171,6 @@ impl Decoder {
 }
 
 fn solution(gga: &Gga, velocity_mmps: Option<[i32; 2]>) -> Solution {
-    let &Gga { has_fix: is_valid, place, accuracy_mm, .. } = gga;
-    Solution { is_valid, place, accuracy_mm, velocity_mmps }
+    let &Gga { has_fix: is_valid, place, accuracy_mm, time_ms: receiver_ms, .. } = gga;
+    Solution { is_valid, place, accuracy_mm, velocity_mmps, receiver_ms }
 }

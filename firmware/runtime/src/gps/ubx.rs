@@ -110,6 +110,7 @@ impl Window<'_> {
             place,
             accuracy_mm: self.u32(40),
             velocity_mmps: Some([self.i32(52), self.i32(48)]),
+            receiver_ms: Some(self.u32(0)),
         }
     }
 }

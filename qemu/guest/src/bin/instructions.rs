@@ -187,6 +187,7 @@ mod counts {
                 place: frame.to_geodetic(at),
                 accuracy_mm: 500,
                 velocity_mmps: Some([300, -200]),
+                receiver_ms: Some((tick * 50) as u32),
             }),
             receiver: Receiver::Sound,
             heading_rad: Some(math::scalar::wrap_angle(turn_rad)),
@@ -200,6 +201,8 @@ mod counts {
                 .collect(),
             inputs: [5_u64, 7, 11, 13, 17, 19, 23, 29].map(|period| Some(wave(tick, period))),
             operator: Operator { is_armed: true, ..Operator::default() },
+            scan_us: Some(time_us),
+            ..Percepts::default()
         }
     }
 }

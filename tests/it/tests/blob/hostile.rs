@@ -149,6 +149,7 @@ fn percepts(blob: &Blob<'_>, tick: u64) -> Percepts {
         place: frame.to_geodetic(at),
         accuracy_mm: 500,
         velocity_mmps: Some([500, 0]),
+        receiver_ms: Some(tick as u32 * 50),
     });
     let operator = Operator { is_armed: true, ..Operator::default() };
     let inputs = [Some(tick as f32 / 8.0); robot_io::limits::MAX_CHANNELS];
