@@ -8,6 +8,7 @@ use plan_compiler::input::Options;
 use plan_compiler::mission::{Goal, Named};
 use plan_compiler::project::{self, Request};
 use plan_format::parameters::Gains;
+use sim::scenario::place_on_globe;
 use sim::{Scenario, Surroundings};
 
 /// The gains of the paper's mixes by their names in a mission file (W, section 4).
@@ -30,7 +31,8 @@ pub struct Changes {
 }
 
 /// Compiles a map with the mission file beside it, or a mission file that names its map.
-/// The error lists all problems, as `plan-compiler build` does.
+/// A map without a place on the globe gets one, with a note. The error lists all problems, as
+/// `plan-compiler build` does.
 pub fn scenario(path: &Path, changes: &Changes) -> Result<Scenario, String> {
     let mut problems = Vec::new();
     let scenario = read_and_compile(path, changes, &mut problems);
@@ -56,8 +58,11 @@ fn read_and_compile(
         mission.plan = Some(from_command_line(name));
     }
     mission.parameters.gains = changes.gains.unwrap_or(mission.parameters.gains);
+    let note = place_on_globe(&mut project.map);
     let blob = compile(&project.input(), &|_, _| (), problems)?;
-    Some(Scenario::new(project.map, blob, surroundings))
+    let mut scenario = Scenario::new(project.map, blob, surroundings);
+    scenario.notes.extend(note);
+    Some(scenario)
 }
 
 /// A plan's name that the option `--plan` gives.

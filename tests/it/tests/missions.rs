@@ -67,7 +67,7 @@ fn blob(replacements: &[(&str, &str)]) -> Vec<u8> {
 
 /// The body that the shipped mission describes.
 fn chassis(blob: &Blob<'_>) -> Chassis {
-    Chassis { radius_m: f64::from(blob.parameters().vehicle.radius_m), ..Chassis::default() }
+    Chassis::of(&blob.parameters().vehicle)
 }
 
 /// A robot of the shipped mission, before its first tick.

@@ -3,6 +3,7 @@
 //! Sense, exchange and move are separate functions, so that all robots finish one phase of a tick
 //! before any begins the next.
 
+use crate::body::LOOK_M;
 use crate::geometry::distance;
 use crate::{
     Body, Ending, Limits, Mode, Outcome, Pilot, PilotError, Point, Scene, Sensors, StepResult,
@@ -11,8 +12,6 @@ use crate::{
 use math::scalar::wrap_angle;
 use robot_io::{CommandRecord, Commands, Reason, SensorRecord};
 
-/// Obstacles farther from the body than this do not count for the closest approach, metres.
-const LOOK_M: f64 = 10.0;
 /// Distance between two points of the recorded route, metres.
 const ROUTE_STEP_M: f64 = 0.5;
 /// Length of a tick, seconds.
@@ -103,7 +102,6 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         &mut self,
         answer: &CommandRecord,
         (body, result): (Body, StepResult),
-        truth: &World,
         others: &[Body],
     ) {
         let turned_rad = body.heading_rad - self.body.heading_rad;
@@ -124,11 +122,11 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         outcome.trace_hash = answer.trace_hash;
         outcome.most_instructions = outcome.most_instructions.max(answer.instructions);
         self.is_touching = result.touched;
-        let standing = truth.nearest(body.position, LOOK_M).map(|nearest| nearest.distance_m);
+        outcome.closest_m = outcome.closest_m.min(result.closest_m);
         let moving = others
             .iter()
             .map(|other| distance(body.position, other.position) - other.chassis.radius_m);
-        for distance_m in standing.into_iter().chain(moving.filter(|&gap_m| gap_m < LOOK_M)) {
+        for distance_m in moving.filter(|&gap_m| gap_m < LOOK_M) {
             outcome.closest_m = outcome.closest_m.min(distance_m - body.chassis.radius_m);
         }
         self.note(answer.commands.reason);

@@ -4,10 +4,30 @@ use crate::{
     Body, Chassis, Limits, Pilot, Point, Random, ReceiverSettings, Robot, SensorSettings,
     SensorSuite, Stream, Surroundings, World,
 };
-use maps::Map;
-use math::Vec2;
+use maps::{Map, Reference};
+use math::{GeoPoint, Vec2};
 use plan_format::grid::cost_metres;
 use plan_format::{Answer, Blob, Layer, ParallelPlan};
+
+/// Where a map lies in the simulator if its file does not place it on the globe: 45 N, 8 E.
+pub const LOCAL_ORIGIN: GeoPoint = GeoPoint { lat_e7: 450_000_000, lon_e7: 80_000_000 };
+
+/// Places a map without a reference to the globe at [`LOCAL_ORIGIN`], its south-west corner there
+/// and north up, so that a simulated robot can drive on it by GPS. Returns a note for the user;
+/// `None` if the map has its own reference. Call it before the map is compiled: the robot takes
+/// the origin from its blob.
+pub fn place_on_globe(map: &mut Map) -> Option<String> {
+    if map.reference.is_some() {
+        return None;
+    }
+    let at = map.extent.corner;
+    map.reference = Some(Reference { place: LOCAL_ORIGIN, at, heading_rad: 0.0 });
+    let [x, y] = at;
+    Some(format!(
+        "the map does not say where on the globe it lies; this simulation places its south-west \
+         corner ({x:.2}, {y:.2}) at 45 N, 8 E, with north up"
+    ))
+}
 
 /// The start of a robot's run.
 #[derive(Clone, Copy, Debug)]
@@ -34,12 +54,15 @@ pub struct Scenario {
     pub blob: Vec<u8>,
     /// Tanks and fields that the robot's work changes, if there are any.
     pub surroundings: Option<Surroundings>,
+    /// What the user should know about this simulation, a sentence each.
+    pub notes: Vec<String>,
 }
 
 impl Scenario {
     /// A scenario in which the world is as in the map. Panics if the blob is damaged.
     pub fn new(map: Map, blob: Vec<u8>, surroundings: Option<Surroundings>) -> Self {
-        let scenario = Self { truth: World::of_map(&map), map, blob, surroundings };
+        let scenario =
+            Self { truth: World::of_map(&map), map, blob, surroundings, notes: Vec::new() };
         scenario.plan();
         scenario
     }
@@ -102,8 +125,8 @@ impl Scenario {
         SensorSettings { gps, ..usual }
     }
 
-    /// A robot before its first tick. The error is a message for the user: the map has no reference
-    /// to the globe, or an obstacle is at the start.
+    /// A robot before its first tick. The error is a message for the user: an obstacle is at the
+    /// start, or the map was compiled without a reference to the globe (see [`place_on_globe`]).
     pub fn robot<P: Pilot>(
         &self,
         start: &Start,
@@ -111,11 +134,9 @@ impl Scenario {
     ) -> Result<Robot<SensorSuite, P>, String> {
         let reference = self.map.reference.as_ref();
         let reference = reference.ok_or(
-            "the map does not say where on the globe it lies, but the robot drives by GPS; add a \
-             reference to the map: GLOBAL_REF_POINT LAT LON in an overlay",
+            "the map does not say where on the globe it lies, but the robot drives by GPS",
         )?;
-        let vehicle = self.plan().parameters().vehicle;
-        let chassis = Chassis { radius_m: vehicle.radius_m.into(), ..Chassis::default() };
+        let chassis = Chassis::of(&self.plan().parameters().vehicle);
         if !self.truth.is_clear(start.position, chassis.radius_m) {
             let nearest = near_clear(&self.truth, start.position, chassis.radius_m);
             let elsewhere = nearest.map_or_else(

@@ -77,7 +77,7 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
         keep_apart(&before, &mut after, &mut results);
         for (index, robot) in self.robots.iter_mut().enumerate() {
             let moved = (after[index], results[index]);
-            robot.arrive(&answers[index], moved, self.truth, &others(&after, index));
+            robot.arrive(&answers[index], moved, &others(&after, index));
         }
     }
 
@@ -122,7 +122,7 @@ fn keep_apart(before: &[Body], after: &mut [Body], results: &mut [StepResult]) {
             has_stayed[index] = true;
             after[index].position = before[index].position;
             after[index].velocity_mps = [0.0; 2];
-            results[index] = StepResult { distance_m: 0.0, touched: true };
+            results[index] = StepResult { distance_m: 0.0, touched: true, ..results[index] };
         }
     }
 }
@@ -223,7 +223,7 @@ mod tests {
         let at = |x: f64| Body::new(Chassis::default(), [x, 0.0], 0.0);
         let before = [at(0.0), at(0.7), at(1.4)];
         let mut after = [at(0.0), at(0.5), at(1.2)];
-        let moved = StepResult { distance_m: 0.2, touched: false };
+        let moved = StepResult { distance_m: 0.2, ..StepResult::default() };
         let mut results = [StepResult::default(), moved, moved];
         keep_apart(&before, &mut after, &mut results);
         assert_eq!(after.map(|body| body.position), before.map(|body| body.position));

@@ -2,8 +2,11 @@
 
 use crate::Point;
 use crate::geometry::distance;
-use maps::{Map, Role, Shape};
+use maps::bitmap::Bitmap;
+use maps::{CellMap, Map, Role, Shape};
 use math::scalar::wide;
+use plan_format::Cell;
+use std::ops::Range;
 
 /// Smallest side of an index cell, metres. A range sensor reaches over a few such cells.
 const CELL_M: f64 = 4.0;
@@ -19,6 +22,8 @@ pub struct World {
     parts: Vec<Part>,
     /// Rings of each filled polygon, to test whether a point is inside.
     filled: Vec<Vec<Vec<Point>>>,
+    /// Cells that a map gives; the occupied ones are filled.
+    cells: Option<CellMap>,
     index: Index,
 }
 
@@ -51,6 +56,14 @@ struct Index {
 impl World {
     /// A world of these obstacles.
     pub fn new<'s>(obstacles: impl IntoIterator<Item = &'s Shape>) -> Self {
+        Self::with_cells(obstacles, None)
+    }
+
+    /// A world of these obstacles and the occupied cells. Cells that a map marks unknown are free.
+    pub fn with_cells<'s>(
+        obstacles: impl IntoIterator<Item = &'s Shape>,
+        cells: Option<&CellMap>,
+    ) -> Self {
         let mut parts = Vec::new();
         let mut filled = Vec::new();
         for shape in obstacles {
@@ -65,15 +78,16 @@ impl World {
                 }
             }
         }
+        parts.extend(cells.into_iter().flat_map(outline));
         let index = Index::new(&parts);
-        Self { parts, filled, index }
+        Self { parts, filled, cells: cells.cloned(), index }
     }
 
-    /// The obstacles of a map. Attenuating areas, zones and the map's boundary are rules, not
-    /// walls, so they are left out.
+    /// The obstacles of a map, shapes and cells. Attenuating areas, zones and the map's boundary
+    /// are rules, not walls, so they are left out.
     pub fn of_map(map: &Map) -> Self {
         let features = map.features.iter().filter(|feature| feature.role == Role::Obstacle);
-        Self::new(features.map(|feature| &feature.shape))
+        Self::with_cells(features.map(|feature| &feature.shape), map.cells.as_ref())
     }
 
     /// South-west and north-east corners of the box around all obstacles, metres.
@@ -111,18 +125,36 @@ impl World {
         best
     }
 
+    /// Smallest distance from the straight way between two points to any surface, metres, negative
+    /// within a disc and 0 where the way crosses an outline; `None` if none is within `within_m`.
+    pub fn nearest_along(&self, from: Point, to: Point, within_m: f64) -> Option<f64> {
+        let mut best = within_m;
+        let low = [0, 1].map(|axis| from[axis].min(to[axis]) - within_m);
+        let high = [0, 1].map(|axis| from[axis].max(to[axis]) + within_m);
+        for cell in self.index.cells_of([low, high]) {
+            for &part in &self.index.cells[cell] {
+                best = best.min(self.parts[part as usize].distance_of_way(from, to));
+            }
+        }
+        (best < within_m).then_some(best)
+    }
+
     /// Whether a disc touches no obstacle and its centre is not inside a filled one.
     pub fn is_clear(&self, centre: Point, radius: f64) -> bool {
         self.nearest(centre, radius).is_none() && !self.is_inside(centre)
     }
 
-    /// Whether a point is inside a filled polygon (even-odd rule) or a disc.
+    /// Whether a point is inside a filled polygon (even-odd rule), a disc or an occupied cell.
     pub fn is_inside(&self, point: Point) -> bool {
         let within = |rings: &Vec<Vec<Point>>| {
             let crossed = rings.iter().flat_map(|ring| segments(ring, true));
             crossed.filter(|part| part.crosses_ray_east_of(point)).count() % 2 == 1
         };
-        self.nearest(point, 0.0).is_some() || self.filled.iter().any(within)
+        let is_occupied =
+            |cells: &CellMap| cell_at(cells, point).is_some_and(|cell| cells.occupied.get(cell));
+        self.nearest(point, 0.0).is_some()
+            || self.filled.iter().any(within)
+            || self.cells.as_ref().is_some_and(is_occupied)
     }
 
     /// Pushes a disc that overlaps an obstacle out along the surface's normal. `None`: the disc
@@ -207,6 +239,24 @@ impl Part {
         }
     }
 
+    /// Smallest distance from the straight way between two points to this part.
+    fn distance_of_way(&self, from: Point, to: Point) -> f64 {
+        let way = Self::Segment { from, to };
+        match *self {
+            Self::Disc { centre, radius } => way.nearest(centre).distance_m - radius,
+            Self::Segment { from: a, to: b } => {
+                if are_apart(from, to, a, b) || are_apart(a, b, from, to) {
+                    let of_ends = [self.nearest(from), self.nearest(to)];
+                    let of_way = [way.nearest(a), way.nearest(b)];
+                    let all = of_ends.iter().chain(&of_way).map(|nearest| nearest.distance_m);
+                    all.fold(f64::INFINITY, f64::min)
+                } else {
+                    0.0
+                }
+            }
+        }
+    }
+
     /// Whether a ray due east from a point crosses this segment; half-open, so that a vertex
     /// counts once.
     fn crosses_ray_east_of(&self, point: Point) -> bool {
@@ -229,11 +279,67 @@ impl Part {
     }
 }
 
+/// Whether two points lie on the same side of the line through `a` and `b`, or on it.
+fn are_apart(a: Point, b: Point, one: Point, other: Point) -> bool {
+    let side = |p: Point| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+    side(one) * side(other) >= 0.0
+}
+
 /// The segments between successive points, and back to the first if `closed`.
 fn segments(points: &[Point], closed: bool) -> impl Iterator<Item = Part> + '_ {
     let back = if closed { points.last().zip(points.first()) } else { None };
     let open = points.windows(2).map(|pair| Part::Segment { from: pair[0], to: pair[1] });
     open.chain(back.map(|(&from, &to)| Part::Segment { from, to }))
+}
+
+/// The cell of a map's cells that holds a point; `None` outside.
+fn cell_at(cells: &CellMap, point: Point) -> Option<Cell> {
+    let [column, row] =
+        [0, 1].map(|axis| wide::floor((point[axis] - cells.corner[axis]) / cells.resolution_m));
+    let (columns, rows) = (cells.occupied.columns().into(), cells.occupied.rows().into());
+    let is_inside = (0.0..columns).contains(&column) && (0.0..rows).contains(&row);
+    is_inside.then(|| Cell::new(column as u32, row as u32))
+}
+
+/// The edges between occupied and other cells, as long as they are straight.
+fn outline(cells: &CellMap) -> Vec<Part> {
+    let occupied = &cells.occupied;
+    let turned = Bitmap::from_fn(occupied.rows(), occupied.columns(), |cell| {
+        occupied.get(Cell::new(cell.row, cell.column))
+    });
+    let metres =
+        |axis: usize, count: u32| cells.corner[axis] + f64::from(count) * cells.resolution_m;
+    let along_rows = edges(occupied).into_iter().map(|(row, run)| Part::Segment {
+        from: [metres(0, run.start), metres(1, row)],
+        to: [metres(0, run.end), metres(1, row)],
+    });
+    let along_columns = edges(&turned).into_iter().map(|(column, run)| Part::Segment {
+        from: [metres(0, column), metres(1, run.start)],
+        to: [metres(0, column), metres(1, run.end)],
+    });
+    along_rows.chain(along_columns).collect()
+}
+
+/// The runs of columns in which a row and the one south of it differ, each with its row.
+fn edges(bitmap: &Bitmap) -> Vec<(u32, Range<u32>)> {
+    let (columns, rows) = (bitmap.columns(), bitmap.rows());
+    let at = |column: u32, row: u32| row < rows && bitmap.get(Cell::new(column, row));
+    let mut found = Vec::new();
+    for row in 0..=rows {
+        let differs = |column: u32| at(column, row) != (row > 0 && at(column, row - 1));
+        let mut column = 0;
+        while column < columns {
+            let start = column;
+            while column < columns && differs(column) {
+                column += 1;
+            }
+            if column > start {
+                found.push((row, start..column));
+            }
+            column += 1;
+        }
+    }
+    found
 }
 
 /// South-west and north-east corners of the box around parts.
@@ -380,13 +486,27 @@ mod tests {
         let shapes = shapes();
         let world = World::new(&shapes);
         let mut random = Random::new(1, Stream::Start);
-        for _ in 0..3_000 {
+        for _ in 0..1_000 {
             let from = [random.between(-50.0, 50.0), random.between(-60.0, 50.0)];
             let heading = random.between(-4.0, 4.0);
             let along = [wide::cos(heading), wide::sin(heading)];
             let hits = world.parts.iter().filter_map(|part| part.hit(from, along));
             let slow = hits.filter(|&hit| hit < 40.0).reduce(f64::min);
             assert_eq!(world.range(from, heading, 40.0), slow, "{from:?} {heading}");
+
+            let to = [from[0] + random.between(-3.0, 3.0), from[1] + random.between(-3.0, 3.0)];
+            let ways = world.parts.iter().map(|part| part.distance_of_way(from, to));
+            let slow = ways.filter(|&distance| distance < 7.0).reduce(f64::min);
+            assert_eq!(world.nearest_along(from, to, 7.0), slow, "{from:?} {to:?}");
+            // No sampled point of the way is nearer, and one is almost as near.
+            let sampled = (0..=3_000).filter_map(|step| {
+                let t = f64::from(step) / 3_000.0;
+                let at = [0, 1].map(|axis| from[axis] + t * (to[axis] - from[axis]));
+                world.nearest(at, 7.0).map(|nearest| nearest.distance_m)
+            });
+            if let (Some(exact), Some(sampled)) = (slow, sampled.reduce(f64::min)) {
+                assert!((0.0..2e-3).contains(&(sampled - exact)), "{from:?} {to:?}");
+            }
 
             let distances = world.parts.iter().map(|part| part.nearest(from).distance_m);
             let slow = distances.filter(|&distance| distance < 7.0).reduce(f64::min);
@@ -402,6 +522,34 @@ mod tests {
         assert!(world.is_inside([12.0, 20.0]) && world.is_inside([-20.0, 7.9]));
         assert!(!world.is_inside([20.0, 20.0]) && !world.is_inside([0.0, 0.0]));
         assert!(world.is_clear([20.0, 20.0], 5.9) && !world.is_clear([20.0, 20.0], 6.1));
+    }
+
+    /// The obstacle fills columns 1 and 2 of row 1, and column 1 of row 2; cells are 0.5 m.
+    #[test]
+    fn occupied_cells_are_walls_and_unknown_cells_are_not() {
+        let occupied =
+            Bitmap::from_fn(4, 4, |cell| matches!((cell.column, cell.row), (1 | 2, 1) | (1, 2)));
+        let unknown = Bitmap::from_fn(4, 4, |cell| cell.row == 0);
+        let cells = CellMap {
+            resolution_m: 0.5,
+            corner: [10.0, -1.0],
+            occupied,
+            unknown,
+            unknown_as: maps::Unknown::Obstacle,
+            turned_from: None,
+        };
+        let world = World::with_cells([], Some(&cells));
+        assert_eq!(world.parts.len(), 6, "{:?}", world.parts);
+        assert_eq!(world.bounds(), Some([[10.5, -0.5], [11.5, 0.5]]));
+        assert!(world.is_inside([10.6, 0.4]) && world.is_inside([11.4, -0.4]));
+        assert!(!world.is_inside([11.4, 0.1]) && !world.is_inside([10.6, -0.8]));
+        assert_eq!(world.range([9.0, -0.25], 0.0, 9.0), Some(1.5));
+        assert!(
+            (world.range([11.25, 2.0], -std::f64::consts::FRAC_PI_2, 9.0).expect("a hit") - 2.0)
+                .abs()
+                < 1e-9
+        );
+        assert!(world.is_clear([11.4, 0.4], 0.39) && !world.is_clear([11.4, 0.4], 0.41));
     }
 
     #[test]

@@ -108,6 +108,9 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
         goals: arguments.goals.clone(),
     };
     let scenario = mission::scenario(&arguments.map, &changes).map_err(Failure::Input)?;
+    for note in &scenario.notes {
+        eprintln!("note: {note}");
+    }
     let given = scenario.surroundings.as_ref().map(|surroundings| surroundings.start);
     let drawn = || scenario.draw_start(arguments.seed);
     let position = arguments.start.or(given).or_else(drawn);
