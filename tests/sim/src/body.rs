@@ -58,14 +58,15 @@ impl Default for Chassis {
 }
 
 impl Chassis {
-    /// The body of a mission's vehicle: its size, its steering and its limits. The accelerations
-    /// are the default ones.
+    /// The body of a mission's vehicle: its size, its steering, its limits and its brakes. What it
+    /// gains in speed and turn rate is the default.
     pub fn of(vehicle: &Vehicle) -> Self {
         Self {
             radius_m: vehicle.radius_m.into(),
             steering: vehicle.steering,
             min_turn_radius_m: vehicle.min_turn_radius_m.into(),
             max_speed_mps: vehicle.max_speed_mps.into(),
+            braking_mps2: vehicle.braking_mps2.into(),
             max_turn_rate_radps: vehicle.max_turn_rate_radps.into(),
             ..Self::default()
         }
@@ -370,6 +371,7 @@ mod tests {
             max_speed_mps: 8.0,
             max_turn_rate_radps: 4.0,
             min_turn_radius_m: 2.5,
+            braking_mps2: 4.0,
             ..plan_format::Parameters::default().vehicle
         };
         let chassis = Chassis::of(&vehicle);
@@ -378,6 +380,7 @@ mod tests {
             steering: Steering::Ackermann,
             min_turn_radius_m: 2.5,
             max_speed_mps: 8.0,
+            braking_mps2: 4.0,
             max_turn_rate_radps: 4.0,
             ..Chassis::default()
         };
