@@ -24,10 +24,11 @@ use crate::layers::{Layer, Stack};
 use crate::pack::pack;
 use crate::recipe;
 use crate::search::{Corners, MAX_COST, Query, Solver, is_cut_short};
+use crate::width::{self, LayerPassages};
 use goals::Placed;
-use maps::Problem;
 use maps::numbers::metres;
 use maps::problem::has_errors;
+use maps::{Bitmap, Problem};
 use plan_format::grid::cost_metres;
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Vehicle;
@@ -82,6 +83,8 @@ pub struct Prepared {
     grid: Grid,
     origin: Option<Origin>,
     parameters: Parameters,
+    /// How far the obstacles were grown, metres.
+    grown_m: f64,
     corners: Corners,
     stack: Stack,
     goals: Vec<Placed>,
@@ -129,7 +132,18 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     let threads = thread::available_parallelism().map_or(1, |threads| threads.get());
     let need = Need::within(limit_bytes, &grid, layers.len(), jobs, threads)?;
     let recipe = recipe::write(input, radius);
-    Some(Prepared { grid, origin, parameters, corners, stack, goals, mission, recipe, need })
+    Some(Prepared {
+        grid,
+        origin,
+        parameters,
+        grown_m: radius,
+        corners,
+        stack,
+        goals,
+        mission,
+        recipe,
+        need,
+    })
 }
 
 /// What behaviours may refer to by name.
@@ -226,6 +240,11 @@ impl Prepared {
         let steps = jobs.len() * STEPS_A_LAYER;
         progress(0, steps);
         let (done, bytes) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let need = width::Need::of(&self.parameters);
+        let none = Bitmap::default();
+        // The first layer is `physical`.
+        let solid = layers.first().map_or(&none, |layer| &layer.terrain.blocked);
+        let site = width::Site { grid: &self.grid, solid, grown_m: self.grown_m, need };
         let solve = |solver: &mut Solver, &(goal, layer): &(&Placed, &Layer)| {
             if bytes.load(Ordering::Relaxed) > PACKED_BUDGET_BYTES {
                 return None;
@@ -235,10 +254,15 @@ impl Prepared {
             let field = solver.solve(&query);
             step();
             let is_cut_short = is_cut_short(&query, &field);
+            let passages = LayerPassages {
+                plan: goal.name.clone(),
+                layer: layer.name.clone(),
+                passages: width::passages(&field, &site),
+            };
             let packed = pack(&field);
             bytes.fetch_add(packed.bytes(), Ordering::Relaxed);
             step();
-            Some((LayerDraft { name: layer.name.clone(), packed }, is_cut_short))
+            Some((LayerDraft { name: layer.name.clone(), packed }, is_cut_short, passages))
         };
         let solve_all = || jobs.par_iter().map_init(Solver::new, solve).collect::<Option<Vec<_>>>();
         // A machine may refuse new threads: then use rayon's shared pool.
@@ -248,17 +272,20 @@ impl Prepared {
             Err(_) => solve_all(),
         };
         let solved = solved?;
-        for ((goal, layer), (_, is_cut_short)) in jobs.iter().zip(&solved) {
+        for ((goal, layer), (_, is_cut_short, _)) in jobs.iter().zip(&solved) {
             problems.extend(is_cut_short.then(|| too_far(&goal.name, &layer.name, &self.grid)));
         }
         let mut left = solved.as_slice();
         for goal in &self.goals {
             let (own, others) = left.split_at(goal.layers.len().min(left.len()));
-            let counts = own.iter().map(|(layer, _)| (layer.name.as_str(), layer.packed.counts()));
+            let counts = own.iter().map(|(l, ..)| (l.name.as_str(), l.packed.counts()));
             problems.extend(warnings::few_reach(&goal.name, counts));
             left = others;
         }
-        let mut solved = solved.into_iter().map(|(layer, _)| layer);
+        let (solved, passages): (Vec<LayerDraft>, Vec<LayerPassages>) =
+            solved.into_iter().map(|(layer, _, passages)| (layer, passages)).unzip();
+        problems.extend(width::warnings(&passages, &need));
+        let mut solved = solved.into_iter();
         let plans = self.goals.iter().map(|goal| PlanDraft {
             name: goal.name.clone(),
             goal_m: goal.at,

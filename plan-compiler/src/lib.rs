@@ -24,3 +24,4 @@ pub mod terrain;
 pub mod toml;
 pub mod trace;
 pub mod verify;
+pub mod width;

@@ -141,8 +141,8 @@ fn cells(grid: &Grid) -> impl Iterator<Item = Cell> + use<> {
     (0..grid.rows).flat_map(move |row| (0..columns).map(move |column| Cell::new(column, row)))
 }
 
-/// Decodes a layer into the arrays that the proof walks.
-fn decode(grid: &Grid, layer: &Layer<'_>) -> Field {
+/// Decodes a layer into arrays.
+pub(crate) fn decode(grid: &Grid, layer: &Layer<'_>) -> Field {
     let (mut cost, mut code) = (Vec::with_capacity(grid.cells()), Vec::with_capacity(grid.cells()));
     for cell in cells(grid) {
         let (cell_cost, cell_code) = match layer.look_up(cell) {

@@ -10,6 +10,7 @@ use plan_compiler::boards::{self, Board};
 use plan_compiler::compile::{Need, STEPS_A_LAYER, gib, prepare};
 use plan_compiler::image::Image;
 use plan_compiler::output;
+use plan_compiler::width;
 use plan_format::Blob;
 use serde::Serialize;
 use std::borrow::Cow;
@@ -111,7 +112,7 @@ fn print_json(
         output: output.to_string_lossy(),
         board: board.map(|board| board.name.as_str()),
         time_ms: took.as_secs_f64() * 1e3,
-        blob: describe(&blob, bytes.len()),
+        blob: describe(&blob, bytes.len(), &width::of_blob(&blob, bytes)),
     };
     let mut out = io::stdout().lock();
     serde_json::to_writer_pretty(&mut out, &built)?;

@@ -1,5 +1,6 @@
 //! The contents of a blob as JSON.
 
+use plan_compiler::width::{LayerPassages, Need, Passage};
 use plan_format::{Blob, Counts, FORMAT_VERSION, Grid, Layer};
 use serde::Serialize;
 
@@ -15,6 +16,8 @@ pub(super) struct Description<'b> {
     origin: Option<Place>,
     /// Bytes of all layers without packing.
     raw_bytes: u64,
+    /// Width that the robot needs between obstacles.
+    needed_width_m: f64,
     plans: Vec<Parallel<'b>>,
 }
 
@@ -42,6 +45,34 @@ struct OneLayer<'b> {
     free: u32,
     blocked: u32,
     unreachable: u32,
+    /// The narrowest passages of its routes, the narrowest first.
+    passages: Vec<OnePassage>,
+}
+
+/// A passage of a layer's routes.
+#[derive(Serialize)]
+pub(super) struct OnePassage {
+    /// The middle between its sides.
+    at_m: [f64; 2],
+    /// Least and largest width between the obstacles of the map.
+    width_m: [f64; 2],
+    /// Share of the cells with a route whose route passes here.
+    share: f64,
+    /// Whether the robot may need more width than there is.
+    is_too_narrow: bool,
+}
+
+/// A passage for a robot with a need.
+pub(super) fn passage(passage: &Passage, need: &Need) -> OnePassage {
+    let Passage { at_m, width_m, share } = *passage;
+    // A micrometre, so that binary fractions do not show.
+    let rounded = |metres: f64| (metres * 1e6).round() / 1e6;
+    OnePassage {
+        at_m: at_m.map(rounded),
+        width_m: width_m.map(rounded),
+        share: rounded(share),
+        is_too_narrow: need.exceeds(passage),
+    }
 }
 
 /// Bits of a cell without packing: 4 of direction and 32 of cost.
@@ -57,8 +88,14 @@ pub(super) fn bytes_per_cell(grid: &Grid, bytes: usize) -> f64 {
     bytes as f64 / grid.cells().max(1) as f64
 }
 
-/// Describes a blob, which is `bytes` long.
-pub(super) fn describe<'b>(blob: &Blob<'b>, bytes: usize) -> Description<'b> {
+/// Describes a blob, which is `bytes` long and whose layers have these passages.
+pub(super) fn describe<'b>(
+    blob: &Blob<'b>,
+    bytes: usize,
+    passages: &[LayerPassages],
+) -> Description<'b> {
+    let need = Need::of(&blob.parameters());
+    let mut passages = passages.iter();
     let grid = blob.grid();
     let origin = blob.origin().map(|origin| Place {
         lat_deg: origin.place.lat_deg(),
@@ -66,7 +103,8 @@ pub(super) fn describe<'b>(blob: &Blob<'b>, bytes: usize) -> Description<'b> {
         at_m: origin.at_m,
         heading_rad: origin.heading_rad,
     });
-    let one_layer = |layer: Layer<'b>| {
+    let mut one_layer = |layer: Layer<'b>| {
+        let own = passages.next().map(|layer| layer.passages.as_slice()).unwrap_or_default();
         let Counts { free, blocked, unreachable } = layer.counts();
         OneLayer {
             name: layer.name(),
@@ -76,12 +114,13 @@ pub(super) fn describe<'b>(blob: &Blob<'b>, bytes: usize) -> Description<'b> {
             free,
             blocked,
             unreachable,
+            passages: own.iter().map(|own| passage(own, &need)).collect(),
         }
     };
     let plans = blob.parallel_plans().map(|parallel| Parallel {
         name: parallel.name(),
         goal_m: parallel.goal_m(),
-        layers: parallel.layers().map(one_layer).collect(),
+        layers: parallel.layers().map(&mut one_layer).collect(),
     });
     let plans: Vec<Parallel<'b>> = plans.collect();
     let layers: usize = plans.iter().map(|plan| plan.layers.len()).sum();
@@ -94,6 +133,7 @@ pub(super) fn describe<'b>(blob: &Blob<'b>, bytes: usize) -> Description<'b> {
         corner_m: grid.corner_m,
         origin,
         raw_bytes: raw_bytes(grid) * layers as u64,
+        needed_width_m: (need.width_m * 1e6).round() / 1e6,
         plans,
     }
 }

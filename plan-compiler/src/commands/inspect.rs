@@ -1,9 +1,11 @@
 //! `inspect`: the contents of a blob, as text or as JSON.
 
 use super::description::{bytes_per_cell, describe, raw_bytes};
+use super::progress::with_patience;
 use super::{Failure, open, print, print_text, read_blob};
 use crate::cli::Inspect;
 use maps::numbers::{metres, pair};
+use plan_compiler::width::{self, LayerPassages, Need, Passage, in_words};
 use plan_format::parameters::{OnLinkLoss, OnTrouble, Selection, Steering};
 use plan_format::{Blob, FORMAT_VERSION};
 use std::io::{self, Write};
@@ -12,19 +14,28 @@ use std::path::Path;
 pub(super) fn run(args: &Inspect) -> Result<(), Failure> {
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;
+    let passages = with_patience(false, "measuring passages", || width::of_blob(&plan, &bytes));
     let mut out = Vec::new();
     if args.json {
-        serde_json::to_writer_pretty(&mut out, &describe(&plan, bytes.len()))
+        serde_json::to_writer_pretty(&mut out, &describe(&plan, bytes.len(), &passages))
             .map_err(io::Error::from)?;
         out.push(b'\n');
         return print(&out);
     }
-    write_text(&mut out, &args.plans, &plan, bytes.len())?;
+    write_text(&mut out, &args.plans, &plan, bytes.len(), &passages)?;
     print_text(&String::from_utf8_lossy(&out))
 }
 
-fn write_text(out: &mut dyn Write, path: &Path, blob: &Blob<'_>, bytes: usize) -> io::Result<()> {
+fn write_text(
+    out: &mut dyn Write,
+    path: &Path,
+    blob: &Blob<'_>,
+    bytes: usize,
+    passages: &[LayerPassages],
+) -> io::Result<()> {
     let grid = blob.grid();
+    let need = Need::of(&blob.parameters());
+    let mut passages = passages.iter();
     writeln!(out, "{}: {bytes} bytes, format {FORMAT_VERSION}", path.display())?;
     writeln!(
         out,
@@ -59,6 +70,9 @@ fn write_text(out: &mut dyn Write, path: &Path, blob: &Blob<'_>, bytes: usize) -
                 layer.bytes(),
                 bytes_per_cell(grid, layer.bytes())
             )?;
+            for passage in passages.next().iter().flat_map(|layer| &layer.passages) {
+                writeln!(out, "      passage {}", describe_passage(passage, &need))?;
+            }
         }
     }
     let count: usize = blob.parallel_plans().map(|parallel| parallel.layer_count()).sum();
@@ -72,6 +86,15 @@ fn write_text(out: &mut dyn Write, path: &Path, blob: &Blob<'_>, bytes: usize) -
         )?;
     }
     Ok(())
+}
+
+fn describe_passage(passage: &Passage, need: &Need) -> String {
+    let ([width, at], percent) = (in_words(passage), 100.0 * passage.share);
+    let verdict = match need.exceeds(passage) {
+        true => format!("; too narrow: the robot needs {} m", metres(need.width_m)),
+        false => String::new(),
+    };
+    format!("{width} wide at {at} on {percent:.0} % of the routes{verdict}")
 }
 
 fn write_robot(out: &mut dyn Write, blob: &Blob<'_>) -> io::Result<()> {

@@ -10,6 +10,7 @@ use plan_compiler::input::Options;
 use plan_compiler::output;
 use plan_compiler::render::{Mark, Overlay, Panel, Piece, Style, lacking, png, side_by_side};
 use plan_compiler::route::{self, NoRoute, Route};
+use plan_compiler::width::{self, LayerPassages, Need, Passage};
 use plan_format::{Blob, Layer, ParallelPlan};
 use std::iter;
 use std::path::PathBuf;
@@ -33,8 +34,19 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
     };
     let pieces: Vec<Option<Piece<'_>>> =
         routes.iter().map(|route| route.as_ref().map(piece)).collect();
-    let marks: Vec<Vec<(Mark, Point, &str)>> =
-        routes.iter().map(|route| marks(args.route, route.as_ref())).collect();
+    let need = Need::of(&plan.parameters());
+    let narrow_text = format!("too narrow: below {} m", metres(need.width_m));
+    let passages = width::of_blob(&plan, &bytes);
+    let marks = drawn.iter().enumerate().map(|(index, (parallel, layer))| {
+        let is_drawn =
+            |own: &&LayerPassages| own.plan == parallel.name() && own.layer == layer.name();
+        let passages = passages.iter().filter(is_drawn).flat_map(|own| &own.passages);
+        let mut marks: Vec<_> =
+            passages.map(|own| passage_mark(own, &need, &narrow_text)).collect();
+        marks.extend(routes.get(index).into_iter().flat_map(|r| marks_of(args.route, r.as_ref())));
+        marks
+    });
+    let marks: Vec<Vec<(Mark, Point, &str)>> = marks.collect();
     let panels = drawn.iter().enumerate().map(|(index, &(parallel, layer))| {
         let routes = pieces.get(index).map_or(&[][..], Option::as_slice);
         let marks = marks.get(index).map_or(&[][..], Vec::as_slice);
@@ -62,8 +74,16 @@ fn piece(route: &Route) -> Piece<'_> {
     Piece { name: "route that follows the advice", style: 0, points: &route.points }
 }
 
+/// The mark of a passage.
+fn passage_mark<'t>(passage: &Passage, need: &Need, narrow: &'t str) -> (Mark, Point, &'t str) {
+    match need.exceeds(passage) {
+        true => (Mark::TooNarrow, passage.at_m, narrow),
+        false => (Mark::Narrow, passage.at_m, "narrow passage"),
+    }
+}
+
 /// The mark at the start of a route, or at a start without a route.
-fn marks(start: Option<Point>, route: Option<&Route>) -> Vec<(Mark, Point, &'static str)> {
+fn marks_of(start: Option<Point>, route: Option<&Route>) -> Vec<(Mark, Point, &'static str)> {
     let start = start.map(|start| match route {
         Some(_) => (Mark::Start, start, "start"),
         None => (Mark::Stop, start, "start without a route"),

@@ -1,5 +1,6 @@
 //! `verify`: re-proves every cell.
 
+use super::description::{self, OnePassage};
 use super::progress::{with_patience, with_progress};
 use super::project;
 use super::{Failure, open, print, print_text, read_blob, tell};
@@ -9,6 +10,7 @@ use maps::problem::{Problem, has_errors};
 use plan_compiler::compile::layers;
 use plan_compiler::project::Project;
 use plan_compiler::verify::{self, Report};
+use plan_compiler::width::{self, Need};
 use plan_format::{Blob, Origin};
 use serde::Serialize;
 use std::io;
@@ -25,13 +27,26 @@ pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
     if has_errors(&problems) {
         return Err(Failure::Wrong(problems));
     }
+    let passages = || width::of_blob(&plan, &bytes);
+    let passages = with_patience(quiet, "measuring passages", passages);
+    let need = Need::of(&plan.parameters());
+    problems.extend(width::warnings(&passages, &need));
     tell(&problems, quiet);
     if args.json {
+        let narrow = passages.iter().flat_map(|layer| {
+            let closed = layer.passages.iter().filter(|passage| need.exceeds(passage));
+            closed.map(|passage| Narrow {
+                layer: format!("{}/{}", layer.plan, layer.layer),
+                needed_width_m: need.width_m,
+                passage: description::passage(passage, &need),
+            })
+        });
         let proved = Proved {
             layers: proof.layers,
             cells: proof.cells,
             cuts_corners: proof.cuts_corners,
             compared_with_map: args.input.is_some(),
+            too_narrow: narrow.collect(),
         };
         let json = serde_json::to_string_pretty(&proved).map_err(io::Error::from)?;
         return print(format!("{json}\n").as_bytes());
@@ -52,6 +67,17 @@ struct Proved {
     cells: usize,
     cuts_corners: bool,
     compared_with_map: bool,
+    /// Passages that the robot's own distances may close.
+    too_narrow: Vec<Narrow>,
+}
+
+/// A passage that is too narrow, and the layer that uses it.
+#[derive(Serialize)]
+struct Narrow {
+    layer: String,
+    needed_width_m: f64,
+    #[serde(flatten)]
+    passage: OnePassage,
 }
 
 /// Compares with the map, if one is given.

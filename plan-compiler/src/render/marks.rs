@@ -30,6 +30,10 @@ pub enum Mark {
     GaveWay,
     /// Where a behaviour was interrupted at once: a triangle on its tip.
     Interrupted,
+    /// A narrow passage: a light hourglass.
+    Narrow,
+    /// A passage narrower than the robot needs: a dark hourglass.
+    TooNarrow,
 }
 
 impl Mark {
@@ -50,6 +54,17 @@ impl Mark {
             Self::End => around(4, &[5.5], 0.125),
             Self::GaveWay => around(3, &[8.5], 0.0),
             Self::Interrupted => around(3, &[8.5], 0.5),
+            Self::Narrow | Self::TooNarrow => {
+                let (half, waist, tall) = (5.5, 1.2, 8.0);
+                vec![
+                    [-half, -tall],
+                    [half, -tall],
+                    [waist, 0.0],
+                    [half, tall],
+                    [-half, tall],
+                    [-waist, 0.0],
+                ]
+            }
             Self::Stop => {
                 // The arms of a cross, clockwise.
                 let (arm, half) = (8.0, 2.6);
@@ -68,9 +83,9 @@ impl Mark {
 
     fn fill(self) -> &'static str {
         match self {
-            Self::Start | Self::OtherGoal => PAPER,
+            Self::Start | Self::OtherGoal | Self::Narrow => PAPER,
             Self::Goal => GOAL,
-            Self::End | Self::Stop | Self::GaveWay | Self::Interrupted => INK,
+            Self::End | Self::Stop | Self::GaveWay | Self::Interrupted | Self::TooNarrow => INK,
         }
     }
 

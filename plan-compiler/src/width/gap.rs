@@ -1,0 +1,135 @@
+//! The gap that a step of a route passes: the nearest blocked cells on its left and on its right.
+
+use maps::Bitmap;
+use math::scalar::wide;
+use plan_format::{Cell, Direction};
+
+/// What a step of a route passes between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Gap {
+    /// Free room from side to side through the centre of the step's cell, cells.
+    pub(super) cells: f64,
+    /// The blocked cells on the left and on the right.
+    pub(super) sides: [Cell; 2],
+}
+
+/// Half the angle of the sector in which a side is searched, about the direction across the route.
+/// A grid's route turns by up to 45 degrees from the true direction of travel.
+const HALF_ANGLE_RAD: f64 = std::f64::consts::FRAC_PI_3;
+
+/// The gap at a cell that a route leaves in a direction. `None` if a side has no blocked cell
+/// within `reach` cells. The grid's edge is not a side.
+pub(super) fn across(blocked: &Bitmap, at: Cell, travel: Direction, reach: u32) -> Option<Gap> {
+    let side = |turn| nearest(blocked, at, Direction::from_code(travel.code() + turn), reach);
+    let (left, right) = (side(2)?, side(6)?);
+    Some(Gap { cells: left.0 + right.0, sides: [left.1, right.1] })
+}
+
+/// The nearest blocked cell in the sector about a direction, and the distance from the centre of
+/// `from` to its edge, cells.
+fn nearest(blocked: &Bitmap, from: Cell, towards: Direction, reach: u32) -> Option<(f64, Cell)> {
+    let unit = towards.unit();
+    let sector = Sector::about([f64::from(unit.x), f64::from(unit.y)]);
+    let mut best: Option<(f64, Cell)> = None;
+    let limit = f64::from(reach);
+    let to_edge = |offset: f64| (offset.abs() - 0.5).max(0.0);
+    for away in 0..=i64::from(reach) {
+        if best.is_some_and(|(distance, _)| to_edge(away as f64) >= distance) {
+            break;
+        }
+        let both = [away, -away];
+        for &dy in &both[usize::from(away == 0)..] {
+            let Ok(row) = u32::try_from(i64::from(from.row) + dy) else { continue };
+            let Some([low, high]) = sector.in_row(dy as f64) else { continue };
+            let (low, high) = (low.max(-limit), high.min(limit));
+            let column = |dx: f64| f64::from(from.column) + dx;
+            let (low, high) = (column(low).max(0.0), column(high));
+            if row >= blocked.rows() || high < low {
+                continue;
+            }
+            let (low, high) = (wide::ceil(low) as u32, wide::floor(high) as u32);
+            for column in closest(blocked.row(row), low, high, from.column).into_iter().flatten() {
+                let dx = f64::from(column) - f64::from(from.column);
+                let distance = wide::hypot(to_edge(dx), to_edge(dy as f64));
+                if distance <= limit && best.is_none_or(|(least, _)| distance < least) {
+                    best = Some((distance, Cell::new(column, row)));
+                }
+            }
+        }
+    }
+    best
+}
+
+/// The directions within [`HALF_ANGLE_RAD`] of an axis.
+struct Sector {
+    axis: [f64; 2],
+    /// The rays that bound it.
+    rays: [[f64; 2]; 2],
+}
+
+impl Sector {
+    fn about([x, y]: [f64; 2]) -> Self {
+        let turned = |angle: f64| {
+            let (sine, cosine) = (wide::sin(angle), wide::cos(angle));
+            [x * cosine - y * sine, x * sine + y * cosine]
+        };
+        Self { axis: [x, y], rays: [turned(-HALF_ANGLE_RAD), turned(HALF_ANGLE_RAD)] }
+    }
+
+    /// The offsets to the east that it covers in the row `dy` north of its tip.
+    fn in_row(&self, dy: f64) -> Option<[f64; 2]> {
+        let east = [0.0, f64::INFINITY];
+        let west = [f64::NEG_INFINITY, 0.0];
+        if dy == 0.0 {
+            let cosine = wide::cos(HALF_ANGLE_RAD);
+            return match self.axis[0] {
+                x if x >= cosine => Some(east),
+                x if x <= -cosine => Some(west),
+                _ => None,
+            };
+        }
+        // Where each ray meets the row; a ray away from the row does not.
+        let meets = |[x, y]: [f64; 2]| (y * dy > 0.0).then(|| dy * x / y);
+        match self.rays.map(meets) {
+            [Some(one), Some(other)] => Some([one.min(other), one.max(other)]),
+            [Some(end), None] | [None, Some(end)] => {
+                Some(if self.axis[0] > 0.0 { [end, east[1]] } else { [west[0], end] })
+            }
+            [None, None] => None,
+        }
+    }
+}
+
+/// The cells of a row from `low` to `high` that are nearest to a column: one to the east, one to the
+/// west.
+fn closest(words: &[u64], low: u32, high: u32, near: u32) -> [Option<u32>; 2] {
+    [first(words, near.max(low), high), last(words, low, near.min(high))]
+}
+
+/// The first cell of a row from a column to another one.
+fn first(words: &[u64], from: u32, to: u32) -> Option<u32> {
+    let mut mask = u64::MAX << (from % 64);
+    for (index, word) in (from / 64..=to / 64).zip(words.get(from as usize / 64..)?) {
+        if word & mask != 0 {
+            let found = 64 * index + (word & mask).trailing_zeros();
+            return (found <= to).then_some(found);
+        }
+        mask = u64::MAX;
+    }
+    None
+}
+
+/// The last cell of a row from a column to another one.
+fn last(words: &[u64], from: u32, to: u32) -> Option<u32> {
+    let mut mask = u64::MAX >> (63 - to % 64);
+    for index in (from / 64..=to / 64).rev() {
+        // Beyond the last word of the row, nothing is blocked.
+        let word = words.get(index as usize).copied().unwrap_or(0) & mask;
+        if word != 0 {
+            let found = 64 * index + 63 - word.leading_zeros();
+            return (found >= from).then_some(found);
+        }
+        mask = u64::MAX;
+    }
+    None
+}

@@ -1,0 +1,266 @@
+//! Maps as text in, passages as text out.
+
+use super::*;
+use crate::search::{Corners, Query, solve};
+use crate::terrain::Terrain;
+use plan_format::Direction;
+
+/// Cells of half a metre: `#` is blocked, `G` the goal; the first line is the northernmost row.
+fn picture(lines: &[&str]) -> (Bitmap, Cell, Grid) {
+    let (columns, rows) = (lines[0].len() as u32, lines.len() as u32);
+    let at = |cell: Cell| lines[(rows - 1 - cell.row) as usize].as_bytes()[cell.column as usize];
+    let blocked = Bitmap::from_fn(columns, rows, |cell| at(cell) == b'#');
+    let goal = Bitmap::from_fn(columns, rows, |cell| at(cell) == b'G').iter().next().unwrap();
+    (blocked, goal, Grid { columns, rows, resolution_m: 0.5, corner_m: [0.0, 0.0] })
+}
+
+/// A body of 0.2 m that keeps `beside_m`.
+fn need(beside_m: f64) -> Need {
+    let width_m = 2.0 * (0.2 + beside_m);
+    Need { width_m, radius_m: 0.2, beside_m, key: "schemas.avoid_margin" }
+}
+
+/// The passages of a map whose obstacles were grown by 0.25 m: width, place and percent of routes.
+fn found(lines: &[&str], need: &Need) -> Vec<String> {
+    let (blocked, goal, grid) = picture(lines);
+    let terrain = Terrain::new(blocked.clone());
+    let field = solve(&Query { terrain: &terrain, goal, corners: Corners::Forbid });
+    let site = Site { grid: &grid, solid: &blocked, grown_m: 0.25, need: *need };
+    let text = |passage: &Passage| {
+        let percent = (100.0 * passage.share).round();
+        let [width, at] = in_words(passage);
+        format!("{width} at {at}, {percent} %")
+    };
+    passages(&field, &site).iter().map(text).collect()
+}
+
+#[test]
+fn a_door_is_found_with_its_width() {
+    let rooms = [
+        "...........#............",
+        "...........#............",
+        "...........#............",
+        ".....................G..",
+        "........................",
+        "...........#............",
+        "...........#............",
+        "...........#............",
+    ];
+    assert_eq!(found(&rooms, &need(0.6)), ["1.5 to 2.5 m at (5.75, 2), 48 %"]);
+    // What is far wider than the robot needs is not a passage.
+    assert_eq!(found(&rooms, &need(0.1)), [""; 0]);
+}
+
+#[test]
+fn a_corridor_is_one_passage_at_its_narrowest_place() {
+    let corridor = [
+        "....####################....",
+        "....####################....",
+        "....####################....",
+        "..........................G.",
+        "............................",
+        "....########....########....",
+        "....########....########....",
+        "....########....########....",
+    ];
+    // The bay in the south is not wide enough to make two passages of it.
+    assert_eq!(found(&corridor, &need(0.6)).len(), 1);
+    let bottle = [
+        "....####################....",
+        "....####################....",
+        "....########...#########....",
+        "....########...#########....",
+        "..........................G.",
+        "....########...#########....",
+        "....########...#########....",
+        "....########...#########....",
+        "....####################....",
+    ];
+    // Between the two ends is a room three times as wide.
+    assert_eq!(
+        found(&bottle, &need(0.6)),
+        ["1 to 2 m at (2.25, 2.25), 35 %", "1 to 2 m at (7.75, 2.25), 59 %"]
+    );
+}
+
+#[test]
+fn a_passage_that_few_routes_use_is_left_out() {
+    let closet = [
+        "..............######",
+        "..............#...##",
+        "..............##.###",
+        "....................",
+        "....................",
+        ".G..................",
+        "....................",
+    ];
+    assert_eq!(found(&closet, &need(0.6)), [""; 0]);
+    // The same slit in the way of all routes counts.
+    let slit = [
+        "......######........",
+        "......######........",
+        ".G..................",
+        "......######........",
+        "......######........",
+    ];
+    assert_eq!(found(&slit, &need(0.6)).len(), 1);
+}
+
+#[test]
+fn one_side_is_not_a_passage_nor_is_the_edge_of_the_map() {
+    let beside = ["..............", "....######....", "..............", ".............G"];
+    assert_eq!(found(&beside, &need(5.0)), [""; 0]);
+    assert_eq!(found(&["G"], &need(5.0)), [""; 0]);
+    assert_eq!(found(&["#G#", ".#."], &need(5.0)), [""; 0]);
+}
+
+#[test]
+fn posts_are_measured_from_edge_to_edge_in_any_direction() {
+    let posts = [
+        "#...........#",
+        ".#.........#.",
+        "..#.......#..",
+        "...#.....#...",
+        "....#...#....",
+        ".............",
+        "......G......",
+        ".............",
+    ];
+    assert_eq!(found(&posts, &need(0.6)), ["2 to 3 m at (3.25, 1.75), 37 %"]);
+    let diagonal = [
+        "########........",
+        "#######.........",
+        "######..........",
+        "#####..........G",
+        "####..........##",
+        "###..........###",
+        "##..........####",
+        "#..........#####",
+        "..........######",
+    ];
+    let least_m = 0.5 * wide::hypot(6.0, 6.0);
+    let text = found(&diagonal, &need(0.9));
+    let width: f64 = text[0].split(' ').next().unwrap().parse().unwrap();
+    assert!((width - 0.5 - least_m).abs() < 0.75, "{text:?}, {least_m}");
+}
+
+#[test]
+fn areas_that_only_a_higher_layer_blocks_are_not_sides() {
+    // The same wall once as an obstacle and once as an area that weakens radio.
+    let wall = ["....#....", "....#....", ".......G.", "....#....", "....#...."];
+    let (blocked, goal, grid) = picture(&wall);
+    let terrain = Terrain::new(blocked.clone());
+    let field = solve(&Query { terrain: &terrain, goal, corners: Corners::Forbid });
+    let nothing = Bitmap::new(grid.columns, grid.rows);
+    let count = |solid: &Bitmap| {
+        passages(&field, &Site { grid: &grid, solid, grown_m: 0.25, need: need(0.6) }).len()
+    };
+    assert_eq!([count(&blocked), count(&nothing)], [1, 0]);
+}
+
+/// Plain reference: the distance to the nearest blocked cell of a sector, cell by cell.
+fn nearest_by_hand(blocked: &Bitmap, from: Cell, axis: Direction) -> Option<f64> {
+    let edge = |one: u32, other: u32| (f64::from(one.abs_diff(other)) - 0.5).max(0.0);
+    let unit = axis.unit();
+    let in_sector = |cell: &Cell| {
+        let dx = f64::from(cell.column) - f64::from(from.column);
+        let dy = f64::from(cell.row) - f64::from(from.row);
+        let along = dx * f64::from(unit.x) + dy * f64::from(unit.y);
+        along >= wide::hypot(dx, dy) * 0.5 - 1e-9 && (dx, dy) != (0.0, 0.0)
+    };
+    let distance =
+        |cell: Cell| wide::hypot(edge(cell.column, from.column), edge(cell.row, from.row));
+    blocked.iter().filter(in_sector).map(distance).min_by(f64::total_cmp)
+}
+
+#[test]
+fn the_sides_are_those_of_a_plain_search() {
+    let mut state = 7_u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 33) as u32
+    };
+    for round in 0..200 {
+        let (columns, rows) = (1 + random() % 150, 1 + random() % 40);
+        let part = 2 + round % 90;
+        let blocked = Bitmap::from_fn(columns, rows, |_| random() % part == 0);
+        let from = Cell::new(random() % columns, random() % rows);
+        if blocked.get(from) {
+            continue;
+        }
+        for travel in Direction::ALL {
+            let sides = [2, 6].map(|turn| {
+                nearest_by_hand(&blocked, from, Direction::from_code(travel.code() + turn))
+            });
+            let expected = sides[0].zip(sides[1]).map(|(left, right)| left + right);
+            let gap = across(&blocked, from, travel, 400).map(|gap| gap.cells);
+            let is_equal = match (gap, expected) {
+                (Some(gap), Some(expected)) => (gap - expected).abs() < 1e-9,
+                (gap, expected) => gap.is_none() && expected.is_none(),
+            };
+            assert!(is_equal, "{gap:?} {expected:?}, {from:?} {travel:?} of {columns} x {rows}");
+            let near = across(&blocked, from, travel, 3);
+            let is_near = sides.iter().all(|side| side.is_some_and(|side| side <= 3.0));
+            assert_eq!(near.is_some(), is_near);
+        }
+    }
+}
+
+#[test]
+fn advice_that_leads_in_a_circle_ends_the_count() {
+    // East, west: the two cells advise each other.
+    let field = Field { columns: 3, rows: 1, cost: vec![1, 1, 0], code: vec![0, 4, 8] };
+    let routes = Routes::count(&field);
+    assert_eq!(routes.trunk(1), [0; 0]);
+}
+
+#[test]
+fn a_warning_says_what_would_fit() {
+    let passage = |at_m, width_m| Passage { at_m, width_m, share: 0.5 };
+    let layer = |plan: &str, passages: &[Passage]| LayerPassages {
+        plan: plan.into(),
+        layer: "physical".into(),
+        passages: passages.to_vec(),
+    };
+    let door = passage([10.0, 5.0], [0.9, 1.1]);
+    let wide = passage([50.0, 5.0], [1.7, 1.9]);
+    let slit = passage([20.0, 5.0], [0.4, 0.6]);
+    let layers = [layer("hall", &[door.clone(), wide]), layer("gate", &[slit, door])];
+    let said: Vec<String> = warnings(&layers, &need(0.6))
+        .iter()
+        .map(|problem| format!("{problem}\n{}", problem.help.as_deref().unwrap()))
+        .collect();
+    assert_eq!(
+        said,
+        [
+            "the routes to `gate` pass between obstacles 0.4 to 0.6 m apart at (20, 5), but the \
+             robot needs 1.6 m\nit keeps `schemas.avoid_margin` on both sides: 2 x (0.2 + 0.6) m; \
+             set robot_radius = 0.8, so that the routes avoid it",
+            "the routes to `hall` and 1 more pass between obstacles 0.9 to 1.1 m apart at (10, 5), \
+             but the robot needs 1.6 m\nit keeps `schemas.avoid_margin` on both sides: 2 x (0.2 + \
+             0.6) m; set avoid_margin = 0.25 or less, or set robot_radius = 0.8, so that the \
+             routes avoid it",
+        ]
+    );
+    let many: Vec<Passage> =
+        (0..7).map(|index| passage([10.0 * f64::from(index), 0.0], [0.9, 1.1])).collect();
+    let said = warnings(&[layer("hall", &many)], &need(0.6));
+    assert_eq!(said.len(), 5);
+    assert!(said[4].message.ends_with("; 2 more passages are too narrow"), "{}", said[4]);
+    assert!(warnings(&[layer("hall", &many)], &need(0.25)).is_empty());
+}
+
+#[test]
+fn the_need_is_the_body_and_the_larger_distance_that_acts() {
+    let mut parameters = Parameters::default();
+    parameters.vehicle.radius_m = 0.3;
+    parameters.vehicle.stop_distance_m = 0.1;
+    parameters.schemas.avoid_margin_m = 0.5;
+    let need = Need::of(&parameters);
+    assert!((need.width_m - 1.6).abs() < 1e-6);
+    assert_eq!(need.key, "schemas.avoid_margin");
+    parameters.gains.reactive = 0.0;
+    let need = Need::of(&parameters);
+    assert!((need.width_m - 0.8).abs() < 1e-6);
+    assert_eq!(need.key, "vehicle.stop_distance");
+}
