@@ -122,7 +122,7 @@ pub struct Site<'a> {
 /// The passages of every layer of a blob, in the blob's order.
 pub fn of_blob(blob: &Blob<'_>, bytes: &[u8]) -> Vec<LayerPassages> {
     let grid = blob.grid();
-    let need = Need::of(&blob.parameters());
+    let need = Need::of(blob.parameters());
     let layers = || blob.parallel_plans().flat_map(|plan| plan.layers().map(move |l| (plan, l)));
     // All plans have the same obstacles. A plan's goal may have chosen other layers only.
     let physical = layers().map(|(_, layer)| layer).find(|layer| layer.name() == PHYSICAL);
@@ -157,7 +157,10 @@ pub fn passages(field: &Field, site: &Site<'_>) -> Vec<Passage> {
     let reach = wide::ceil(look.clamp(REACH.0, REACH.1)) as u32;
     let gap = |&index: &usize| {
         let code = field.code.get(index).copied()?;
-        across(site.solid, cell(field, index), advised(code)?, reach)
+        let gap = across(site.solid, cell(field, index), advised(code)?, reach)?;
+        let is_used = routes.share_through(index) >= LEAST_SHARE
+            || routes.share_across(gap.sides) >= LEAST_SHARE;
+        is_used.then_some(gap)
     };
     let gaps: Vec<Option<Gap>> = trunk.iter().map(gap).collect();
     let mut found: Vec<Passage> = Vec::new();
@@ -171,10 +174,7 @@ pub fn passages(field: &Field, site: &Site<'_>) -> Vec<Passage> {
         if found.iter().any(|other| apart(at_m, other.at_m) <= near_m) {
             continue;
         }
-        let share = routes.share_across(gap.sides);
-        if share >= LEAST_SHARE {
-            found.push(Passage { at_m, width_m, share });
-        }
+        found.push(Passage { at_m, width_m, share: routes.share_across(gap.sides) });
     }
     found
 }

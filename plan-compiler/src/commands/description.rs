@@ -94,7 +94,7 @@ pub(super) fn describe<'b>(
     bytes: usize,
     passages: &[LayerPassages],
 ) -> Description<'b> {
-    let need = Need::of(&blob.parameters());
+    let need = Need::of(blob.parameters());
     let mut passages = passages.iter();
     let grid = blob.grid();
     let origin = blob.origin().map(|origin| Place {

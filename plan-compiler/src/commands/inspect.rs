@@ -34,7 +34,7 @@ fn write_text(
     passages: &[LayerPassages],
 ) -> io::Result<()> {
     let grid = blob.grid();
-    let need = Need::of(&blob.parameters());
+    let need = Need::of(blob.parameters());
     let mut passages = passages.iter();
     writeln!(out, "{}: {bytes} bytes, format {FORMAT_VERSION}", path.display())?;
     writeln!(

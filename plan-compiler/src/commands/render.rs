@@ -34,7 +34,7 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
     };
     let pieces: Vec<Option<Piece<'_>>> =
         routes.iter().map(|route| route.as_ref().map(piece)).collect();
-    let need = Need::of(&plan.parameters());
+    let need = Need::of(plan.parameters());
     let narrow_text = format!("too narrow: below {} m", metres(need.width_m));
     let passages = width::of_blob(&plan, &bytes);
     let marks = drawn.iter().enumerate().map(|(index, (parallel, layer))| {

@@ -29,7 +29,7 @@ pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
     }
     let passages = || width::of_blob(&plan, &bytes);
     let passages = with_patience(quiet, "measuring passages", passages);
-    let need = Need::of(&plan.parameters());
+    let need = Need::of(plan.parameters());
     problems.extend(width::warnings(&passages, &need));
     tell(&problems, quiet);
     if args.json {

@@ -1,4 +1,4 @@
-//! The gap that a step of a route passes: the nearest blocked cells on its left and on its right.
+//! The gap that a step of a route passes: the nearest blocked cells on either side of it.
 
 use maps::Bitmap;
 use math::scalar::wide;
@@ -9,27 +9,48 @@ use plan_format::{Cell, Direction};
 pub(super) struct Gap {
     /// Free room from side to side through the centre of the step's cell, cells.
     pub(super) cells: f64,
-    /// The blocked cells on the left and on the right.
+    /// The blocked cells on the near side and on the far side.
     pub(super) sides: [Cell; 2],
 }
 
-/// Half the angle of the sector in which a side is searched, about the direction across the route.
-/// A grid's route turns by up to 45 degrees from the true direction of travel.
+/// Half the angle of the sector in which a side is searched. A grid's route turns by up to 45
+/// degrees from the true direction of travel.
 const HALF_ANGLE_RAD: f64 = std::f64::consts::FRAC_PI_3;
 
 /// The gap at a cell that a route leaves in a direction. `None` if a side has no blocked cell
 /// within `reach` cells. The grid's edge is not a side.
+///
+/// The far side lies opposite the near one: otherwise a route that leaves a straight wall would seem
+/// to pass between two parts of that wall.
 pub(super) fn across(blocked: &Bitmap, at: Cell, travel: Direction, reach: u32) -> Option<Gap> {
-    let side = |turn| nearest(blocked, at, Direction::from_code(travel.code() + turn), reach);
+    let side = |turn| {
+        let unit = Direction::from_code(travel.code() + turn).unit();
+        nearest(blocked, at, [unit.x, unit.y].map(f64::from), reach)
+    };
     let (left, right) = (side(2)?, side(6)?);
-    Some(Gap { cells: left.0 + right.0, sides: [left.1, right.1] })
+    let near = if left.0 <= right.0 { left } else { right };
+    let from_here = |cell: Cell| {
+        [(cell.column, at.column), (cell.row, at.row)].map(|(to, at)| f64::from(to) - f64::from(at))
+    };
+    let [x, y] = from_here(near.1);
+    let length = wide::hypot(x, y);
+    let far = nearest(blocked, at, [-x / length, -y / length], reach)?;
+    let ahead = travel.unit();
+    // The sign tells left from right of the route.
+    let turn = |[x, y]: [f64; 2]| f64::from(ahead.x) * y - f64::from(ahead.y) * x;
+    let is_between = turn([x, y]) * turn(from_here(far.1)) < 0.0;
+    is_between.then_some(Gap { cells: near.0 + far.0, sides: [near.1, far.1] })
 }
 
-/// The nearest blocked cell in the sector about a direction, and the distance from the centre of
+/// The nearest blocked cell in the sector about a unit vector, and the distance from the centre of
 /// `from` to its edge, cells.
-fn nearest(blocked: &Bitmap, from: Cell, towards: Direction, reach: u32) -> Option<(f64, Cell)> {
-    let unit = towards.unit();
-    let sector = Sector::about([f64::from(unit.x), f64::from(unit.y)]);
+pub(super) fn nearest(
+    blocked: &Bitmap,
+    from: Cell,
+    towards: [f64; 2],
+    reach: u32,
+) -> Option<(f64, Cell)> {
+    let sector = Sector::about(towards);
     let mut best: Option<(f64, Cell)> = None;
     let limit = f64::from(reach);
     let to_edge = |offset: f64| (offset.abs() - 0.5).max(0.0);

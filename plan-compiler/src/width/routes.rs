@@ -64,6 +64,12 @@ impl<'f> Routes<'f> {
         cells.filter(|&(_, &through)| through >= least).map(|(index, _)| index).collect()
     }
 
+    /// The share of all routes that pass a cell.
+    pub(super) fn share_through(&self, index: usize) -> f64 {
+        let through = self.through.get(index).copied().unwrap_or(0);
+        f64::from(through) / f64::from(self.all.max(1))
+    }
+
     /// The share of all routes that cross the line between two cells.
     pub(super) fn share_across(&self, ends: [Cell; 2]) -> f64 {
         let columns = self.field.columns as usize;
@@ -74,8 +80,7 @@ impl<'f> Routes<'f> {
         let leaves = |&&index: &&usize| {
             self.next(index).is_some_and(|next| line.binary_search(&next).is_err())
         };
-        let through = |&index: &usize| f64::from(self.through.get(index).copied().unwrap_or(0));
-        line.iter().filter(leaves).map(through).sum::<f64>() / f64::from(self.all.max(1))
+        line.iter().filter(leaves).map(|&index| self.share_through(index)).sum()
     }
 }
 
