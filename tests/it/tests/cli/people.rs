@@ -118,7 +118,7 @@ fn sizes_are_said_with_what_they_would_be_unpacked() {
     let text = run.done("inspect plans.bin");
     assert!(text.contains(&format!("{per_cell:.3} per cell")) && text.contains("16200"), "{text}");
     assert!(text.contains("gains   0.34 reactive, 0.66 plan, 0.11 noise"), "{text}");
-    let link = "link    lost after 1 s without a message, then continues the mission";
+    let link = "link    lost after 1 s without a message, then disarms and stands still";
     assert!(text.contains(link), "{text}");
     let proved: Value = serde_json::from_str(&run.done("verify plans.bin --json")).unwrap();
     assert_eq!((&proved["cells"], &proved["layers"]), (&3600.into(), &3.into()));
