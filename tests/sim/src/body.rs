@@ -39,6 +39,8 @@ pub struct Chassis {
     /// Turn rate that unequal wheels add while they roll, rad/s counter-clockwise. The odometry
     /// does not measure it.
     pub drift_radps: f64,
+    /// Share of the wheels' motion that is lost to slip, 0 to 1. The odometry measures the wheels.
+    pub slip: f64,
 }
 
 impl Default for Chassis {
@@ -53,6 +55,7 @@ impl Default for Chassis {
             max_turn_rate_radps: 1.5,
             turn_acceleration_radps2: 6.0,
             drift_radps: 0.0,
+            slip: 0.0,
         }
     }
 }
@@ -108,15 +111,17 @@ pub struct Body {
 pub struct StepResult {
     /// Distance driven, metres.
     pub distance_m: f64,
-    /// Whether the body touched an obstacle or another body.
+    /// Whether the body touched an obstacle, another body or a disc while it moved.
     pub touched: bool,
-    /// Smallest gap to an obstacle on the way, metres; infinite if none was near.
+    /// Whether another body or a disc ran into it while it stood still.
+    pub struck: bool,
+    /// Smallest gap to anything on the way, metres; infinite if none was near.
     pub closest_m: f64,
 }
 
 impl Default for StepResult {
     fn default() -> Self {
-        Self { distance_m: 0.0, touched: false, closest_m: f64::INFINITY }
+        Self { distance_m: 0.0, touched: false, struck: false, closest_m: f64::INFINITY }
     }
 }
 
@@ -188,7 +193,7 @@ impl Body {
         // The chord of the arc has the mean heading; its length differs from the arc's by
         // turn^2 / 24, less than a thousandth at these turn rates.
         let heading = self.heading_rad + turn / 2.0;
-        let distance_m = self.speed_mps * seconds;
+        let distance_m = self.speed_mps * (1.0 - self.chassis.slip) * seconds;
         self.position[0] += distance_m * wide::cos(heading);
         self.position[1] += distance_m * wide::sin(heading);
         if self.chassis.steering == Steering::Boat {
@@ -266,6 +271,18 @@ mod tests {
         }
         assert!((body.heading_rad - 0.3).abs() < 1e-9, "{body:?}");
         assert_eq!(body.turn_rate_radps, 0.0);
+    }
+
+    #[test]
+    fn wheels_that_slip_measure_more_than_the_way() {
+        let world = World::new([]);
+        let chassis = Chassis { slip: 0.25, ..Chassis::default() };
+        let mut body = Body::new(chassis, [0.0, 0.0], 0.0);
+        body.speed_mps = 1.0;
+        for _ in 0..200 {
+            body.step(&ahead(1.0, 0.0), &world, 0.05);
+        }
+        assert!((body.position[0] - 7.5).abs() < 1e-9 && body.speed_mps == 1.0, "{body:?}");
     }
 
     #[test]

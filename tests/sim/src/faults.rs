@@ -1,13 +1,17 @@
-//! Sensor faults: decorators that corrupt the records of a source.
+//! Faults: decorators that corrupt the records of a source, and actuators that do not obey.
 //!
 //! The kinds follow PX4's failure injection: `Drop` with chance 1 is its "off" and with a lower
 //! chance "intermittent"; `Freeze` is "stuck", `Garble` "garbage", `Jump` "wrong" and `Delay`
 //! "delayed". Decorators nest, so faults combine.
 
-use crate::{Mode, Random, Scene, Sensors, Stream};
-use robot_io::SensorRecord;
+use crate::{Chassis, Mode, Random, Scene, Sensors, Stream};
+use robot_io::percepts::channel;
+use robot_io::{Commands, SensorRecord};
 use std::collections::VecDeque;
 use std::ops::Range;
+
+/// The input channel that reports the battery's level.
+const BATTERY: usize = channel::BATTERY as usize;
 
 /// A kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +27,8 @@ pub enum Fault {
     Freeze,
     /// Every reading is off by an offset.
     Jump {
-        /// For GPS, metres along the map's axes; for other channels, the first number in the unit
-        /// of the reading.
+        /// For GPS and poses, metres along the map's axes; for actuators, m/s and rad/s; for other
+        /// channels, the first number in the unit of the reading.
         offset: [f64; 2],
     },
     /// Bytes or readings are replaced by random ones, which may be NaN.
@@ -41,7 +45,7 @@ pub enum Fault {
     },
 }
 
-/// The sensor that fails.
+/// The part of the robot that fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// The GPS receiver and its serial line.
@@ -52,6 +56,25 @@ pub enum Channel {
     Odometry,
     /// The range readings.
     Ranges,
+    /// The poses from another source than the receiver.
+    Pose,
+    /// The radio link to the operator. Its packets have checksums, so a garbled one is lost.
+    Link,
+    /// The input that reports the battery's level.
+    Battery,
+    /// The motors. A lost command is a stop.
+    Actuators,
+}
+
+/// A fault of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedFault {
+    /// What fails.
+    pub channel: Channel,
+    /// How it fails.
+    pub fault: Fault,
+    /// When it fails, seconds since the start; the end may be infinite.
+    pub window_s: Range<f64>,
 }
 
 /// Sensors with a fault in one channel during a window of time.
@@ -71,12 +94,11 @@ pub struct Faulty<S> {
 impl<S: Sensors> Faulty<S> {
     /// Sensors that fail within a window, in seconds since the start.
     pub fn new(inner: S, fault: Fault, channel: Channel, window_s: Range<f64>, seed: u64) -> Self {
-        let us = |seconds: f64| (seconds * 1e6) as u64;
         Self {
             inner,
             fault,
             channel,
-            window_us: us(window_s.start)..us(window_s.end),
+            window_us: in_us(&window_s),
             random: Random::new(seed, Stream::Fault),
             past: VecDeque::new(),
             frozen: None,
@@ -103,6 +125,75 @@ impl<S: Sensors> Faulty<S> {
     }
 }
 
+/// A window in microseconds; an infinite end becomes the last microsecond.
+fn in_us(window_s: &Range<f64>) -> Range<u64> {
+    let us = |seconds: f64| (seconds * 1e6) as u64;
+    us(window_s.start)..us(window_s.end)
+}
+
+/// Actuators with a fault: they follow other commands than the robot gives.
+#[derive(Clone, Debug)]
+pub struct Actuators {
+    fault: Fault,
+    window_us: Range<u64>,
+    random: Random,
+    /// The commands of the last ticks, the newest at the back.
+    past: VecDeque<Commands>,
+    /// The commands that a freeze repeats.
+    frozen: Option<Commands>,
+}
+
+impl Actuators {
+    /// Actuators that fail within a window, in seconds since the start.
+    pub fn new(fault: Fault, window_s: Range<f64>, seed: u64) -> Self {
+        Self {
+            fault,
+            window_us: in_us(&window_s),
+            random: Random::new(seed, Stream::Actuators),
+            past: VecDeque::new(),
+            frozen: None,
+        }
+    }
+
+    /// The commands that the motors follow in the tick that ends at `time_us`.
+    pub fn obey(&mut self, commands: Commands, chassis: &Chassis, time_us: u64) -> Commands {
+        if let Fault::Delay { ticks } = self.fault {
+            self.past.push_back(commands);
+            let kept = if self.window_us.contains(&time_us) { ticks } else { 0 };
+            let mut late = Commands::stop(commands.reason);
+            while self.past.len() > kept {
+                late = self.past.pop_front().unwrap_or(late);
+            }
+            return late;
+        }
+        if !self.window_us.contains(&time_us) {
+            return commands;
+        }
+        let stop = Commands { speed_mps: 0.0, turn_rate_radps: 0.0, ..commands };
+        match self.fault {
+            Fault::Drop { chance } if self.random.chance(chance) => stop,
+            Fault::Freeze => *self.frozen.get_or_insert(commands),
+            Fault::Jump { offset: [speed, turn] } => Commands {
+                speed_mps: commands.speed_mps + speed as f32,
+                turn_rate_radps: commands.turn_rate_radps + turn as f32,
+                ..commands
+            },
+            Fault::Garble { chance } if self.random.chance(chance) => {
+                let mut within = |most: f64| self.random.between(-most, most) as f32;
+                Commands {
+                    speed_mps: within(chassis.max_speed_mps),
+                    turn_rate_radps: within(chassis.max_turn_rate_radps),
+                    ..commands
+                }
+            }
+            // Handled above, or for receivers only.
+            Fault::Drop { .. } | Fault::Garble { .. } | Fault::Delay { .. } | Fault::Mode(_) => {
+                commands
+            }
+        }
+    }
+}
+
 impl<S: Sensors> Sensors for Faulty<S> {
     fn sense(&mut self, scene: &Scene<'_>) -> SensorRecord {
         let fails = self.window_us.contains(&scene.time_us);
@@ -126,7 +217,7 @@ impl<S: Sensors> Sensors for Faulty<S> {
                 }
             }
             Fault::Freeze => self.channel.freeze(&mut self.frozen, &mut record),
-            Fault::Jump { offset } => self.channel.shift(&mut record, offset[0] as f32),
+            Fault::Jump { offset } => self.channel.shift(&mut record, offset.map(|x| x as f32)),
             Fault::Garble { chance } => self.channel.garble(&mut record, chance, &mut self.random),
         }
         record
@@ -155,12 +246,24 @@ impl Channel {
                 std::mem::swap(&mut a.turn_rate_radps, &mut b.turn_rate_radps);
             }
             Self::Ranges => std::mem::swap(&mut a.ranges, &mut b.ranges),
+            Self::Pose => std::mem::swap(&mut a.pose, &mut b.pose),
+            Self::Link => std::mem::swap(&mut a.radio, &mut b.radio),
+            Self::Battery => {
+                std::mem::swap(&mut a.inputs[BATTERY], &mut b.inputs[BATTERY]);
+            }
+            Self::Actuators => {}
         }
     }
 
     /// Keeps the first data of the fault and repeats it.
     fn freeze(self, frozen: &mut Option<SensorRecord>, record: &mut SensorRecord) {
-        if self == Self::Gps && record.gps.is_empty() {
+        let is_quiet = match self {
+            Self::Gps => record.gps.is_empty(),
+            Self::Pose => record.pose.is_none(),
+            Self::Link => record.radio.is_none(),
+            _ => false,
+        };
+        if is_quiet {
             return;
         }
         let fresh = self.taken(record);
@@ -168,20 +271,36 @@ impl Channel {
         self.put(record, kept);
     }
 
-    fn shift(self, record: &mut SensorRecord, by: f32) {
+    fn shift(self, record: &mut SensorRecord, [by, north]: [f32; 2]) {
         let shifted = |x: Option<f32>| x.map(|x| x + by);
         match self {
-            // The antenna has already been moved in the scene.
-            Self::Gps => {}
+            // The antenna has already been moved in the scene; the motors are no sensor, and a
+            // packet has no offset.
+            Self::Gps | Self::Actuators | Self::Link => {}
             Self::Heading => record.heading_rad = shifted(record.heading_rad),
             Self::Odometry => record.speed_mps = shifted(record.speed_mps),
             Self::Ranges => {
                 record.ranges.iter_mut().flatten().for_each(|range| range.distance_m += by);
             }
+            Self::Pose => {
+                if let Some(pose) = &mut record.pose {
+                    pose.position_m[0] += by;
+                    pose.position_m[1] += north;
+                }
+            }
+            Self::Battery => {
+                record.inputs[BATTERY] = shifted(record.inputs[BATTERY]);
+            }
         }
     }
 
     fn garble(self, record: &mut SensorRecord, chance: f64, random: &mut Random) {
+        if self == Self::Link {
+            if random.chance(chance) {
+                record.radio = None;
+            }
+            return;
+        }
         // Any 32 bits are an f32, perhaps infinite or NaN.
         let mut number = |x: &mut f32| {
             if random.chance(chance) {
@@ -200,6 +319,11 @@ impl Channel {
                     number(&mut range.distance_m);
                 }
             }
+            Self::Pose => {
+                record.pose.iter_mut().flat_map(|pose| &mut pose.position_m).for_each(number);
+            }
+            Self::Battery => record.inputs[BATTERY].iter_mut().for_each(number),
+            Self::Link | Self::Actuators => {}
             Self::Gps => {
                 for byte in &mut record.gps {
                     if random.chance(chance) {
@@ -214,7 +338,8 @@ impl Channel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Body, Chassis, World};
+    use crate::{Body, World};
+    use robot_io::{Operator, Pose, Reason};
 
     /// Reports the number of the tick on every channel, and as a GPS byte every second tick.
     struct Counter(u8);
@@ -227,6 +352,14 @@ mod tests {
                 gps: gps.iter().copied().collect(),
                 heading_rad: Some(f32::from(self.0)),
                 speed_mps: Some(scene.antenna[0] as f32),
+                inputs: scene.inputs,
+                radio: (self.0 % 2 == 0).then(Operator::default),
+                pose: (self.0 % 2 == 0).then(|| Pose {
+                    time_us: 0,
+                    position_m: [f32::from(self.0), 0.0],
+                    heading_rad: None,
+                    accuracy_mm: 10,
+                }),
                 ..SensorRecord::default()
             }
         }
@@ -248,11 +381,17 @@ mod tests {
                     body,
                     antenna,
                     mode,
+                    inputs: [Some(time_us as f32 * 1e-6 + 1.0); 8],
                     time_us,
                     tick_us,
                 });
                 let numbers: Vec<String> = match channel {
                     Channel::Gps => record.gps.iter().map(u8::to_string).collect(),
+                    Channel::Battery => record.inputs[0].iter().map(f32::to_string).collect(),
+                    Channel::Link => record.radio.iter().map(|_| "*".to_owned()).collect(),
+                    Channel::Pose => {
+                        record.pose.iter().map(|pose| pose.position_m[0].to_string()).collect()
+                    }
                     _ => record.heading_rad.iter().map(f32::to_string).collect(),
                 };
                 if numbers.is_empty() { "-".to_owned() } else { numbers.join(",") }
@@ -273,6 +412,43 @@ mod tests {
         let delay = Fault::Delay { ticks: 2 };
         check(delay, Channel::Heading, "1 2 3 - - 4 5 6 9 10 11 12");
         check(delay, Channel::Gps, "- 2 - - - 4 - 6 8 10 - 12");
+        check(drop, Channel::Battery, "1 2 3 - - - - - 9 10 11 12");
+        check(Fault::Freeze, Channel::Battery, "1 2 3 4 4 4 4 4 9 10 11 12");
+        check(jump, Channel::Battery, "1 2 3 54 55 56 57 58 9 10 11 12");
+        check(drop, Channel::Pose, "- 2 - - - - - - - 10 - 12");
+        check(Fault::Freeze, Channel::Pose, "- 2 - 4 - 4 - 4 - 10 - 12");
+        check(jump, Channel::Pose, "- 2 - 54 - 56 - 58 - 10 - 12");
+        let garble = Fault::Garble { chance: 1.0 };
+        for lost in [drop, garble] {
+            check(lost, Channel::Link, "- * - - - - - - - * - *");
+        }
+    }
+
+    /// The robot asks for 1, 2, 3 and so on m/s, one second each; the fourth to the eighth fail.
+    #[test]
+    fn actuators_obey_other_commands_while_they_fail() {
+        let chassis = Chassis { max_speed_mps: 0.5, ..Chassis::default() };
+        let speeds = |fault| -> Vec<f32> {
+            let mut actuators = Actuators::new(fault, 3.0..8.0, 1);
+            let ticks = 0..10_u8;
+            ticks
+                .map(|i| {
+                    let speed_mps = f32::from(i) + 1.0;
+                    let wanted = Commands { speed_mps, ..Commands::stop(Reason::Driving) };
+                    actuators.obey(wanted, &chassis, u64::from(i) * 1_000_000).speed_mps
+                })
+                .collect()
+        };
+        let lost = [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 9.0, 10.0];
+        assert_eq!(speeds(Fault::Drop { chance: 1.0 }), lost);
+        let stuck = [1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 4.0, 4.0, 9.0, 10.0];
+        assert_eq!(speeds(Fault::Freeze), stuck);
+        let faster = [1.0, 2.0, 3.0, 5.0, 6.0, 7.0, 8.0, 9.0, 9.0, 10.0];
+        assert_eq!(speeds(Fault::Jump { offset: [1.0, 0.0] }), faster);
+        let late = [1.0, 2.0, 3.0, 0.0, 0.0, 4.0, 5.0, 6.0, 9.0, 10.0];
+        assert_eq!(speeds(Fault::Delay { ticks: 2 }), late);
+        let wild = speeds(Fault::Garble { chance: 1.0 });
+        assert!(wild[3..8].iter().all(|speed| speed.abs() <= 0.5) && wild[8] == 9.0, "{wild:?}");
     }
 
     #[test]
@@ -280,8 +456,16 @@ mod tests {
         let world = World::new([]);
         let body = Body::new(Chassis::default(), [1.0, 0.0], 0.0);
         let (antenna, mode) = (body.position, Mode::Autonomous);
-        let scene =
-            Scene { world: &world, others: &[], body, antenna, mode, time_us: 0, tick_us: 50_000 };
+        let scene = Scene {
+            world: &world,
+            others: &[],
+            body,
+            antenna,
+            mode,
+            inputs: [None; 8],
+            time_us: 0,
+            tick_us: 50_000,
+        };
         let jump = Fault::Jump { offset: [50.0, 0.0] };
         let mut sensors = Faulty::new(Counter(0), jump, Channel::Gps, 0.0..1.0, 1);
         assert_eq!(sensors.sense(&scene).speed_mps, Some(51.0));

@@ -19,6 +19,9 @@
 //! wheels and slopes, moving obstacles that are not robots, radio.
 
 pub mod body;
+pub mod conditions;
+pub mod difference;
+pub mod disc;
 pub mod faults;
 pub mod geometry;
 pub mod outcome;
@@ -34,18 +37,21 @@ pub mod surroundings;
 pub mod world;
 
 pub use body::{Body, Chassis, StepResult};
-pub use faults::{Channel, Fault, Faulty};
-pub use geometry::Point;
+pub use conditions::Conditions;
+pub use difference::{Difference, Missing, Worlds};
+pub use disc::{Disc, Repeat};
+pub use faults::{Actuators, Channel, Fault, Faulty, PlannedFault};
+pub use geometry::{Circle, Point};
 pub use outcome::{Ending, Limits, Outcome};
 pub use pilot::{HostPilot, Pilot, PilotError};
 pub use random::{Random, Stream};
 pub use receiver::{Dialect, Mode, Receiver, ReceiverSettings};
 pub use robot::Robot;
 pub use scenario::{Scenario, Start};
-pub use sensors::{RingSettings, Scene, SensorSettings, SensorSuite, Sensors};
+pub use sensors::{PoseSettings, RingSettings, Scene, SensorSettings, SensorSuite, Sensors};
 pub use simulation::Simulation;
 pub use surroundings::Surroundings;
-pub use world::{Nearest, World};
+pub use world::{Nearest, Placement, World};
 
 /// Length of a tick, microseconds.
 pub const TICK_US: u64 = 50_000;

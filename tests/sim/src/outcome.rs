@@ -87,11 +87,13 @@ pub struct Outcome {
     pub distance_m: f64,
     /// Sum of all turns to either side, radians.
     pub turn_rad: f64,
-    /// Smallest gap between the body and an obstacle or another body, metres; infinite if none came
-    /// within 10 m.
+    /// Smallest gap between the body and an obstacle, another body or a disc, metres; infinite if
+    /// none came within 10 m.
     pub closest_m: f64,
-    /// How often contact with an obstacle or another body began.
+    /// How often the robot began to touch an obstacle, another body or a disc as it moved.
     pub touches: u32,
+    /// How often another body or a disc began to touch the robot while it stood still.
+    pub strikes: u32,
     /// The route, a point for every half metre.
     pub route: Vec<Point>,
     /// Number of ticks per reason, in the order of first appearance.

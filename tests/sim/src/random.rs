@@ -21,6 +21,14 @@ pub enum Stream {
     Ranges,
     /// Faults; several faults of one run get different seeds.
     Fault,
+    /// Faults of the actuators.
+    Actuators,
+    /// Noise of the poses.
+    Poses,
+    /// GPS errors beside walls.
+    Multipath,
+    /// Obstacles that the map or the world lacks.
+    Obstacles,
 }
 
 /// A random number generator.

@@ -28,6 +28,9 @@ pub struct ReceiverSettings {
     pub sigma_m: f64,
     /// Correlation time of the position error, seconds; 0 for white noise.
     pub correlation_s: f64,
+    /// Standard deviation of the additional error along each axis at a wall, metres. It falls to 0
+    /// at 10 m from the nearest obstacle and wanders slowly. The receiver does not report it.
+    pub multipath_m: f64,
     /// Standard deviation of the velocity along each axis, m/s.
     pub velocity_sigma_mps: f64,
 }
@@ -41,6 +44,7 @@ impl ReceiverSettings {
         baud: 115_200,
         sigma_m: 0.0,
         correlation_s: 0.0,
+        multipath_m: 0.0,
         velocity_sigma_mps: 0.0,
     };
 
@@ -52,9 +56,17 @@ impl ReceiverSettings {
         baud: 38_400,
         sigma_m: 1.0,
         correlation_s: 0.0,
+        multipath_m: 0.0,
         velocity_sigma_mps: 0.05,
     };
+
+    /// A receiver for surveying, with corrections: 2 cm, a tenth of a second late.
+    pub const TWO_CENTIMETRES: Self = Self { sigma_m: 0.02, ..Self::ONE_METRE };
 }
+
+/// Correlation time of the error beside walls, seconds: reflections change as the satellites and
+/// the robot move.
+const MULTIPATH_CORRELATION_S: f64 = 20.0;
 
 /// A receiver on the robot.
 #[derive(Clone, Debug)]
@@ -65,6 +77,11 @@ pub struct Receiver {
     heading_rad: f64,
     random: Random,
     error_m: Point,
+    multipath: Random,
+    /// The additional error at a wall.
+    at_wall_m: Point,
+    /// Share of it that acts now.
+    wall_share: f64,
     mode: Mode,
     /// Number of solutions due so far.
     solved: u64,
@@ -81,18 +98,33 @@ impl Receiver {
     pub fn new(settings: ReceiverSettings, reference: &Reference, seed: u64) -> Self {
         let mut random = Random::new(seed, Stream::Gps);
         let error_m = [0, 1].map(|_| settings.sigma_m * random.normal());
+        let mut multipath = Random::new(seed, Stream::Multipath);
+        let at_wall_m = [0, 1].map(|_| settings.multipath_m * multipath.normal());
         Self {
             settings,
             frame: MapFrame::new(reference.place, reference.at, reference.heading_rad),
             heading_rad: reference.heading_rad,
             random,
             error_m,
+            multipath,
+            at_wall_m,
+            wall_share: 0.0,
             mode: Mode::Autonomous,
             solved: 0,
             waiting: VecDeque::new(),
             line: VecDeque::new(),
             room: 0.0,
         }
+    }
+
+    /// Whether walls cause an additional error.
+    pub fn has_multipath(&self) -> bool {
+        self.settings.multipath_m > 0.0
+    }
+
+    /// Sets the share of the additional error that acts: 1 at a wall, 0 in the open.
+    pub fn near_walls(&mut self, share: f64) {
+        self.wall_share = share;
     }
 
     /// Sets the mode.
@@ -138,7 +170,11 @@ impl Receiver {
     fn solve(&mut self, time_us: u64, antenna: Point, velocity: Point) -> Solution {
         self.wander();
         let share = self.mode.share_of_error();
-        let at = [0, 1].map(|axis| antenna[axis] + share * self.error_m[axis]);
+        let mut at = [0, 1].map(|axis| antenna[axis] + share * self.error_m[axis]);
+        if self.has_multipath() {
+            self.wander_at_wall();
+            at = [0, 1].map(|axis| at[axis] + self.wall_share * self.at_wall_m[axis]);
+        }
         let (c, s) = (wide::cos(self.heading_rad), wide::sin(self.heading_rad));
         let true_velocity = [c * velocity[0] + s * velocity[1], c * velocity[1] - s * velocity[0]];
         Solution {
@@ -151,15 +187,28 @@ impl Receiver {
         }
     }
 
+    /// Draws the next error at a wall, in the same way as [`Receiver::wander`].
+    fn wander_at_wall(&mut self) {
+        let kept = self.kept(MULTIPATH_CORRELATION_S);
+        let fresh = self.settings.multipath_m * wide::sqrt(1.0 - kept * kept);
+        for axis in 0..2 {
+            self.at_wall_m[axis] = kept * self.at_wall_m[axis] + fresh * self.multipath.normal();
+        }
+    }
+
+    /// The share of an error that the next solution keeps.
+    fn kept(&self, correlation_s: f64) -> f64 {
+        if correlation_s > 0.0 {
+            wide::exp(-1.0 / (self.settings.rate_hz * correlation_s))
+        } else {
+            0.0
+        }
+    }
+
     /// Draws the next error: a first-order Gauss-Markov process with the same standard deviation at
     /// any correlation.
     fn wander(&mut self) {
-        let correlation = self.settings.correlation_s;
-        let kept = if correlation > 0.0 {
-            wide::exp(-1.0 / (self.settings.rate_hz * correlation))
-        } else {
-            0.0
-        };
+        let kept = self.kept(self.settings.correlation_s);
         let fresh = self.settings.sigma_m * wide::sqrt(1.0 - kept * kept);
         for axis in 0..2 {
             self.error_m[axis] = kept * self.error_m[axis] + fresh * self.random.normal();

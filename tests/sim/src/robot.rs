@@ -3,11 +3,10 @@
 //! Sense, exchange and move are separate functions, so that all robots finish one phase of a tick
 //! before any begins the next.
 
-use crate::body::LOOK_M;
-use crate::geometry::distance;
+use crate::geometry::{Circle, distance};
 use crate::{
-    Body, Ending, Limits, Mode, Outcome, Pilot, PilotError, Point, Scene, Sensors, StepResult,
-    Surroundings, TICK_US, World,
+    Actuators, Body, Ending, Limits, Mode, Outcome, Pilot, PilotError, Point, Scene, Sensors,
+    StepResult, Surroundings, TICK_US, World,
 };
 use math::scalar::wrap_angle;
 use robot_io::{CommandRecord, Commands, Reason, SensorRecord};
@@ -24,9 +23,11 @@ pub struct Robot<S, P> {
     pilot: P,
     limits: Limits,
     body: Body,
+    actuators: Vec<Actuators>,
     commands: Commands,
     outcome: Outcome,
     is_touching: bool,
+    is_struck: bool,
     /// The point that the robot has stayed near, and the tick since when.
     spot: (Point, u64),
     /// Why the robot stands still, and the tick since when; `None` while it moves.
@@ -44,13 +45,21 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
             pilot,
             limits,
             body,
+            actuators: Vec::new(),
             commands: Commands::stop(Reason::Idle),
             outcome: Outcome { closest_m: f64::INFINITY, route, ..Outcome::default() },
             is_touching: false,
+            is_struck: false,
             spot: (body.position, 0),
             standing: None,
             has_worked: false,
         }
+    }
+
+    /// Lets the actuators fail.
+    pub fn with_actuators(mut self, faults: impl IntoIterator<Item = Actuators>) -> Self {
+        self.actuators.extend(faults);
+        self
     }
 
     /// Adds surroundings that the robot's work changes. The run ends when that work is done.
@@ -76,20 +85,19 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
     }
 
     /// What the sensors report in the tick that ends at `time_us`.
-    pub(crate) fn sense(&mut self, truth: &World, others: &[Body], time_us: u64) -> SensorRecord {
-        let mut record = self.sensors.sense(&Scene {
+    pub(crate) fn sense(&mut self, truth: &World, others: &[Circle], time_us: u64) -> SensorRecord {
+        let inputs =
+            self.outcome.surroundings.as_ref().map(Surroundings::inputs).unwrap_or_default();
+        self.sensors.sense(&Scene {
             world: truth,
             others,
             body: self.body,
             antenna: self.body.position,
             mode: Mode::Autonomous,
+            inputs,
             time_us,
             tick_us: TICK_US,
-        });
-        if let Some(surroundings) = &self.outcome.surroundings {
-            record.inputs = surroundings.inputs();
-        }
-        record
+        })
     }
 
     /// The pilot's answer to a sensor record.
@@ -97,13 +105,15 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         self.pilot.exchange(record)
     }
 
+    /// The commands that the body follows: the pilot's, unless an actuator fails.
+    pub(crate) fn driven(&mut self, commands: &Commands) -> Commands {
+        let (chassis, time_us) = (self.body.chassis, self.outcome.ticks * TICK_US);
+        let faults = self.actuators.iter_mut();
+        faults.fold(*commands, |driven, fault| fault.obey(driven, &chassis, time_us))
+    }
+
     /// Takes over the body's new state at the end of a tick, and updates the outcome.
-    pub(crate) fn arrive(
-        &mut self,
-        answer: &CommandRecord,
-        (body, result): (Body, StepResult),
-        others: &[Body],
-    ) {
+    pub(crate) fn arrive(&mut self, answer: &CommandRecord, (body, result): (Body, StepResult)) {
         let turned_rad = body.heading_rad - self.body.heading_rad;
         self.body = body;
         self.commands = answer.commands;
@@ -121,14 +131,10 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         outcome.touches += u32::from(result.touched && !self.is_touching);
         outcome.trace_hash = answer.trace_hash;
         outcome.most_instructions = outcome.most_instructions.max(answer.instructions);
+        outcome.strikes += u32::from(result.struck && !self.is_struck);
         self.is_touching = result.touched;
+        self.is_struck = result.struck;
         outcome.closest_m = outcome.closest_m.min(result.closest_m);
-        let moving = others
-            .iter()
-            .map(|other| distance(body.position, other.position) - other.chassis.radius_m);
-        for distance_m in moving.filter(|&gap_m| gap_m < LOOK_M) {
-            outcome.closest_m = outcome.closest_m.min(distance_m - body.chassis.radius_m);
-        }
         self.note(answer.commands.reason);
         self.judge(&answer.commands);
         if self.outcome.ending.is_some() {

@@ -1,10 +1,10 @@
 //! The robot's sensors: they turn the true state of the simulation into sensor records.
 
-use crate::geometry::wrapped;
+use crate::geometry::{Circle, wrapped};
 use crate::{Body, Mode, Point, Random, Receiver, ReceiverSettings, Stream, World, world};
 use maps::Reference;
-use robot_io::limits::{MAX_GPS_BYTES, MAX_RANGES};
-use robot_io::{Operator, RangeReading, SensorRecord};
+use robot_io::limits::{MAX_CHANNELS, MAX_GPS_BYTES, MAX_RANGES};
+use robot_io::{Operator, Pose, RangeReading, SensorRecord};
 use std::f64::consts::TAU;
 
 /// Range readings as a record holds them.
@@ -15,14 +15,16 @@ type Ranges = heapless::Vec<RangeReading, MAX_RANGES>;
 pub struct Scene<'w> {
     /// The true obstacles.
     pub world: &'w World,
-    /// The bodies of the other robots.
-    pub others: &'w [Body],
+    /// The other robots and the moving discs.
+    pub others: &'w [Circle],
     /// The robot's body.
     pub body: Body,
     /// Position of the antenna, metres: the body's centre, unless a fault moves it.
     pub antenna: Point,
     /// Mode of the GPS receiver: autonomous, unless a fault changes it.
     pub mode: Mode,
+    /// Input channels as the robot's work sets them.
+    pub inputs: [Option<f32>; MAX_CHANNELS],
     /// Time since the start of the simulation, microseconds.
     pub time_us: u64,
     /// Length of this tick, microseconds.
@@ -30,12 +32,12 @@ pub struct Scene<'w> {
 }
 
 impl Scene<'_> {
-    /// Distance from the body's centre to the first surface of an obstacle or another robot in a
-    /// direction, metres; `None` if none is nearer than `most_m`.
+    /// Distance from the body's centre to the first surface of an obstacle, another robot or a
+    /// disc in a direction, metres; `None` if none is nearer than `most_m`.
     fn range(&self, heading_rad: f64, most_m: f64) -> Option<f64> {
         let from = self.body.position;
         let others = self.others.iter().filter_map(|other| {
-            world::range_of_disc(from, heading_rad, other.position, other.chassis.radius_m)
+            world::range_of_disc(from, heading_rad, other.centre, other.radius_m)
         });
         let obstacle = self.world.range(from, heading_rad, most_m);
         others.filter(|&range| range < most_m).chain(obstacle).reduce(f64::min)
@@ -67,13 +69,36 @@ pub struct SensorSettings {
     pub gps: Option<ReceiverSettings>,
     /// Standard deviation of the compass, radians.
     pub compass_sigma_rad: Option<f64>,
+    /// Constant error of the compass, radians counter-clockwise.
+    pub compass_offset_rad: f64,
     /// Standard deviations of the speed, m/s, and of the turn rate, rad/s.
     pub odometry_sigma: Option<(f64, f64)>,
     /// Range readings around the body.
     pub ring: Option<RingSettings>,
+    /// Poses from another source than the receiver.
+    pub pose: Option<PoseSettings>,
     /// The operator's commands, the same in every tick.
     pub operator: Operator,
+    /// Whether the commands also arrive over the radio link, five times a second.
+    pub has_link: bool,
 }
+
+/// A source of poses in the map's own metres, such as beacons or motion capture. Its error is white
+/// noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseSettings {
+    /// Poses per second.
+    pub rate_hz: f64,
+    /// Standard deviation of the position along each axis, metres.
+    pub sigma_m: f64,
+    /// Standard deviation of the heading, radians; `None` if it is not measured.
+    pub heading_sigma_rad: Option<f64>,
+}
+
+/// Packets per second on the radio link.
+const LINK_HZ: f64 = 5.0;
+/// Surfaces farther from the antenna than this cause no multipath, metres.
+const MULTIPATH_REACH_M: f64 = 10.0;
 
 /// A ring of range readings: a scanner with its beams grouped into sectors. Each sector reports its
 /// nearest return, as sonars and reduced laser scans do.
@@ -94,9 +119,12 @@ impl SensorSettings {
     pub const PERFECT: Self = Self {
         gps: Some(ReceiverSettings::PERFECT),
         compass_sigma_rad: Some(0.0),
+        compass_offset_rad: 0.0,
         odometry_sigma: Some((0.0, 0.0)),
         ring: Some(RingSettings { sectors: 16, beams: 4, range_m: 10.0, sigma_m: 0.0 }),
+        pose: None,
         operator: Operator { is_armed: true, is_emergency_stop: false, manual: None },
+        has_link: false,
     };
 
     /// Sensors of a small outdoor robot, with a GPS sigma of 1 m.
@@ -107,6 +135,36 @@ impl SensorSettings {
         ring: Some(RingSettings { sectors: 16, beams: 4, range_m: 10.0, sigma_m: 0.02 }),
         ..Self::PERFECT
     };
+
+    /// The usual sensors with a receiver for surveying: a GPS sigma of 2 cm.
+    pub const SURVEYOR: Self = Self { gps: Some(ReceiverSettings::TWO_CENTIMETRES), ..Self::USUAL };
+
+    /// The same sensors without error and delay. Rates, sectors, beams and reach stay.
+    pub fn without_error(self) -> Self {
+        Self {
+            gps: self.gps.map(|gps| ReceiverSettings {
+                rate_hz: gps.rate_hz,
+                dialect: gps.dialect,
+                ..ReceiverSettings::PERFECT
+            }),
+            compass_sigma_rad: self.compass_sigma_rad.map(|_| 0.0),
+            compass_offset_rad: 0.0,
+            odometry_sigma: self.odometry_sigma.map(|_| (0.0, 0.0)),
+            ring: self.ring.map(|ring| RingSettings { sigma_m: 0.0, ..ring }),
+            pose: self.pose.map(|pose| PoseSettings {
+                sigma_m: 0.0,
+                heading_sigma_rad: pose.heading_sigma_rad.map(|_| 0.0),
+                ..pose
+            }),
+            ..self
+        }
+    }
+}
+
+/// Whether one of `hz` events a second falls into the tick that ends at `time_us`.
+fn is_due(hz: f64, time_us: u64, tick_us: u64) -> bool {
+    let count = |us: u64| (us as f64 * 1e-6 * hz) as u64;
+    hz > 0.0 && (time_us == 0 || count(time_us) > count(time_us.saturating_sub(tick_us)))
 }
 
 /// The sensors of one robot.
@@ -119,6 +177,7 @@ pub struct SensorSuite {
     compass: Random,
     odometry: Random,
     ranges: Random,
+    poses: Random,
 }
 
 impl SensorSuite {
@@ -131,6 +190,7 @@ impl SensorSuite {
             compass: Random::new(seed, Stream::Compass),
             odometry: Random::new(seed, Stream::Odometry),
             ranges: Random::new(seed, Stream::Ranges),
+            poses: Random::new(seed, Stream::Poses),
         }
     }
 
@@ -158,12 +218,46 @@ impl SensorSuite {
         }
         readings
     }
+
+    /// The operator's orders, if a packet arrives in this tick.
+    fn radio(&self, scene: &Scene<'_>) -> Option<Operator> {
+        let is_due = self.settings.has_link && is_due(LINK_HZ, scene.time_us, scene.tick_us);
+        is_due.then_some(self.settings.operator)
+    }
+
+    /// The pose that arrives in this tick, if one does.
+    fn pose(&mut self, scene: &Scene<'_>) -> Option<Pose> {
+        let settings = self.settings.pose?;
+        if !is_due(settings.rate_hz, scene.time_us, scene.tick_us) {
+            return None;
+        }
+        let at = scene.body.position.map(|x| x + settings.sigma_m * self.poses.normal());
+        let heading = settings
+            .heading_sigma_rad
+            .map(|sigma| wrapped(scene.body.heading_rad + sigma * self.poses.normal()) as f32);
+        Some(Pose {
+            time_us: scene.time_us,
+            position_m: at.map(|x| x as f32),
+            heading_rad: heading,
+            // A source without error still reports some.
+            accuracy_mm: (settings.sigma_m * 1e3).max(10.0) as u32,
+        })
+    }
+}
+
+/// How much of a receiver's multipath acts at an antenna, 0 in the open to 1 at a wall.
+fn multipath_share(scene: &Scene<'_>) -> f64 {
+    let nearest = scene.world.nearest(scene.antenna, MULTIPATH_REACH_M);
+    nearest.map_or(0.0, |nearest| 1.0 - nearest.distance_m.max(0.0) / MULTIPATH_REACH_M)
 }
 
 impl Sensors for SensorSuite {
     fn sense(&mut self, scene: &Scene<'_>) -> SensorRecord {
         let body = &scene.body;
         let gps = self.receiver.as_mut().map(|receiver| {
+            if receiver.has_multipath() {
+                receiver.near_walls(multipath_share(scene));
+            }
             receiver.in_mode(scene.mode).bytes(
                 scene.time_us,
                 scene.tick_us,
@@ -179,7 +273,8 @@ impl Sensors for SensorSuite {
             )
         });
         let heading_rad = self.settings.compass_sigma_rad.map(|sigma| {
-            let heading = body.heading_rad - self.map_heading_rad + sigma * self.compass.normal();
+            let error = sigma * self.compass.normal() + self.settings.compass_offset_rad;
+            let heading = body.heading_rad - self.map_heading_rad + error;
             wrapped(heading) as f32
         });
         SensorRecord {
@@ -188,10 +283,10 @@ impl Sensors for SensorSuite {
             speed_mps: odometry.map(|(speed, _)| speed as f32),
             turn_rate_radps: odometry.map(|(_, turn)| turn as f32),
             ranges: self.settings.ring.map(|ring| self.ring(ring, scene)),
-            inputs: Default::default(),
+            inputs: scene.inputs,
             operator: self.settings.operator,
-            radio: None,
-            pose: None,
+            radio: self.radio(scene),
+            pose: self.pose(scene),
         }
     }
 }

@@ -1,11 +1,15 @@
-//! Robots in one true world, tick by tick.
+//! Robots and moving discs in one true world, tick by tick.
 //!
 //! A tick has three phases: all robots sense, then all exchange records with their pilots, then
 //! all move. Each phase reads only the results of the phase before, so the order of the robots
-//! does not matter. Robots see each other by their range sensors, and their bodies never overlap.
+//! does not matter. Robots see each other and the discs by their range sensors, and bodies and discs
+//! never overlap.
 
-use crate::geometry::distance;
-use crate::{Body, Outcome, Pilot, PilotError, Robot, Sensors, StepResult, TICK_US, World};
+use crate::body::LOOK_M;
+use crate::geometry::{self, Circle};
+use crate::{
+    Body, Disc, Outcome, Pilot, PilotError, Point, Robot, Sensors, StepResult, TICK_US, World,
+};
 use robot_io::{CommandRecord, SensorRecord};
 
 /// A simulation under way.
@@ -14,13 +18,25 @@ pub struct Simulation<'w, S, P> {
     /// The true obstacles; the robots' maps may differ.
     truth: &'w World,
     robots: Vec<Robot<S, P>>,
+    discs: Vec<Moving>,
     ticks: u64,
 }
 
 impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
     /// A simulation before its first tick. The bodies start clear of the world and of each other.
     pub fn new(truth: &'w World, robots: impl IntoIterator<Item = Robot<S, P>>) -> Self {
-        Self { truth, robots: robots.into_iter().collect(), ticks: 0 }
+        Self { truth, robots: robots.into_iter().collect(), discs: Vec::new(), ticks: 0 }
+    }
+
+    /// Adds moving discs, each at the start of its path.
+    pub fn with_discs(mut self, discs: &[Disc]) -> Self {
+        self.discs.extend(discs.iter().map(|disc| Moving { disc: disc.clone(), moved_m: 0.0 }));
+        self
+    }
+
+    /// The positions of the discs now, in the order given to [`Simulation::with_discs`], metres.
+    pub fn discs(&self) -> Vec<Point> {
+        self.discs.iter().map(|moving| moving.circle().centre).collect()
     }
 
     /// The robots in the order given to [`Simulation::new`].
@@ -52,11 +68,18 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
     }
 
     fn sense(&mut self) -> Vec<SensorRecord> {
-        let bodies = self.bodies();
+        let circles: Vec<Circle> = self.robots.iter().map(|robot| circle(robot.body())).collect();
+        let discs = self.discs.clone();
+        let discs = discs.iter().map(|moving| moving.circle());
         let time_us = self.ticks * TICK_US;
         let robots = self.robots.iter_mut().enumerate();
         robots
-            .map(|(index, robot)| robot.sense(self.truth, &others(&bodies, index), time_us))
+            .map(|(index, robot)| {
+                let before = circles[..index].iter();
+                let others = before.chain(&circles[index + 1..]).copied();
+                let seen: Vec<Circle> = others.chain(discs.clone()).collect();
+                robot.sense(self.truth, &seen, time_us)
+            })
             .collect()
     }
 
@@ -67,23 +90,69 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
 
     fn advance(&mut self, answers: &[CommandRecord]) {
         let seconds = TICK_US as f64 * 1e-6;
-        let before = self.bodies();
-        let mut after = before.clone();
-        let mut results: Vec<StepResult> = after
-            .iter_mut()
-            .zip(answers)
-            .map(|(body, answer)| body.step(&answer.commands, self.truth, seconds))
-            .collect();
-        keep_apart(&before, &mut after, &mut results);
-        for (index, robot) in self.robots.iter_mut().enumerate() {
-            let moved = (after[index], results[index]);
-            robot.arrive(&answers[index], moved, &others(&after, index));
+        let mut after: Vec<(Body, StepResult)> = Vec::new();
+        let mut movers: Vec<Mover> = Vec::new();
+        for (robot, answer) in self.robots.iter_mut().zip(answers) {
+            let before = *robot.body();
+            let driven = robot.driven(&answer.commands);
+            let mut body = before;
+            let result = body.step(&driven, self.truth, seconds);
+            let (before, radius_m) = (before.position, body.chassis.radius_m);
+            movers.push(Mover { before, after: body.position, radius_m, is_disc: false });
+            after.push((body, result));
+        }
+        movers.extend(self.discs.iter().map(|moving| moving.mover(seconds)));
+        let has_clashed = keep_apart(&mut movers);
+        for (index, (robot, (body, result))) in self.robots.iter_mut().zip(after).enumerate() {
+            let mover = movers[index];
+            let gaps = (0..movers.len()).filter(|&other| other != index);
+            let closest_m = gaps.map(|other| mover.gap_m(&movers[other]).max(0.0));
+            let closest_m = closest_m.filter(|&gap_m| gap_m < LOOK_M);
+            let mut result = result;
+            result.closest_m = closest_m.fold(result.closest_m, f64::min);
+            let mut body = body;
+            if has_clashed[index] {
+                // A robot that stood still did not cause the contact.
+                result.touched |= result.distance_m > 0.0;
+                result.struck = result.distance_m == 0.0;
+                result.closest_m = 0.0;
+            }
+            if mover.after != body.position {
+                body.position = mover.after;
+                body.velocity_mps = [0.0; 2];
+                result.distance_m = 0.0;
+            }
+            robot.arrive(&answers[index], (body, result));
+        }
+        for (moving, mover) in self.discs.iter_mut().zip(&movers[self.robots.len()..]) {
+            if mover.after != mover.before {
+                moving.moved_m += moving.disc.speed_mps * seconds;
+            }
         }
     }
+}
 
-    fn bodies(&self) -> Vec<Body> {
-        self.robots.iter().map(|robot| *robot.body()).collect()
+/// A disc on its path.
+#[derive(Clone, Debug)]
+struct Moving {
+    disc: Disc,
+    moved_m: f64,
+}
+
+impl Moving {
+    fn circle(&self) -> Circle {
+        Circle { centre: self.disc.at(self.moved_m), radius_m: self.disc.radius_m }
     }
+
+    fn mover(&self, seconds: f64) -> Mover {
+        let after = self.disc.at(self.moved_m + self.disc.speed_mps * seconds);
+        let Circle { centre, radius_m } = self.circle();
+        Mover { before: centre, after, radius_m, is_disc: true }
+    }
+}
+
+fn circle(body: &Body) -> Circle {
+    Circle { centre: body.position, radius_m: body.chassis.radius_m }
 }
 
 impl<S: Sensors, P: Pilot> Robot<S, P> {
@@ -94,35 +163,61 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
     }
 }
 
-/// All bodies but one.
-fn others(bodies: &[Body], index: usize) -> Vec<Body> {
-    let before = bodies[..index].iter();
-    before.chain(&bodies[index + 1..]).copied().collect()
+/// Something that moves within a tick: a robot or a disc.
+#[derive(Clone, Copy, Debug)]
+struct Mover {
+    before: Point,
+    after: Point,
+    radius_m: f64,
+    is_disc: bool,
 }
 
-/// Puts bodies that would overlap back to where they were before the tick, and counts that as a
-/// touch. All of them go back, so that none has precedence. A body that goes back may block
-/// another one, which then goes back too.
-fn keep_apart(before: &[Body], after: &mut [Body], results: &mut [StepResult]) {
-    let mut has_stayed = vec![false; after.len()];
-    loop {
-        let clash = |index: usize| {
-            let body = after[index];
-            others(after, index).iter().any(|other| {
-                let least_m = body.chassis.radius_m + other.chassis.radius_m;
-                distance(body.position, other.position) < least_m
-            })
+impl Mover {
+    /// Smallest gap to another mover during the tick, if both move on straight lines, metres;
+    /// negative if they overlap.
+    fn gap_m(&self, other: &Self) -> f64 {
+        let at = |here: Point, there: Point| [0, 1].map(|axis| here[axis] - there[axis]);
+        let (from, to) = (at(self.before, other.before), at(self.after, other.after));
+        let between = geometry::distance_from_segment([0.0; 2], from, to);
+        between - self.radius_m - other.radius_m
+    }
+
+    /// Whether this mover moves towards where the other one was.
+    fn approaches(&self, other: &Self) -> bool {
+        let along = |axis: usize| {
+            (self.after[axis] - self.before[axis]) * (other.before[axis] - self.before[axis])
         };
-        let staying: Vec<usize> =
-            (0..after.len()).filter(|&index| !has_stayed[index] && clash(index)).collect();
-        if staying.is_empty() {
-            return;
+        along(0) + along(1) > 0.0
+    }
+
+    /// Whether they would overlap. Discs pass through each other.
+    fn clashes(&self, other: &Self) -> bool {
+        !(self.is_disc && other.is_disc) && self.gap_m(other) < 0.0
+    }
+}
+
+/// Puts robots and discs that would overlap back to where they were before the tick, and returns
+/// for each mover whether it clashed. Of two that clash, those go back that move towards the
+/// other: none has precedence. A mover that goes back may block another one, which then goes back
+/// too.
+fn keep_apart(movers: &mut [Mover]) -> Vec<bool> {
+    let mut has_clashed = vec![false; movers.len()];
+    loop {
+        let seen: Vec<Mover> = movers.to_vec();
+        let mut is_changed = false;
+        for (index, mover) in movers.iter_mut().enumerate() {
+            let others = seen.iter().enumerate().filter(|&(other, _)| other != index);
+            let clashing = others.filter(|(_, other)| seen[index].clashes(other));
+            for (_, other) in clashing {
+                has_clashed[index] = true;
+                if seen[index].approaches(other) {
+                    mover.after = mover.before;
+                    is_changed = true;
+                }
+            }
         }
-        for index in staying {
-            has_stayed[index] = true;
-            after[index].position = before[index].position;
-            after[index].velocity_mps = [0.0; 2];
-            results[index] = StepResult { distance_m: 0.0, touched: true, ..results[index] };
+        if !is_changed {
+            return has_clashed;
         }
     }
 }
@@ -220,13 +315,93 @@ mod tests {
     /// In a row of three, the first body stops the second, and the second stops the third.
     #[test]
     fn a_body_that_goes_back_blocks_the_next() {
-        let at = |x: f64| Body::new(Chassis::default(), [x, 0.0], 0.0);
-        let before = [at(0.0), at(0.7), at(1.4)];
-        let mut after = [at(0.0), at(0.5), at(1.2)];
-        let moved = StepResult { distance_m: 0.2, ..StepResult::default() };
-        let mut results = [StepResult::default(), moved, moved];
-        keep_apart(&before, &mut after, &mut results);
-        assert_eq!(after.map(|body| body.position), before.map(|body| body.position));
-        assert!(results.iter().all(|result| result.touched && result.distance_m == 0.0));
+        let robot = |before: f64, after: f64| Mover {
+            before: [before, 0.0],
+            after: [after, 0.0],
+            radius_m: 0.3,
+            is_disc: false,
+        };
+        let mut movers = [robot(0.0, 0.0), robot(0.7, 0.5), robot(1.4, 1.2), robot(2.5, 2.4)];
+        assert_eq!(keep_apart(&mut movers), [true, true, true, false]);
+        assert_eq!(movers.map(|mover| mover.after[0]), [0.0, 0.7, 1.4, 2.4]);
+    }
+
+    /// Two bodies that would change places within one tick.
+    #[test]
+    fn speed_carries_no_body_through_another() {
+        let robot = |before: f64, after: f64| Mover {
+            before: [before, 0.0],
+            after: [after, 0.0],
+            radius_m: 0.05,
+            is_disc: false,
+        };
+        let mut movers = [robot(0.0, 0.4), robot(0.4, 0.0)];
+        assert_eq!(keep_apart(&mut movers), [true, true]);
+        assert_eq!(movers.map(|mover| mover.after[0]), [0.0, 0.4]);
+    }
+
+    /// Drives at a constant speed, or stands.
+    struct Steady(f32);
+
+    impl Pilot for Steady {
+        fn exchange(&mut self, _: &SensorRecord) -> Result<CommandRecord, PilotError> {
+            let commands = Commands { speed_mps: self.0, ..Commands::stop(Reason::Driving) };
+            Ok(CommandRecord {
+                time_us: 0,
+                commands,
+                trace_hash: 0,
+                instructions: 0,
+                receiver: Receiver::Sound,
+                checks: robot_io::Checks::default(),
+            })
+        }
+    }
+
+    /// A robot at the origin that heads east, and a disc that passes `aside_m` beside it from the
+    /// east; 20 seconds. Returns the outcome and where the disc ended.
+    fn meeting(robot_mps: f32, disc_mps: f64, aside_m: f64) -> (Outcome, Point) {
+        let world = World::new([]);
+        let place = GeoPoint::from_degrees(1.0, 2.0).expect("on the globe");
+        let reference = Reference { place, at: [0.0, 0.0], heading_rad: 0.0 };
+        let sensors = SensorSuite::new(SensorSettings::PERFECT, &reference, 1);
+        let limits = Limits { time_s: 20.0, ..Limits::to_goal([99.0, 99.0]) };
+        let body = Body::new(Chassis::default(), [0.0, 0.0], 0.0);
+        let robot = Robot::new(body, sensors, Steady(robot_mps), limits);
+        let disc = Disc {
+            radius_m: 0.2,
+            path: vec![[10.0, aside_m], [-10.0, aside_m]],
+            speed_mps: disc_mps,
+            repeat: crate::Repeat::Once,
+            start_m: 0.0,
+        };
+        let mut simulation = Simulation::new(&world, [robot]).with_discs(&[disc]);
+        while !simulation.is_over() {
+            simulation.step().expect("these pilots always answer");
+            let (at, disc) = (simulation.robots()[0].body().position, simulation.discs()[0]);
+            assert!(geometry::distance(at, disc) >= 0.5 - 1e-9, "{at:?} {disc:?}");
+        }
+        (simulation.robots()[0].outcome().clone(), simulation.discs()[0])
+    }
+
+    #[test]
+    fn who_moves_causes_the_contact() {
+        for (robot_mps, disc_mps, aside_m, contacts) in [
+            // The disc runs into a robot that stands.
+            (0.0, 1.0, 0.0, (0, 1)),
+            (0.0, 30.0, 0.3, (0, 1)),
+            // The robot drives into a disc that stands, and into one that comes.
+            (1.0, 0.0, 0.0, (1, 0)),
+            (1.0, 0.4, 0.1, (1, 0)),
+            // They pass each other.
+            (0.0, 1.0, 0.6, (0, 0)),
+            (1.0, 1.0, 0.6, (0, 0)),
+        ] {
+            let (outcome, at) = meeting(robot_mps, disc_mps, aside_m);
+            let case = (robot_mps, disc_mps, aside_m);
+            assert_eq!((outcome.touches, outcome.strikes), contacts, "{case:?}");
+            let gap_m = if contacts == (0, 0) { 0.1 } else { 0.0 };
+            assert!((outcome.closest_m - gap_m).abs() < 1e-9, "{case:?} {outcome:?}");
+            assert_eq!(at == [-10.0, aside_m], contacts == (0, 0) && disc_mps > 0.0, "{case:?}");
+        }
     }
 }

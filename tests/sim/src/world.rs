@@ -1,7 +1,7 @@
 //! The true obstacles: exact shapes that answer for rays, nearest points and contact.
 
 use crate::Point;
-use crate::geometry::distance;
+use crate::geometry::{distance, nearest_of_segment};
 use maps::bitmap::Bitmap;
 use maps::{CellMap, Map, Role, Shape};
 use math::scalar::wide;
@@ -22,9 +22,61 @@ pub struct World {
     parts: Vec<Part>,
     /// Rings of each filled polygon, to test whether a point is inside.
     filled: Vec<Vec<Vec<Point>>>,
-    /// Cells that a map gives; the occupied ones are filled.
-    cells: Option<CellMap>,
+    /// Cells that a map gives, and where they lie; the occupied ones are filled.
+    cells: Option<(CellMap, Placement)>,
     index: Index,
+}
+
+/// Where a map's obstacles truly lie: turned and scaled about a point, then shifted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// The point that turning and scaling do not move, metres.
+    pub about: Point,
+    /// Angle, radians counter-clockwise.
+    pub turn_rad: f64,
+    /// Scale; more than 0.
+    pub scale: f64,
+    /// Shift, metres.
+    pub shift: Point,
+}
+
+impl Placement {
+    /// As the map shows them.
+    pub const HERE: Self = Self { about: [0.0; 2], turn_rad: 0.0, scale: 1.0, shift: [0.0; 2] };
+
+    /// The true position of a point of the map.
+    pub fn apply(&self, at: Point) -> Point {
+        if *self == Self::HERE {
+            return at;
+        }
+        let (c, s) = (wide::cos(self.turn_rad), wide::sin(self.turn_rad));
+        let [x, y] = [0, 1].map(|axis| self.scale * (at[axis] - self.about[axis]));
+        let turned = [c * x - s * y, s * x + c * y];
+        [0, 1].map(|axis| turned[axis] + self.about[axis] + self.shift[axis])
+    }
+
+    /// The point of the map at a true position.
+    pub fn undo(&self, at: Point) -> Point {
+        if *self == Self::HERE {
+            return at;
+        }
+        let (c, s) = (wide::cos(self.turn_rad), wide::sin(self.turn_rad));
+        let [x, y] = [0, 1].map(|axis| at[axis] - self.about[axis] - self.shift[axis]);
+        let turned = [c * x + s * y, c * y - s * x];
+        [0, 1].map(|axis| turned[axis] / self.scale + self.about[axis])
+    }
+
+    /// The true shape of an obstacle of the map.
+    pub fn shape(&self, shape: &Shape) -> Shape {
+        let all = |points: &Vec<Point>| points.iter().map(|&at| self.apply(at)).collect();
+        match shape {
+            Shape::Circle { centre, radius } => {
+                Shape::Circle { centre: self.apply(*centre), radius: self.scale * radius }
+            }
+            Shape::Polyline(points) => Shape::Polyline(all(points)),
+            Shape::Polygon(rings) => Shape::Polygon(rings.iter().map(all).collect()),
+        }
+    }
 }
 
 /// A piece of an obstacle's surface.
@@ -56,13 +108,15 @@ struct Index {
 impl World {
     /// A world of these obstacles.
     pub fn new<'s>(obstacles: impl IntoIterator<Item = &'s Shape>) -> Self {
-        Self::with_cells(obstacles, None)
+        Self::placed(obstacles, None, Placement::HERE)
     }
 
-    /// A world of these obstacles and the occupied cells. Cells that a map marks unknown are free.
-    pub fn with_cells<'s>(
+    /// A world of these obstacles and the occupied cells, which are placed; the obstacles are where
+    /// they are. Cells that a map marks unknown are free.
+    pub fn placed<'s>(
         obstacles: impl IntoIterator<Item = &'s Shape>,
         cells: Option<&CellMap>,
+        placement: Placement,
     ) -> Self {
         let mut parts = Vec::new();
         let mut filled = Vec::new();
@@ -78,16 +132,21 @@ impl World {
                 }
             }
         }
-        parts.extend(cells.into_iter().flat_map(outline));
+        let outlines = cells.into_iter().flat_map(outline);
+        parts.extend(outlines.map(|[from, to]| Part::Segment {
+            from: placement.apply(from),
+            to: placement.apply(to),
+        }));
         let index = Index::new(&parts);
-        Self { parts, filled, cells: cells.cloned(), index }
+        Self { parts, filled, cells: cells.map(|cells| (cells.clone(), placement)), index }
     }
 
     /// The obstacles of a map, shapes and cells. Attenuating areas, zones and the map's boundary
     /// are rules, not walls, so they are left out.
     pub fn of_map(map: &Map) -> Self {
         let features = map.features.iter().filter(|feature| feature.role == Role::Obstacle);
-        Self::with_cells(features.map(|feature| &feature.shape), map.cells.as_ref())
+        let shapes = features.map(|feature| &feature.shape);
+        Self::placed(shapes, map.cells.as_ref(), Placement::HERE)
     }
 
     /// South-west and north-east corners of the box around all obstacles, metres.
@@ -150,8 +209,10 @@ impl World {
             let crossed = rings.iter().flat_map(|ring| segments(ring, true));
             crossed.filter(|part| part.crosses_ray_east_of(point)).count() % 2 == 1
         };
-        let is_occupied =
-            |cells: &CellMap| cell_at(cells, point).is_some_and(|cell| cells.occupied.get(cell));
+        let is_occupied = |(cells, placement): &(CellMap, Placement)| {
+            let cell = cell_at(cells, placement.undo(point));
+            cell.is_some_and(|cell| cells.occupied.get(cell))
+        };
         self.nearest(point, 0.0).is_some()
             || self.filled.iter().any(within)
             || self.cells.as_ref().is_some_and(is_occupied)
@@ -218,13 +279,7 @@ impl Part {
     fn nearest(&self, point: Point) -> Nearest {
         match *self {
             Self::Segment { from, to } => {
-                let edge = [to[0] - from[0], to[1] - from[1]];
-                let gap = [point[0] - from[0], point[1] - from[1]];
-                let squared = edge[0] * edge[0] + edge[1] * edge[1];
-                let t = (gap[0] * edge[0] + gap[1] * edge[1]) / squared;
-                // A segment without length is its own nearest point.
-                let t = if squared > 0.0 { t.clamp(0.0, 1.0) } else { 0.0 };
-                let at = [from[0] + edge[0] * t, from[1] + edge[1] * t];
+                let at = nearest_of_segment(point, from, to);
                 Nearest { distance_m: distance(point, at), at }
             }
             Self::Disc { centre, radius } => {
@@ -302,20 +357,18 @@ fn cell_at(cells: &CellMap, point: Point) -> Option<Cell> {
 }
 
 /// The edges between occupied and other cells, as long as they are straight.
-fn outline(cells: &CellMap) -> Vec<Part> {
+fn outline(cells: &CellMap) -> Vec<[Point; 2]> {
     let occupied = &cells.occupied;
     let turned = Bitmap::from_fn(occupied.rows(), occupied.columns(), |cell| {
         occupied.get(Cell::new(cell.row, cell.column))
     });
     let metres =
         |axis: usize, count: u32| cells.corner[axis] + f64::from(count) * cells.resolution_m;
-    let along_rows = edges(occupied).into_iter().map(|(row, run)| Part::Segment {
-        from: [metres(0, run.start), metres(1, row)],
-        to: [metres(0, run.end), metres(1, row)],
+    let along_rows = edges(occupied).into_iter().map(|(row, run)| {
+        [[metres(0, run.start), metres(1, row)], [metres(0, run.end), metres(1, row)]]
     });
-    let along_columns = edges(&turned).into_iter().map(|(column, run)| Part::Segment {
-        from: [metres(0, column), metres(1, run.start)],
-        to: [metres(0, column), metres(1, run.end)],
+    let along_columns = edges(&turned).into_iter().map(|(column, run)| {
+        [[metres(0, column), metres(1, run.start)], [metres(0, column), metres(1, run.end)]]
     });
     along_rows.chain(along_columns).collect()
 }
@@ -538,7 +591,7 @@ mod tests {
             unknown_as: maps::Unknown::Obstacle,
             turned_from: None,
         };
-        let world = World::with_cells([], Some(&cells));
+        let world = World::placed([], Some(&cells), Placement::HERE);
         assert_eq!(world.parts.len(), 6, "{:?}", world.parts);
         assert_eq!(world.bounds(), Some([[10.5, -0.5], [11.5, 0.5]]));
         assert!(world.is_inside([10.6, 0.4]) && world.is_inside([11.4, -0.4]));
