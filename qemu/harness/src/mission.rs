@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
+use maps::Map;
 use maps::problem::{self, Place, Problem, Source, has_errors};
 use plan_compiler::compile::compile;
-use plan_compiler::input::Options;
-use plan_compiler::mission::{Goal, Named};
+use plan_compiler::input::{Input, Options};
+use plan_compiler::mission::{Goal, Named, parse};
 use plan_compiler::project::{self, Request};
 use plan_format::parameters::Gains;
 use sim::scenario::place_on_globe;
-use sim::{Scenario, Surroundings};
+use sim::{Conditions, Difference, Scenario, WorldFile, Worlds};
 
 /// The gains of the paper's mixes by their names in a mission file (W, section 4).
 pub const PRESETS: [(&str, Gains); 4] = [
@@ -28,6 +29,8 @@ pub struct Changes {
     pub gains: Option<Gains>,
     /// Goals that replace those of mission and map, unless empty.
     pub goals: Vec<Goal>,
+    /// Seed that chooses the obstacles which a world file leaves out by shares.
+    pub seed: u64,
 }
 
 /// Compiles a map with the mission file beside it, or a mission file that names its map.
@@ -40,6 +43,28 @@ pub fn scenario(path: &Path, changes: &Changes) -> Result<Scenario, String> {
     scenario.ok_or_else(|| problem::draw(&problems, false))
 }
 
+/// Compiles a map in memory into a scenario. `mission` is the text of a mission file without a map,
+/// and may be empty. The world differs from the map as `difference` says; `seed` chooses the
+/// obstacles that its shares leave out. A map without a place on the globe gets one, with a note.
+pub fn of_map(
+    map: &Map,
+    mission: &str,
+    difference: &Difference,
+    seed: u64,
+) -> Result<Scenario, String> {
+    let source = Source { name: "the mission".to_owned(), text: mission.to_owned() };
+    let (mission, mut problems) = parse(&source.into());
+    let mut worlds = difference.apply(map, seed);
+    let note = place_on_globe(&mut worlds.known);
+    let options = Options::default();
+    let input = Input { map: &worlds.known, source: None, mission: &mission, options: &options };
+    let blob = compile(&input, &|_, _| (), &mut problems).filter(|_| !has_errors(&problems));
+    let blob = blob.ok_or_else(|| problem::draw(&problems, false))?;
+    let mut scenario = Scenario::new(worlds.known.clone(), blob, None).in_world(worlds);
+    scenario.notes.extend(note);
+    Ok(scenario)
+}
+
 fn read_and_compile(
     path: &Path,
     changes: &Changes,
@@ -49,9 +74,17 @@ fn read_and_compile(
     let request = Request { path: path.into(), options, ..Request::default() };
     let mut project = project::load(request, problems)?;
     // A world beside the mission has precedence, for a map may have several missions.
-    let mut surroundings = Surroundings::beside(path, problems);
-    if surroundings.is_none() && !has_errors(problems) {
-        surroundings = Surroundings::beside(&project.inputs[0], problems);
+    let mut world = WorldFile::beside(path, problems);
+    if world.is_none() && !has_errors(problems) {
+        world = WorldFile::beside(&project.inputs[0], problems);
+    }
+    // The plans know the map as the world file leaves it.
+    let worlds = world.as_ref().filter(|world| !world.difference.is_none()).map(|world| {
+        world.check(&project.map, problems);
+        world.difference.apply(&project.map, changes.seed)
+    });
+    if let Some(worlds) = &worlds {
+        project.map = worlds.known.clone();
     }
     let mission = &mut project.mission;
     if let Some(name) = &changes.plan {
@@ -60,7 +93,15 @@ fn read_and_compile(
     mission.parameters.gains = changes.gains.unwrap_or(mission.parameters.gains);
     let note = place_on_globe(&mut project.map);
     let blob = compile(&project.input(), &|_, _| (), problems)?;
-    let mut scenario = Scenario::new(project.map, blob, surroundings);
+    let (surroundings, conditions) = match world {
+        Some(world) => (Some(world.surroundings), world.conditions),
+        None => (None, Conditions::default()),
+    };
+    let map = project.map.clone();
+    let mut scenario = Scenario::new(project.map, blob, surroundings).under(conditions);
+    if let Some(worlds) = worlds {
+        scenario = scenario.in_world(Worlds { known: map, ..worlds });
+    }
     scenario.notes.extend(note);
     Some(scenario)
 }

@@ -31,6 +31,7 @@ const READERS: &[(&str, &str)] = &[
     ("shared/robot-io/src/packet.rs", "link"),
     ("shared/robot-io/src/record.rs", "lockstep"),
     ("tests/sim/src/surroundings.rs", "world"),
+    ("tests/sim/src/world_file.rs", "world"),
 ];
 
 /// Names of functions that read.

@@ -4,7 +4,7 @@
 //! A world file sets them (`plan-compiler/WORLD.md`), or a program that builds a scenario.
 
 use crate::sensors::PoseSettings;
-use crate::{Chassis, Disc, PlannedFault, ReceiverSettings, RingSettings, SensorSettings};
+use crate::{Channel, Chassis, Disc, PlannedFault, ReceiverSettings, RingSettings, SensorSettings};
 
 /// What differs from the usual conditions; by default nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -91,6 +91,8 @@ impl Conditions {
             compass_offset_rad: compass.offset_rad.unwrap_or(base.compass_offset_rad),
             ring: ring.filter(|ring| ring.sectors > 0),
             pose: pose.or(base.pose),
+            // Faults of the link need a link to fail.
+            has_link: base.has_link || self.faults.iter().any(|f| f.channel == Channel::Link),
             ..base
         }
     }

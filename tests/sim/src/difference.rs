@@ -83,6 +83,16 @@ impl Difference {
         Self { unmapped: share, ..Self::default() }
     }
 
+    /// Whether the world is as on the map.
+    pub fn is_none(&self) -> bool {
+        self.truth.is_none()
+            && self.extra.is_empty()
+            && self.missing.is_empty()
+            && self.unmapped == 0.0
+            && self.removed == 0.0
+            && self.placement == Placement::HERE
+    }
+
     /// The robot's map and the true world. The seed chooses which obstacles are unmapped or
     /// removed; a larger share includes the smaller one. The counts are the shares, rounded.
     pub fn apply(&self, map: &Map, seed: u64) -> Worlds {

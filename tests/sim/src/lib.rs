@@ -35,6 +35,7 @@ pub mod sensors;
 pub mod simulation;
 pub mod surroundings;
 pub mod world;
+pub mod world_file;
 
 pub use body::{Body, Chassis, StepResult};
 pub use conditions::Conditions;
@@ -52,6 +53,7 @@ pub use sensors::{PoseSettings, RingSettings, Scene, SensorSettings, SensorSuite
 pub use simulation::Simulation;
 pub use surroundings::Surroundings;
 pub use world::{Nearest, Placement, World};
+pub use world_file::WorldFile;
 
 /// Length of a tick, microseconds.
 pub const TICK_US: u64 = 50_000;

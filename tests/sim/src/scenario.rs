@@ -1,10 +1,11 @@
 //! A scenario: plans, the map that they were compiled from, and the true world.
 
 use crate::{
-    Body, Chassis, Limits, Pilot, Point, Random, ReceiverSettings, Robot, SensorSettings,
-    SensorSuite, Stream, Surroundings, World,
+    Actuators, Body, Channel, Chassis, Conditions, Faulty, Limits, Outcome, Pilot, PilotError,
+    PlannedFault, Point, Random, ReceiverSettings, Robot, SensorSettings, SensorSuite, Sensors,
+    Simulation, Stream, Surroundings, World, Worlds,
 };
-use maps::{Map, Reference};
+use maps::{Map, Reference, Shape};
 use math::{GeoPoint, Vec2};
 use plan_format::grid::cost_metres;
 use plan_format::{Answer, Blob, Layer, ParallelPlan};
@@ -54,6 +55,12 @@ pub struct Scenario {
     pub blob: Vec<u8>,
     /// Tanks and fields that the robot's work changes, if there are any.
     pub surroundings: Option<Surroundings>,
+    /// Sensors, body, moving discs and faults.
+    pub conditions: Conditions,
+    /// Shapes of obstacles that are truly there and not on the map, for pictures.
+    pub unmapped: Vec<Shape>,
+    /// Shapes of obstacles that are on the map and not there, for pictures.
+    pub absent: Vec<Shape>,
     /// What the user should know about this simulation, a sentence each.
     pub notes: Vec<String>,
 }
@@ -61,10 +68,32 @@ pub struct Scenario {
 impl Scenario {
     /// A scenario in which the world is as in the map. Panics if the blob is damaged.
     pub fn new(map: Map, blob: Vec<u8>, surroundings: Option<Surroundings>) -> Self {
-        let scenario =
-            Self { truth: World::of_map(&map), map, blob, surroundings, notes: Vec::new() };
+        let scenario = Self {
+            truth: World::of_map(&map),
+            map,
+            blob,
+            surroundings,
+            conditions: Conditions::default(),
+            unmapped: Vec::new(),
+            absent: Vec::new(),
+            notes: Vec::new(),
+        };
         scenario.plan();
         scenario
+    }
+
+    /// The same scenario under these conditions.
+    #[must_use]
+    pub fn under(self, conditions: Conditions) -> Self {
+        Self { conditions, ..self }
+    }
+
+    /// The same scenario in a world that differs from the map. `worlds.known` must be the map that
+    /// the blob was compiled from.
+    #[must_use]
+    pub fn in_world(self, worlds: Worlds) -> Self {
+        let Worlds { known, truth, unmapped, absent } = worlds;
+        Self { map: known, truth, unmapped, absent, ..self }
     }
 
     /// The parsed blob.
@@ -115,14 +144,28 @@ impl Scenario {
         }
     }
 
-    /// The usual sensors, with the receiver that the surroundings name.
+    /// The usual sensors under the scenario's conditions, with the GPS sigma of the surroundings.
     pub fn sensors(&self) -> SensorSettings {
         let usual = SensorSettings::USUAL;
         let sigma_m = self.surroundings.as_ref().and_then(|surroundings| surroundings.gps_sigma);
         let gps = usual
             .gps
             .map(|gps| ReceiverSettings { sigma_m: sigma_m.unwrap_or(gps.sigma_m), ..gps });
-        SensorSettings { gps, ..usual }
+        self.conditions.sensors(SensorSettings { gps, ..usual })
+    }
+
+    /// A simulation of robots in this scenario's true world, with its moving discs.
+    pub fn simulation<S: Sensors, P: Pilot>(
+        &self,
+        robots: impl IntoIterator<Item = Robot<S, P>>,
+    ) -> Simulation<'_, S, P> {
+        Simulation::new(&self.truth, robots).with_discs(&self.conditions.discs)
+    }
+
+    /// Runs a robot to the end, alone in this scenario.
+    pub fn run<S: Sensors, P: Pilot>(&self, robot: Robot<S, P>) -> Result<Outcome, PilotError> {
+        let outcomes = self.simulation([robot]).finish()?;
+        Ok(outcomes.into_iter().next().expect("one robot has one outcome"))
     }
 
     /// A robot before its first tick. The error is a message for the user: an obstacle is at the
@@ -131,12 +174,12 @@ impl Scenario {
         &self,
         start: &Start,
         pilot: P,
-    ) -> Result<Robot<SensorSuite, P>, String> {
+    ) -> Result<Robot<Box<dyn Sensors>, P>, String> {
         let reference = self.map.reference.as_ref();
         let reference = reference.ok_or(
             "the map does not say where on the globe it lies, but the robot drives by GPS",
         )?;
-        let chassis = Chassis::of(&self.plan().parameters().vehicle);
+        let chassis = self.conditions.chassis(Chassis::of(&self.plan().parameters().vehicle));
         if !self.truth.is_clear(start.position, chassis.radius_m) {
             let nearest = near_clear(&self.truth, start.position, chassis.radius_m);
             let elsewhere = nearest.map_or_else(
@@ -148,9 +191,20 @@ impl Scenario {
                 "the start ({x:.2}, {y:.2}) is too close to an obstacle; {elsewhere}"
             ));
         }
-        let sensors = SensorSuite::new(start.sensors, reference, start.seed);
+        let mut sensors: Box<dyn Sensors> =
+            Box::new(SensorSuite::new(start.sensors, reference, start.seed));
+        let mut actuators = Vec::new();
+        for (planned, number) in self.conditions.faults.iter().zip(0_u64..) {
+            let PlannedFault { channel, fault, window_s } = planned.clone();
+            // Each fault has its own draws.
+            let seed = start.seed.wrapping_add(number << 32);
+            match channel {
+                Channel::Actuators => actuators.push(Actuators::new(fault, window_s, seed)),
+                _ => sensors = Box::new(Faulty::new(sensors, fault, channel, window_s, seed)),
+            }
+        }
         let body = Body::new(chassis, start.position, start.heading_rad);
-        let robot = Robot::new(body, sensors, pilot, self.limits(start));
+        let robot = Robot::new(body, sensors, pilot, self.limits(start)).with_actuators(actuators);
         Ok(match &self.surroundings {
             Some(surroundings) => robot.within(surroundings.clone()),
             None => robot,

@@ -1,24 +1,19 @@
 //! The surroundings that the robot's work changes: tanks that it drains and fills, and fields that
 //! it works strip by strip. Each is an input of the robot's percepts.
 //!
-//! A TOML file beside the map or the mission describes them: `yard.world.toml` for `yard.ovl` and
-//! `yard.mission.toml`. `plan-compiler/WORLD.md` documents the file, and [`read`] reads it.
+//! A world file describes them, see [`WorldFile`].
 //!
 //! A strip is done when the robot has followed it from its start to its end without leaving it. A
 //! run with work ends when all strips are done and the robot has given the signal, or, if the file
 //! asks for no signal, has nothing left to do.
 
-mod read;
-
-use crate::Point;
 use crate::geometry::distance;
-use maps::problem::{self, Problem, Source};
+use crate::{Point, WorldFile};
 use robot_io::limits::MAX_CHANNELS;
 use robot_io::{Commands, Reason};
 use std::collections::BTreeMap;
-use std::path::Path;
 
-/// The contents of a world file, changed by the robot's work.
+/// The start of a world file, and its work as the robot changes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surroundings {
     /// Start position of the robot, metres.
@@ -31,7 +26,7 @@ pub struct Surroundings {
     pub gps_sigma: Option<f64>,
     /// The signal that the robot gives when its work is done.
     pub signal: Option<u16>,
-    is_signalled: bool,
+    pub(crate) is_signalled: bool,
     /// The tanks by name.
     pub tanks: BTreeMap<String, Tank>,
     /// The fields by name.
@@ -41,36 +36,36 @@ pub struct Surroundings {
 /// A supply that the robot uses up as it drives, such as fuel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tank {
-    channel: usize,
+    pub(crate) channel: usize,
     /// Level, 0 (empty) to 1 (full).
     pub level: f64,
-    use_per_m: f64,
-    fill_per_s: f64,
-    at: Point,
-    within: f64,
-    output: Option<u16>,
-    leak: Option<Leak>,
+    pub(crate) use_per_m: f64,
+    pub(crate) fill_per_s: f64,
+    pub(crate) at: Point,
+    pub(crate) within: f64,
+    pub(crate) output: Option<u16>,
+    pub(crate) leak: Option<Leak>,
     /// How often filling began.
     pub fills: u32,
     /// Distance driven so far, metres.
-    driven_m: f64,
-    is_filling: bool,
+    pub(crate) driven_m: f64,
+    pub(crate) is_filling: bool,
 }
 
 /// A leak: once, after `after_m` metres, the level falls to `to`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Leak {
-    after_m: f64,
-    to: f64,
+pub(crate) struct Leak {
+    pub(crate) after_m: f64,
+    pub(crate) to: f64,
 }
 
 /// Land that the robot works in strips.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
-    channel: usize,
-    within: f64,
-    output: Option<u16>,
-    strips: Vec<[Point; 2]>,
+    pub(crate) channel: usize,
+    pub(crate) within: f64,
+    pub(crate) output: Option<u16>,
+    pub(crate) strips: Vec<[Point; 2]>,
     /// The work done on each strip.
     pub work: Vec<Work>,
 }
@@ -98,12 +93,6 @@ enum Along {
 }
 
 impl Surroundings {
-    /// Reads the world file beside a map or a mission; `None` if there is none or it has a mistake.
-    /// All its mistakes are added to `problems`.
-    pub fn beside(path: &Path, problems: &mut Vec<Problem>) -> Option<Self> {
-        read::beside(path, problems)
-    }
-
     /// The inputs of the percepts, by channel.
     pub fn inputs(&self) -> [Option<f32>; MAX_CHANNELS] {
         let mut inputs = [None; MAX_CHANNELS];
@@ -163,11 +152,9 @@ impl Surroundings {
 impl std::str::FromStr for Surroundings {
     type Err = String;
 
+    /// Reads the text of a world file and keeps the part that the robot's work changes.
     fn from_str(text: &str) -> Result<Self, String> {
-        let source = Source { name: "the world".to_owned(), text: text.to_owned() };
-        let mut problems = Vec::new();
-        let read = read::parse(&source.into(), &mut problems);
-        read.ok_or_else(|| problem::draw(&problems, false))
+        text.parse::<WorldFile>().map(|file| file.surroundings)
     }
 }
 

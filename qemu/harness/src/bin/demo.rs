@@ -12,8 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use plan_compiler::{output, render};
 use sim::scenario::route_m;
 use sim::{
-    HostPilot, Outcome, Pilot, Point, Robot, Scenario, SensorSettings, SensorSuite, Simulation,
-    Start,
+    HostPilot, Outcome, Pilot, Point, Robot, Scenario, SensorSettings, Sensors, Simulation, Start,
 };
 
 /// Compiles a map of a campus, boots the robot's firmware in QEMU, drives to the goal and draws
@@ -75,7 +74,7 @@ fn demonstrate(arguments: &Arguments) -> Result<bool, String> {
 
 /// Runs to the end, and shows the progress on a terminal.
 fn run<P: Pilot>(
-    robot: Robot<SensorSuite, P>,
+    robot: Robot<Box<dyn Sensors>, P>,
     scenario: &Scenario,
     pace: f64,
 ) -> Result<Outcome, sim::PilotError> {

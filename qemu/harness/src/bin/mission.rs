@@ -28,7 +28,8 @@ const WRONG_INPUT: u8 = 3;
 const ENDINGS: &str = "\
 Outcomes: reached (the goal), done (all work), trapped (a minute near one point), off-map and
 no-route (stands still there), out-of-time. The file NAME.world.toml beside the map or the mission
-defines the robot's start and its work: see plan-compiler/WORLD.md.
+defines the robot's start and its work, how the true world differs from the map, moving obstacles,
+sensors and faults: see plan-compiler/WORLD.md.
 
 Exit status: 0 reached or done, 1 another outcome, 2 the command line is wrong, 3 the input is
 wrong.";
@@ -43,7 +44,7 @@ struct Arguments {
     /// Machine that runs the robot's software
     #[arg(long, value_enum, default_value = "host")]
     pilot: PilotName,
-    /// Seed for every random draw: the start, the sensors' noise
+    /// Seed for every random draw: the start, the sensors' noise, obstacles left out by shares
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Start position, metres; by default that of the world file, else a random one
@@ -106,6 +107,7 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
         plan: arguments.plan.clone(),
         gains: arguments.gains,
         goals: arguments.goals.clone(),
+        seed: arguments.seed,
     };
     let scenario = mission::scenario(&arguments.map, &changes).map_err(Failure::Input)?;
     for note in &scenario.notes {
@@ -118,7 +120,8 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
         Failure::Input("no start position is clear of obstacles and has a route".to_owned())
     })?;
     let heading_rad = scenario.surroundings.as_ref().map_or(0.0, |world| world.heading);
-    let sensors = if arguments.perfect { SensorSettings::PERFECT } else { scenario.sensors() };
+    let usual = scenario.sensors();
+    let sensors = if arguments.perfect { usual.without_error() } else { usual };
     let start = Start { position, heading_rad, seed: arguments.seed, sensors };
     let machine = match arguments.pilot {
         PilotName::Host => None,
@@ -133,7 +136,7 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
             let pilot = QemuPilot::boot(machine, Build::Release, &scenario.blob);
             let mut pilot = pilot.map_err(|error| failed(&error))?;
             let robot = scenario.robot(&start, &mut pilot).map_err(Failure::Input)?;
-            let outcome = robot.run(&scenario.truth).map_err(|error| failed(&error))?;
+            let outcome = scenario.run(robot).map_err(|error| failed(&error))?;
             (outcome, Some(pilot.finish().map_err(|error| failed(&error))?))
         }
     };
@@ -159,7 +162,7 @@ fn on_the_host(
     let failed = |error: PilotError| Failure::Run(error.to_string());
     let mut recorder = Recorder::new(HostPilot::new(scenario.plan()));
     let robot = scenario.robot(start, &mut recorder).map_err(Failure::Input)?;
-    let mut simulation = Simulation::new(&scenario.truth, [robot]);
+    let mut simulation = scenario.simulation([robot]);
     let mut route = Vec::new();
     while !simulation.is_over() {
         route.push(simulation.robots()[0].body().position);
@@ -195,6 +198,7 @@ fn json(outcome: &Outcome) -> String {
         // Infinite if nothing came near; JSON has no infinity.
         "closest_m": outcome.closest_m.is_finite().then_some(outcome.closest_m),
         "contacts": outcome.touches,
+        "struck": outcome.strikes,
         "turn_rad": outcome.turn_rad,
         "reasons": reasons,
         "trace_hash": format!("{:016x}", outcome.trace_hash),
@@ -239,6 +243,9 @@ fn write_outcome(
     writeln!(text, "time        {:.1} s, {} ticks", outcome.time_s, outcome.ticks)?;
     writeln!(text, "distance    {:.1} m", outcome.distance_m)?;
     writeln!(text, "closest     {:.2} m, {} contacts", outcome.closest_m, outcome.touches)?;
+    if outcome.strikes > 0 {
+        writeln!(text, "struck      {} times while it stood still", outcome.strikes)?;
+    }
     for line in outcome.surroundings.iter().flat_map(|surroundings| surroundings.summary()) {
         writeln!(text, "work        {line}")?;
     }
