@@ -15,10 +15,7 @@ use plan_compiler::trace::Trace;
 use plan_compiler::trace::story;
 use plan_format::parameters::Gains;
 use robot_io::{CommandRecord, Percepts, SensorRecord};
-use sim::{
-    Ending, HostPilot, Outcome, Pilot, PilotError, Point, Scenario, SensorSettings, Simulation,
-    Start,
-};
+use sim::{Ending, HostPilot, Outcome, Pilot, PilotError, Point, Scenario, Start};
 
 /// Exit status: the run ended neither at the goal nor with its work done, or it failed.
 const NOT_REACHED: u8 = 1;
