@@ -21,9 +21,9 @@ pub use marks::Mark;
 
 use cells::{Bands, Sampled};
 use legend::{Entry, Symbol};
-use maps::{Feature, Point, Role};
+use maps::{Feature, Point, Role, Shape};
 use marks::Names;
-use palette::{ATTENUATING, BLOCKED, INK, OBSTACLE, PAPER, ZONE};
+use palette::{ATTENUATING, BLOCKED, INK, OBSTACLE, PAPER, UNMAPPED, ZONE};
 use plan_format::{Blob, Layer, ParallelPlan};
 use sheet::{Contents, Sheet, TITLE_EM};
 use stroke::stroke;
@@ -37,6 +37,10 @@ use view::View;
 pub struct Overlay<'a> {
     /// Exact shapes; the other blocked cells are then those that the robot's radius adds.
     pub features: &'a [Feature],
+    /// Shapes of obstacles that are there and not on the map.
+    pub unmapped: &'a [Shape],
+    /// Shapes of obstacles that are on the map and not there.
+    pub absent: &'a [Shape],
     /// Routes, in pieces.
     pub routes: &'a [Piece<'a>],
     /// Marks with their positions and names in the legend.
@@ -183,6 +187,13 @@ fn entries(
     if has(Role::Obstacle) {
         item(Symbol::Fill(OBSTACLE, 1.0), "obstacle");
     }
+    let overlays = || panels.iter().map(|panel| panel.overlay);
+    if overlays().any(|overlay| !overlay.unmapped.is_empty()) {
+        item(Symbol::Fill(UNMAPPED, 1.0), "there, not on the map");
+    }
+    if overlays().any(|overlay| !overlay.absent.is_empty()) {
+        item(Symbol::Edge(INK), "on the map, not there");
+    }
     if has(Role::Attenuating) {
         item(Symbol::Fill(ATTENUATING, marks::ATTENUATING_OPACITY), "weakens radio");
     }
@@ -232,7 +243,9 @@ fn draw(
     let mut map = Group::new()
         .set("clip-path", "url(#map)")
         .add(cells)
-        .add(marks::shapes(overlay.features, view));
+        .add(marks::shapes(overlay.features, view))
+        .add(marks::absent(overlay.absent, view))
+        .add(marks::unmapped(overlay.unmapped, view));
     if style.has_arrows {
         map = map.add(marks::arrows(layer, view));
     }

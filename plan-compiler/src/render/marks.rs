@@ -3,7 +3,7 @@
 //! Marks differ in shape, so that nothing depends on colour alone; each has a light rim that
 //! separates it from its background.
 
-use super::palette::{self, ADVICE, ATTENUATING, GOAL, INK, OBSTACLE, PAPER, ZONE};
+use super::palette::{self, ADVICE, ATTENUATING, GOAL, INK, OBSTACLE, PAPER, UNMAPPED, ZONE};
 use super::stroke::{dashes, stroke};
 use super::text::{self, Anchor, CAPITALS_EM, width_px};
 use super::view::View;
@@ -30,6 +30,8 @@ pub enum Mark {
     GaveWay,
     /// Where a behaviour was interrupted at once: a triangle on its tip.
     Interrupted,
+    /// Where a fault began or ended: a light star of six points.
+    Fault,
     /// A narrow passage: a light hourglass.
     Narrow,
     /// A passage narrower than the robot needs: a dark hourglass.
@@ -51,6 +53,7 @@ impl Mark {
             Self::Start => around(24, &[6.5], 0.0),
             Self::Goal => around(10, &[11.0, 4.8], 0.0),
             Self::OtherGoal => around(4, &[6.0], 0.0),
+            Self::Fault => around(12, &[9.0, 4.5], 0.0),
             Self::End => around(4, &[5.5], 0.125),
             Self::GaveWay => around(3, &[8.5], 0.0),
             Self::Interrupted => around(3, &[8.5], 0.5),
@@ -83,7 +86,7 @@ impl Mark {
 
     fn fill(self) -> &'static str {
         match self {
-            Self::Start | Self::OtherGoal | Self::Narrow => PAPER,
+            Self::Start | Self::OtherGoal | Self::Narrow | Self::Fault => PAPER,
             Self::Goal => GOAL,
             Self::End | Self::Stop | Self::GaveWay | Self::Interrupted | Self::TooNarrow => INK,
         }
@@ -149,6 +152,34 @@ pub(super) fn shapes(features: &[Feature], view: &View) -> Group {
             .set("fill-opacity", opacity)
             .set("fill-rule", "evenodd");
         group = group.add(shape);
+    }
+    group
+}
+
+/// Obstacles that the map does not show: filled, with a dark edge.
+pub(super) fn unmapped(shapes: &[Shape], view: &View) -> Group {
+    outlined(shapes, view, UNMAPPED, &[])
+}
+
+/// Obstacles that only the map shows: hollow, with a dashed edge.
+pub(super) fn absent(shapes: &[Shape], view: &View) -> Group {
+    outlined(shapes, view, PAPER, &[2.0, 2.5])
+}
+
+/// Shapes in a colour with an edge; a line without an inside is a line of that colour on the edge.
+fn outlined(shapes: &[Shape], view: &View, colour: &str, gaps: &[f64]) -> Group {
+    let mut group = Group::new().set("stroke-linejoin", "round");
+    let width = 1.5 * view.measure.unit;
+    for shape in shapes {
+        let mut path = String::new();
+        if outline(shape, view, &mut path) {
+            let edge = stroke(path, INK, width).set("stroke-dasharray", dashes(gaps, width));
+            group = group.add(edge.set("fill", colour).set("fill-rule", "evenodd"));
+        } else {
+            let edge = stroke(path.clone(), INK, 3.0 * width).set("fill", "none");
+            group = group.add(edge.set("stroke-dasharray", dashes(gaps, width)));
+            group = group.add(stroke(path, colour, 1.5 * width).set("fill", "none"));
+        }
     }
     group
 }

@@ -16,6 +16,8 @@ pub(crate) const FAINT: &str = "#55595f";
 pub(crate) const PAPER: &str = "#ffffff";
 /// Exact obstacles.
 pub(crate) const OBSTACLE: &str = "#1f1f1f";
+/// Obstacles that the map does not show.
+pub(crate) const UNMAPPED: &str = "#e69f00";
 /// Blocked cells.
 pub(crate) const BLOCKED: &str = "#6f6f6f";
 /// The hatching of cells without a route, on paper.

@@ -121,7 +121,8 @@ fn a_picture_says_what_it_shows() {
     let points = [[1.0, 1.0], [9.0, 8.0], [15.5, 8.5]];
     let routes = [Piece { name: "driven route", style: 0, points: &points }];
     let features = &map.features;
-    let overlay = Overlay { features, routes: &routes, marks: &OVERLAY_MARKS, caption: "" };
+    let overlay =
+        Overlay { features, routes: &routes, marks: &OVERLAY_MARKS, ..Overlay::default() };
     let svg = svg_of(&map, &overlay, 1, sized(1000));
     let (texts, size) = check(&svg);
     for text in [

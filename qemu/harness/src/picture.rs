@@ -2,11 +2,15 @@
 
 use std::path::Path;
 
+use math::scalar::wide;
 use plan_compiler::output;
 use plan_compiler::render::{self, Mark, NO_BEHAVIOUR, Overlay, Piece, Style};
 use plan_compiler::trace::story::Story;
 use plan_format::Blob;
-use sim::{Outcome, Point, Scenario, Start};
+use sim::{Disc, Outcome, PlannedFault, Point, Repeat, Scenario, Start};
+
+/// Number of the line style of moving discs; the first 24 are those of behaviours.
+const DISC_STYLE: usize = 24;
 
 /// A part of the route that one behaviour drove without a break.
 struct Stretch {
@@ -35,7 +39,13 @@ pub fn draw(
         style: if has_behaviours { stretch.behaviour } else { 0 },
         points: &stretch.points,
     });
-    let pieces: Vec<Piece<'_>> = pieces.collect();
+    let paths: Vec<Vec<Point>> = scenario.conditions.discs.iter().flat_map(disc_lines).collect();
+    let paths = paths.iter().map(|points| Piece {
+        name: "way of a moving obstacle",
+        style: DISC_STYLE,
+        points,
+    });
+    let pieces: Vec<Piece<'_>> = paths.chain(pieces).collect();
     let interruptions = story.turns.iter().filter_map(|turn| {
         let at = *route.get(turn.tick)?;
         Some(match turn.interrupted_at_once? {
@@ -45,9 +55,19 @@ pub fn draw(
     });
     let mut marks = vec![(Mark::Start, start.position, "start")];
     marks.extend(interruptions);
+    let faults = fault_marks(&scenario.conditions.faults, route);
+    marks.extend(faults.iter().map(|(at, text)| (Mark::Fault, *at, text.as_str())));
     marks.extend(end(outcome, route));
     let features = &scenario.map.features;
-    let overlay = Overlay { features, routes: &pieces, marks: &marks, ..Overlay::default() };
+    let (unmapped, absent) = (&scenario.unmapped, &scenario.absent);
+    let overlay = Overlay {
+        features,
+        unmapped,
+        absent,
+        routes: &pieces,
+        marks: &marks,
+        ..Overlay::default()
+    };
     let parallel = scenario.parallel_plan();
     let layer = scenario.layer_from(start.position).or_else(|| parallel.layer(0));
     let layer = layer.ok_or("there is no layer to draw")?;
@@ -57,6 +77,32 @@ pub fn draw(
         Some("png") => write(path, &render::png(&svg)?),
         _ => Err(format!("{}: a picture is .svg or .png", path.display())),
     }
+}
+
+/// The lines of a moving disc: its path, and its edge at the start.
+fn disc_lines(disc: &Disc) -> [Vec<Point>; 2] {
+    const CORNERS: u32 = 24;
+    let closing = (disc.repeat == Repeat::Around).then(|| disc.path.first()).flatten();
+    let path = disc.path.iter().chain(closing).copied().collect();
+    let [x, y] = disc.at(0.0);
+    let corner = |index: u32| {
+        let angle = std::f64::consts::TAU * f64::from(index) / f64::from(CORNERS);
+        [x + disc.radius_m * wide::cos(angle), y + disc.radius_m * wide::sin(angle)]
+    };
+    [path, (0..=CORNERS).map(corner).collect()]
+}
+
+/// Where the robot was when a fault began or ended, with the entry in the legend.
+fn fault_marks(faults: &[PlannedFault], route: &[Point]) -> Vec<(Point, String)> {
+    let at = |seconds: f64| route.get((seconds * 1e6 / sim::TICK_US as f64) as usize).copied();
+    let events = faults.iter().flat_map(|fault| {
+        let name = format!("{:?}", fault.channel).to_lowercase();
+        [
+            (fault.window_s.start, format!("{name} fails")),
+            (fault.window_s.end, format!("{name} works")),
+        ]
+    });
+    events.filter_map(|(seconds, text)| Some((at(seconds)?, text))).collect()
 }
 
 /// The mark at the end of a route: an end if the outcome is reached, otherwise a stop.
@@ -114,6 +160,21 @@ mod tests {
             .collect();
         let expected = [(NO_BEHAVIOUR, 0.0, 0.0), (1, 0.0, 2.0), (0, 2.0, 3.0), (2, 3.0, 5.0)];
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn faults_are_marked_where_they_begin_and_end() {
+        let route: Vec<Point> = (0..100).map(|x| [f64::from(x), 0.0]).collect();
+        let fault = |window_s| PlannedFault {
+            channel: sim::Channel::Gps,
+            fault: sim::Fault::Freeze,
+            window_s,
+        };
+        // Twenty ticks a second; the second fault lasts to the end.
+        let marks = fault_marks(&[fault(1.0..2.0), fault(3.0..f64::INFINITY)], &route);
+        let expected =
+            [([20.0, 0.0], "gps fails"), ([40.0, 0.0], "gps works"), ([60.0, 0.0], "gps fails")];
+        assert_eq!(marks, expected.map(|(at, text)| (at, text.to_owned())));
     }
 
     #[test]

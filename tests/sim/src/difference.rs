@@ -304,7 +304,7 @@ mod tests {
         }
     }
 
-    /// Twenty posts a metre apart, named by their parity, and a zone that is no obstacle.
+    /// Twenty posts a metre apart, named by their parity, and a zone, which is not an obstacle.
     fn posts() -> Map {
         let mut map = Map::empty(Extent { corner: [-1.0, -1.0], size: [22.0, 2.0] });
         let names = ["even", "odd"];

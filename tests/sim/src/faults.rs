@@ -274,7 +274,7 @@ impl Channel {
     fn shift(self, record: &mut SensorRecord, [by, north]: [f32; 2]) {
         let shifted = |x: Option<f32>| x.map(|x| x + by);
         match self {
-            // The antenna has already been moved in the scene; the motors are no sensor, and a
+            // The antenna has already been moved in the scene; a motor is not a sensor, and a
             // packet has no offset.
             Self::Gps | Self::Actuators | Self::Link => {}
             Self::Heading => record.heading_rad = shifted(record.heading_rad),
