@@ -243,9 +243,11 @@ fn draw(
     let mut map = Group::new()
         .set("clip-path", "url(#map)")
         .add(cells)
-        .add(marks::shapes(overlay.features, view))
-        .add(marks::absent(overlay.absent, view))
-        .add(marks::unmapped(overlay.unmapped, view));
+        .add(marks::shapes(overlay.features, view));
+    if !(overlay.absent.is_empty() && overlay.unmapped.is_empty()) {
+        map = map.add(marks::absent(overlay.absent, view));
+        map = map.add(marks::unmapped(overlay.unmapped, view));
+    }
     if style.has_arrows {
         map = map.add(marks::arrows(layer, view));
     }

@@ -96,7 +96,7 @@ fn disc_lines(disc: &Disc) -> [Vec<Point>; 2] {
 fn fault_marks(faults: &[PlannedFault], route: &[Point]) -> Vec<(Point, String)> {
     let at = |seconds: f64| route.get((seconds * 1e6 / sim::TICK_US as f64) as usize).copied();
     let events = faults.iter().flat_map(|fault| {
-        let name = format!("{:?}", fault.channel).to_lowercase();
+        let name = fault.channel.name();
         [
             (fault.window_s.start, format!("{name} fails")),
             (fault.window_s.end, format!("{name} works")),

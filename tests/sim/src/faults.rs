@@ -66,6 +66,25 @@ pub enum Channel {
     Actuators,
 }
 
+impl Channel {
+    /// All channels with their names in world files.
+    pub const ALL: [(&'static str, Self); 8] = [
+        ("gps", Self::Gps),
+        ("compass", Self::Heading),
+        ("odometry", Self::Odometry),
+        ("ranges", Self::Ranges),
+        ("pose", Self::Pose),
+        ("link", Self::Link),
+        ("battery", Self::Battery),
+        ("actuators", Self::Actuators),
+    ];
+
+    /// Its name in world files.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, channel)| *channel == self).map_or("", |(name, _)| name)
+    }
+}
+
 /// A fault of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedFault {

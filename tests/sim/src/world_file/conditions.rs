@@ -18,18 +18,6 @@ enum Kind {
     Intermittent,
 }
 
-/// What can fail.
-const CHANNELS: [(&str, Channel); 8] = [
-    ("gps", Channel::Gps),
-    ("compass", Channel::Heading),
-    ("odometry", Channel::Odometry),
-    ("ranges", Channel::Ranges),
-    ("pose", Channel::Pose),
-    ("link", Channel::Link),
-    ("battery", Channel::Battery),
-    ("actuators", Channel::Actuators),
-];
-
 /// How it can fail.
 const KINDS: [(&str, Kind); 6] = [
     ("lost", Kind::Lost),
@@ -134,7 +122,7 @@ impl Reader<'_> {
                 self.missing(fault, key, &format!("write {key} = {example}"));
             }
         }
-        let channel = self.word(fault, "sensor", &CHANNELS);
+        let channel = self.word(fault, "sensor", &Channel::ALL);
         let kind = self.word(fault, "kind", &KINDS);
         let from = self.number(fault, "from", (0.0, LONGEST_S), "20.0").unwrap_or(0.0);
         let to = self.number(fault, "to", (0.0, LONGEST_S), "30.0").unwrap_or(f64::INFINITY);
