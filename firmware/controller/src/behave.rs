@@ -135,7 +135,7 @@ impl Intent {
     pub fn approach(&self, position: Vec2) -> Result<Approach, Reason> {
         let straight = |goal, noise| {
             let gains = Gains { reactive: 1.0, plan: 0.0, noise };
-            Approach::Straight(Guidance { step: None, goal, gains, reason: Reason::Driving })
+            Approach::Straight(Guidance::straight(position, goal, gains, Reason::Driving))
         };
         match self.errand {
             Errand::Follow(target) => Ok(Approach::ByPlan(target)),

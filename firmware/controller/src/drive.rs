@@ -45,29 +45,27 @@ impl Twist {
     }
 }
 
-/// The twist along `blended` (map axes, length 1 = base speed) of a vehicle with the heading
-/// `heading_rad`. `is_repelled`: the sum contains an obstacle within the margin.
+/// The twist along `blended` (the robot's axes, length 1 = base speed). `is_repelled`: the sum contains an obstacle within the margin.
 ///
 /// ```
 /// use controller::drive::drive;
 /// use math::vector;
 /// let vehicle = plan_format::Parameters::default().vehicle;
 /// // Half a radian to the left of the heading: a turn rate of twice the error, and the base
-/// // speed of 1.4 m/s times the cosine.
-/// let twist = drive(&vehicle, vector::from_angle(0.5), 0.0, false);
+/// // speed of 1.6 m/s times the cosine.
+/// let twist = drive(&vehicle, vector::from_angle(0.5), false);
 /// assert!((twist.turn_rate_radps - 1.0).abs() < 0.01);
-/// assert!((twist.speed_mps - 1.4 * 0.8776).abs() < 0.005);
+/// assert!((twist.speed_mps - 1.6 * 0.8776).abs() < 0.005);
 /// ```
-pub fn drive(vehicle: &Vehicle, blended: Vec2, heading_rad: f32, is_repelled: bool) -> Twist {
+pub fn drive(vehicle: &Vehicle, blended: Vec2, is_repelled: bool) -> Twist {
     let length = vector::length(blended);
     if length == 0.0 {
         return Twist { speed_mps: 0.0, turn_rate_radps: 0.0 };
     }
     let top_mps = if is_repelled { vehicle.cautious_speed_mps } else { vehicle.max_speed_mps };
     let speed_mps = (length * vehicle.base_speed_mps).min(top_mps);
-    let ahead = vector::rotated(blended, -heading_rad);
-    let turn_rate_radps = TURN_GAIN_PER_S * vector::angle(ahead);
-    let cosine = ahead.x / length;
+    let turn_rate_radps = TURN_GAIN_PER_S * vector::angle(blended);
+    let cosine = blended.x / length;
     let speed_mps = match vehicle.steering {
         Steering::Differential => speed_mps * scalar::clamp(cosine, 0.0, 1.0),
         _ if cosine < 0.0 && is_repelled => -speed_mps,
@@ -98,7 +96,7 @@ mod tests {
     use plan_format::Parameters;
 
     fn vehicle(steering: Steering) -> Vehicle {
-        Vehicle { steering, ..Parameters::default().vehicle }
+        Vehicle { steering, ..Parameters::paper().vehicle }
     }
 
     /// Base 1.4, maximum 1.6, cautious 0.3 m/s; the vehicle heads east.
@@ -128,19 +126,10 @@ mod tests {
         ];
         for (steering, length, angle_rad, is_repelled, speed_mps, turn_rate_radps) in table {
             let blended = vector::from_angle(angle_rad) * length;
-            let twist = drive(&vehicle(steering), blended, 0.0, is_repelled);
+            let twist = drive(&vehicle(steering), blended, is_repelled);
             let case = (steering, length, angle_rad);
             assert!((twist.speed_mps - speed_mps).abs() < 5e-3, "{case:?}: {twist:?}");
             assert!((twist.turn_rate_radps - turn_rate_radps).abs() < 1e-2, "{case:?}: {twist:?}");
-        }
-    }
-
-    #[test]
-    fn the_error_is_relative_to_the_heading() {
-        for heading_rad in [-3.0, -1.0, 0.0, 2.0, 3.1] {
-            let blended = vector::from_angle(heading_rad + 0.25);
-            let twist = drive(&vehicle(Differential), blended, heading_rad, false);
-            assert!((twist.turn_rate_radps - 0.5).abs() < 2e-2, "{heading_rad}: {twist:?}");
         }
     }
 

@@ -1,10 +1,10 @@
 //! Puts the advice into context: decides whether to drive, where to and with which gains.
 
-use advice::{Choice, Kind, advise};
-use math::{Vec2, vector};
+use advice::{Advice, Choice, Kind, advise};
+use math::{Vec2, scalar, vector};
 use plan_format::grid::STRAIGHT_STEP;
-use plan_format::parameters::{Gains, OnTrouble};
-use plan_format::{Blob, Direction};
+use plan_format::parameters::{Blend, Gains, OnTrouble};
+use plan_format::{Blob, Direction, ParallelPlan, Step};
 use robot_io::Reason;
 
 /// What the schemas need from plan and goal in one tick.
@@ -12,12 +12,25 @@ use robot_io::Reason;
 pub struct Guidance {
     /// The advised step; `None` without advice.
     pub step: Option<Direction>,
+    /// The advice as a vector of length 1: the step's direction, or the direction of the route
+    /// ahead; zero without advice.
+    pub ahead: Vec2,
+    /// Length of the way to the goal, metres: that of the route, or without one the distance.
+    pub way_m: f32,
     /// The goal, map metres.
     pub goal: Vec2,
     /// Weights of the blend.
     pub gains: Gains,
     /// What the robot is doing.
     pub reason: Reason,
+}
+
+impl Guidance {
+    /// Guidance straight to a goal, without advice.
+    pub fn straight(position: Vec2, goal: Vec2, gains: Gains, reason: Reason) -> Self {
+        let way_m = vector::length(goal - position);
+        Self { step: None, ahead: Vec2::zeros(), way_m, goal, gains, reason }
+    }
 }
 
 /// Which parallel plan to follow, and with which gains.
@@ -43,6 +56,9 @@ pub struct Progress {
 /// A robot at its goal stands still until it is this many tolerances away from it: a position
 /// that wavers by less than a tolerance must not start it again.
 const LEAVING: f32 = 2.0;
+
+/// Most cells that the advice looks ahead: each costs a look-up.
+const MOST_CELLS_AHEAD: f32 = 8.0;
 
 /// Length of the longest obstacle-free path over cells, divided by the straight line: the
 /// square root of 4 - 2 sqrt 2, at 22.5 degrees.
@@ -86,7 +102,8 @@ fn weigh(
     }
     let is_near = distance_m <= tolerance_m;
     let without_advice = |gains, reason| {
-        if is_near { Err(Reason::AtGoal) } else { Ok(Guidance { step: None, goal, gains, reason }) }
+        let guidance = Guidance::straight(position, goal, gains, reason);
+        if is_near { Err(Reason::AtGoal) } else { Ok(guidance) }
     };
     // Without advice the reactive schemas must drive, even if their own gain is 0.
     let reactive_only = Gains { reactive: 1.0, plan: 0.0, noise: target.gains.noise };
@@ -103,8 +120,15 @@ fn weigh(
         OnTrouble::Stop => Err(reason),
         OnTrouble::Reactive => without_advice(reactive_only, reason),
     };
-    let with_advice =
-        |reason| Ok(Guidance { step: advice.direction, goal, gains: target.gains, reason });
+    let with_advice = |reason| {
+        let straight = Guidance::straight(position, goal, target.gains, reason);
+        Ok(Guidance {
+            step: advice.direction,
+            ahead: ahead(blob, &parallel_plan, &advice, position),
+            way_m: advice.cost.map_or(distance_m, |cost| cost_metres(blob, cost)),
+            ..straight
+        })
+    };
     match advice.kind {
         Kind::Goal => Err(Reason::AtGoal),
         Kind::Move if is_near && has_free_path(blob, advice.cost, distance_m) => {
@@ -117,12 +141,47 @@ fn weigh(
     }
 }
 
+/// The advice as a vector of length 1.
+///
+/// With [`Blend::Route`], it points from the robot to the centre of a cell of the route some way
+/// ahead: at least two cells, at most [`MOST_CELLS_AHEAD`]. Two cells ahead, the straight line stays
+/// in free cells, because a diagonal step needs both of its neighbours free. Over more cells the
+/// line cuts a corner by a part of the look-ahead, which follows from the body's radius.
+fn ahead(blob: &Blob<'_>, plan: &ParallelPlan<'_>, advice: &Advice, position: Vec2) -> Vec2 {
+    let one_step = schemas::follow_plan(advice.direction);
+    let parameters = blob.parameters();
+    let layer = advice.layer.and_then(|index| plan.layer(usize::from(index)));
+    let (Some(mut cell), Some(layer), Kind::Move, Blend::Route) =
+        (blob.cell_at(position), layer, advice.kind, parameters.blend)
+    else {
+        return one_step;
+    };
+    let grid = blob.grid();
+    let cells = parameters.schemas.look_ahead_m / grid.resolution_m as f32;
+    let mut next = advice.direction;
+    for _ in 0..scalar::clamp(cells, 2.0, MOST_CELLS_AHEAD) as u32 {
+        let target = next.and_then(|step| cell.neighbour(step, grid.columns, grid.rows));
+        let Some(target) = target else { break };
+        cell = target;
+        next = match layer.step(cell) {
+            Step::Move(direction) => Some(direction),
+            _ => None,
+        };
+    }
+    let centre = grid.centre(cell).map(|metres| metres as f32);
+    vector::unit(Vec2::from(centre) - position)
+}
+
+/// A cost in metres.
+fn cost_metres(blob: &Blob<'_>, cost: u32) -> f32 {
+    cost as f32 * (blob.grid().resolution_m as f32 / STRAIGHT_STEP as f32)
+}
+
 /// Whether the path to the goal can be free of obstacles: the route is no longer than a free
 /// path could be. A robot near the goal but behind a wall has not arrived.
 pub(crate) fn has_free_path(blob: &Blob<'_>, cost: Option<u32>, distance_m: f32) -> bool {
     let resolution_m = blob.grid().resolution_m as f32;
     // Costs are from centre to centre; both ends are up to half a cell's diagonal off.
     let free_m = OCTILE_EXCESS * (distance_m + core::f32::consts::SQRT_2 * resolution_m);
-    let cost_m = cost.unwrap_or(u32::MAX) as f32 * (resolution_m / STRAIGHT_STEP as f32);
-    cost_m <= free_m
+    cost_metres(blob, cost.unwrap_or(u32::MAX)) <= free_m
 }

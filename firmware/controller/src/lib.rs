@@ -8,8 +8,9 @@
 //! | monitor, criticalities, switch, decompose | [`behave`] | lets the behaviours decide what to do |
 //! | advise | [`guidance`] | looks up the plan, detects arrival and trouble |
 //! | schemas, blend | `schemas` | computes vectors and sums them by their gains |
+//! | detour | [`detour`] | turns the sum away from closed directions and out of dead ends |
 //! | drive | [`drive`] | turns the sum into speed and turn rate |
-//! | limit | [`limit`] | clamps both by operator, obstacles and vehicle |
+//! | limit | [`limit`], [`brake`] | clamps both by operator, obstacles and vehicle |
 //!
 //! ```
 //! use controller::{State, tick};
@@ -122,14 +123,18 @@
 #![no_std]
 
 pub mod behave;
+pub mod brake;
+pub mod detour;
 pub mod drive;
 pub mod guidance;
 pub mod limit;
+pub mod obstacles;
 pub mod ranges;
 pub mod sense;
 
 use behave::Intent;
 use behaviour::Behaviours;
+use math::{Vec2, vector};
 use plan_format::Blob;
 use plan_format::parameters::Vehicle;
 use robot_io::{Checks, Commands, Percepts, Reason};
@@ -148,6 +153,10 @@ pub struct State {
     pub noise: Noise,
     /// The checks before arming that failed in the last tick.
     pub checks: Checks,
+    /// The motion that the last tick commanded.
+    pub motion: limit::Motion,
+    /// Progress towards the goal, and detours.
+    pub detours: detour::Detours,
 }
 
 /// Boards keep the state in static memory; its budget is 8 KB.
@@ -162,6 +171,8 @@ impl State {
             progress: guidance::Progress::default(),
             noise: Noise::new(blob.parameters().seed),
             checks: Checks::default(),
+            motion: limit::Motion::default(),
+            detours: detour::Detours::default(),
         }
     }
 }
@@ -193,7 +204,9 @@ pub struct Blend {
     /// The schemas' vectors, map axes.
     pub vectors: Vectors,
     /// The weighted sum of the vectors; length 1 is the base speed.
-    pub sum: math::Vec2,
+    pub sum: Vec2,
+    /// The rule that turned the sum into the direction that the robot drives.
+    pub rule: detour::Rule,
 }
 
 /// Does what [`tick`] does and returns the explanation too.
@@ -207,7 +220,8 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let vehicle = intent.constrained(&blob.parameters().vehicle);
     let decided = decide(blob, &vehicle, state, &percepts, &sensed, &intent);
     let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));
-    let commands = limit::limit(&vehicle, &percepts, intent.with_outputs(wanted));
+    let wanted = intent.with_outputs(wanted);
+    let commands = limit::limit(&vehicle, &percepts, &sensed.ranges, &mut state.motion, wanted);
     state.track.commanded(&commands);
     Explanation { commands, sensed, report, blend }
 }
@@ -222,7 +236,9 @@ fn decide(
     sensed: &sense::Sensed,
     intent: &Intent,
 ) -> Result<(Commands, Option<Blend>), Reason> {
-    let schema = &blob.parameters().schemas;
+    use plan_format::parameters::Blend::{Paper, Route};
+    let parameters = blob.parameters();
+    let schema = &parameters.schemas;
     let position = sensed.position?;
     let is_armed = percepts.operator.is_armed;
     let guidance = match intent.approach(position)? {
@@ -244,14 +260,33 @@ fn decide(
         schema.avoid_margin_m,
         schema.avoid_sphere_m,
     );
+    let goal_attracts = parameters.blend == Paper || guidance.step.is_none();
     let vectors = Vectors {
-        goal: schemas::move_to_goal(position, guidance.goal, schema.goal_tolerance_m),
-        avoid: math::vector::rotated(repulsion.vector, heading_rad),
-        advice: schemas::follow_plan(guidance.step),
+        goal: if goal_attracts {
+            schemas::move_to_goal(position, guidance.goal, schema.goal_tolerance_m)
+        } else {
+            Vec2::zeros()
+        },
+        avoid: vector::rotated(repulsion.vector, heading_rad),
+        advice: guidance.ahead,
         noise: state.noise.next(schema.noise_persistence_ticks),
     };
     let sum = schemas::blend(&guidance.gains, schema, &vectors);
+    let ahead = vector::rotated(sum, -heading_rad);
+    let (ahead, rule) = if parameters.blend == Route {
+        let situation = detour::Situation {
+            time_us: percepts.time_us,
+            goal: guidance.goal,
+            way_m: guidance.way_m,
+            vehicle,
+            readings: &percepts.ranges,
+            patience_us: schema.detour_after_us,
+        };
+        state.detours.choose(&situation, ahead)
+    } else {
+        (ahead, detour::Rule::None)
+    };
     let is_repelled = guidance.gains.reactive * schema.avoid_gain > 0.0 && repulsion.is_saturated;
-    let commands = drive::drive(vehicle, sum, heading_rad, is_repelled).because(guidance.reason);
-    Ok((commands, Some(Blend { guidance, vectors, sum })))
+    let commands = drive::drive(vehicle, ahead, is_repelled).because(guidance.reason);
+    Ok((commands, Some(Blend { guidance, vectors, sum, rule })))
 }

@@ -2,7 +2,40 @@
 
 use math::scalar;
 use plan_format::parameters::{Steering, Vehicle};
-use robot_io::{Commands, Percepts, RangeReading, Reason};
+use robot_io::{Commands, Percepts, Reason};
+use serde::{Deserialize, Serialize};
+
+use crate::brake::{Moving, brake};
+use crate::drive::Twist;
+use crate::ranges::RangeTrust;
+
+/// After a longer pause between ticks the robot has braked no longer than this, microseconds.
+const LONGEST_STEP_US: u64 = 200_000;
+
+/// The motion that the last tick commanded. Part of the controller's state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    time_us: u64,
+    speed_mps: f32,
+    turn_rate_radps: f32,
+}
+
+impl Motion {
+    /// The present motion: measured, or else as commanded.
+    fn now(&self, percepts: &Percepts, trust: &RangeTrust) -> Moving {
+        let seconds = |us: u64| us as u32 as f32 * 1e-6;
+        let elapsed_us = percepts.time_us.saturating_sub(self.time_us);
+        let twist = Twist {
+            speed_mps: percepts.speed_mps.unwrap_or(self.speed_mps),
+            turn_rate_radps: percepts.turn_rate_radps.unwrap_or(self.turn_rate_radps),
+        };
+        let age_s = match trust {
+            RangeTrust::Fresh { age_us } => seconds(u64::from(*age_us)),
+            _ => 0.0,
+        };
+        Moving { twist, elapsed_s: seconds(elapsed_us.min(LONGEST_STEP_US)), age_s }
+    }
+}
 
 /// Clamps the wanted commands by operator, obstacles and vehicle limits.
 ///
@@ -10,24 +43,44 @@ use robot_io::{Commands, Percepts, RangeReading, Reason};
 /// vehicle's limits bound a manual command: the driver may have to leave a position that the
 /// sensors mistake for an obstacle.
 ///
-/// Otherwise the robot does not move towards a range reading inside the stop distance,
+/// Otherwise [`brake()`] limits the speed so that the robot can stop before anything that it sees,
 /// whatever the gains. A vehicle that can turn on the spot still turns.
 ///
 /// ```
-/// use controller::limit::limit;
+/// use controller::limit::{Motion, limit};
+/// use controller::ranges::RangeTrust;
 /// use robot_io::{Commands, Operator, Percepts, RangeReading, Reason};
 /// let vehicle = plan_format::Parameters::default().vehicle;
 /// let wanted = Commands { speed_mps: 1.0, ..Commands::stop(Reason::Driving) };
 /// let operator = Operator { is_armed: true, ..Operator::default() };
 /// let mut percepts = Percepts { operator, ..Percepts::default() };
-/// // The body has a radius of 0.3 m and stops 0.3 m before an obstacle.
-/// for (distance_m, speed_mps) in [(0.61, 1.0), (0.59, 0.0)] {
+/// // The body has a radius of 0.3 m, brakes with 2 m/s^2 and stops 2 cm before an obstacle.
+/// for (distance_m, low, high) in [(0.7, 1.0, 1.0), (0.5, 0.4, 0.8), (0.32, 0.0, 0.0)] {
 ///     let obstacle = RangeReading { bearing_rad: 0.0, distance_m };
 ///     percepts.ranges = [obstacle].into_iter().collect();
-///     assert_eq!(limit(&vehicle, &percepts, wanted).speed_mps, speed_mps);
+///     let (mut motion, trust) = (Motion::default(), RangeTrust::Fresh { age_us: 0 });
+///     let speed_mps = limit(&vehicle, &percepts, &trust, &mut motion, wanted).speed_mps;
+///     assert!((low..=high).contains(&speed_mps), "{distance_m}: {speed_mps}");
 /// }
 /// ```
-pub fn limit(vehicle: &Vehicle, percepts: &Percepts, wanted: Commands) -> Commands {
+pub fn limit(
+    vehicle: &Vehicle,
+    percepts: &Percepts,
+    trust: &RangeTrust,
+    motion: &mut Motion,
+    wanted: Commands,
+) -> Commands {
+    let moving = motion.now(percepts, trust);
+    let commands = limited(vehicle, percepts, &moving, wanted);
+    *motion = Motion {
+        time_us: percepts.time_us,
+        speed_mps: commands.speed_mps,
+        turn_rate_radps: commands.turn_rate_radps,
+    };
+    commands
+}
+
+fn limited(vehicle: &Vehicle, percepts: &Percepts, moving: &Moving, wanted: Commands) -> Commands {
     let operator = &percepts.operator;
     if operator.is_emergency_stop {
         return Commands::stop(Reason::EmergencyStop);
@@ -44,31 +97,16 @@ pub fn limit(vehicle: &Vehicle, percepts: &Percepts, wanted: Commands) -> Comman
         };
         return bounded(vehicle, by_hand);
     }
-    let is_stopped = wanted.speed_mps != 0.0
-        && percepts.ranges.iter().any(|reading| is_in_the_way(vehicle, wanted.speed_mps, reading));
-    if is_stopped {
-        return bounded(
-            vehicle,
-            Commands { speed_mps: 0.0, reason: Reason::ObstacleStop, ..wanted },
-        );
-    }
-    bounded(vehicle, wanted)
-}
-
-/// Whether the point of the reading is inside the stop distance and the body would touch it by
-/// driving straight on. Points beside the body do not count: the robot may drive along a wall
-/// at any distance.
-fn is_in_the_way(vehicle: &Vehicle, speed_mps: f32, reading: &RangeReading) -> bool {
-    let gap_m = reading.distance_m - vehicle.radius_m;
-    // Most readings are far away, so this cheap comparison comes first.
-    if gap_m >= vehicle.stop_distance_m {
-        return false;
-    }
-    let ahead = scalar::cos(reading.bearing_rad) * speed_mps;
-    // A body without a radius must stop too, so the swept path has a minimum width.
-    let half_width_m = vehicle.radius_m.max(0.5 * vehicle.stop_distance_m);
-    let aside_m = scalar::sin(reading.bearing_rad) * reading.distance_m;
-    ahead > 0.0 && aside_m.abs() <= half_width_m
+    let wanted = bounded(vehicle, wanted);
+    let Commands { speed_mps, turn_rate_radps, .. } = wanted;
+    let braked = brake(vehicle, &percepts.ranges, moving, Twist { speed_mps, turn_rate_radps });
+    let limited = match braked {
+        Some(Twist { speed_mps, turn_rate_radps }) => {
+            Commands { speed_mps, turn_rate_radps, ..wanted }
+        }
+        None => Commands { speed_mps: 0.0, reason: Reason::ObstacleStop, ..wanted },
+    };
+    bounded(vehicle, limited)
 }
 
 /// Clamps to the vehicle's limits; a value that is not finite becomes 0.

@@ -11,6 +11,8 @@ pub struct Parameters {
     pub plan: u16,
     /// Weights of the advice and the reactive schemas.
     pub gains: Gains,
+    /// What the weights apply to.
+    pub blend: Blend,
     /// When the layer of the parallel plan is chosen.
     pub selection: Selection,
     /// The vehicle.
@@ -55,6 +57,20 @@ impl Gains {
     pub const MOSTLY_PLAN: Self = Self { reactive: 0.34, plan: 0.66, noise: Self::NOISE };
     /// 0:100, the advice alone.
     pub const PLAN_ONLY: Self = Self { reactive: 0.0, plan: 1.0, noise: Self::NOISE };
+}
+
+/// How advice, goal and obstacles are combined.
+///
+/// With advice, attraction straight to the goal pulls the robot through obstacles that the advice
+/// leads around. So the default leaves it to the advice where there is any.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum Blend {
+    /// The goal attracts only without advice. The advice points to the route some way ahead. Closed
+    /// directions are left aside, and detours lead out of dead ends that the map does not show.
+    Route,
+    /// The paper's blend: goal and obstacles act beside the advice, which is one of eight
+    /// directions (W, section 4).
+    Paper,
 }
 
 /// When the layer of a parallel plan is chosen (W, section 2.3). It is always the most constrained
@@ -112,15 +128,17 @@ pub struct Vehicle {
 pub struct SchemaParameters {
     /// Gain of move-to-goal within the reactive part.
     pub goal_gain: f32,
-    /// Whether move-to-goal acts beside advice too, as in the paper. If not, it acts only where
-    /// there is no advice.
-    pub goal_beside_advice: bool,
     /// Gain of avoid-static-obstacle within the reactive part.
     pub avoid_gain: f32,
     /// Beyond the margin, an obstacle repels up to this distance, metres.
     pub avoid_sphere_m: f32,
     /// Up to this distance from the body, an obstacle repels at full strength, metres.
     pub avoid_margin_m: f32,
+    /// With [`Blend::Route`], the advice points to the route this far ahead, metres.
+    pub look_ahead_m: f32,
+    /// With [`Blend::Route`], a robot behind an obstacle begins a detour after this time without
+    /// progress, microseconds.
+    pub detour_after_us: u32,
     /// The goal is reached within this distance, metres.
     pub goal_tolerance_m: f32,
     /// Ticks for which the noise schema keeps a heading.
@@ -225,35 +243,119 @@ pub struct SafetyPolicy {
     pub battery_low: f32,
 }
 
+impl Vehicle {
+    /// Distance from a range reading to the stop, metres, at a speed in m/s: what the robot drives
+    /// during the latency, and what it takes to brake.
+    pub fn stopping_distance_m(&self, speed_mps: f32) -> f32 {
+        let latency_s = self.latency_us as f32 * 1e-6;
+        speed_mps * latency_s + speed_mps * speed_mps / (2.0 * self.braking_mps2)
+    }
+}
+
+/// The parameters that follow from what a user can measure: radius, top speed, brakes, latency.
+///
+/// ```
+/// use plan_format::parameters::{Derived, Vehicle};
+/// let vehicle = Vehicle { radius_m: 0.25, max_speed_mps: 2.0, ..Vehicle::default() };
+/// let derived = Derived::of(&vehicle);
+/// assert_eq!(derived.max_turn_rate_radps, 4.0);
+/// assert_eq!(derived.stop_distance_m, 0.02);
+/// assert!((derived.avoid_sphere_m - 1.2).abs() < 1e-6);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Derived {
+    /// Speed for a blended vector of length 1, m/s: the top speed.
+    pub base_speed_mps: f32,
+    /// Speed where obstacles repel strongly, m/s: 0.3, or the top speed if that is lower.
+    pub cautious_speed_mps: f32,
+    /// Turn rate, rad/s: wheels at the rim that turn at half the top speed in opposite directions.
+    pub max_turn_rate_radps: f32,
+    /// Distance to keep from what is ahead, metres: 2 cm, the error of usual range finders, or
+    /// more for a large body, whose position is less precise.
+    pub stop_distance_m: f32,
+    /// Margin of the repulsion, metres: the stop distance. Full repulsion from both sides of a
+    /// gap would close it, so a larger margin closes gaps that the robot fits through.
+    pub avoid_margin_m: f32,
+    /// Sphere of the repulsion, metres: the stopping distance at top speed, so that obstacles turn
+    /// the robot before they brake it.
+    pub avoid_sphere_m: f32,
+    /// How far the advice looks ahead, metres: 1.6 radii. Shorter makes the robot waver between
+    /// eight directions, longer cuts corners.
+    pub look_ahead_m: f32,
+}
+
+impl Derived {
+    /// What follows from a vehicle's radius, top speed, brakes and latency.
+    pub fn of(vehicle: &Vehicle) -> Self {
+        let (radius_m, top_mps) = (vehicle.radius_m, vehicle.max_speed_mps);
+        let stop_distance_m = (radius_m / 15.0).max(0.02);
+        let turn_rate = if radius_m > 0.0 { top_mps / (2.0 * radius_m) } else { f32::INFINITY };
+        Self {
+            base_speed_mps: top_mps,
+            cautious_speed_mps: top_mps.min(0.3),
+            max_turn_rate_radps: turn_rate.clamp(0.2, 4.0),
+            stop_distance_m,
+            avoid_margin_m: stop_distance_m,
+            avoid_sphere_m: vehicle.stopping_distance_m(top_mps),
+            look_ahead_m: 1.6 * radius_m,
+        }
+    }
+}
+
+impl Default for Vehicle {
+    /// A rover with a radius of 0.3 m and a top speed of 1.6 m/s; the rest follows.
+    fn default() -> Self {
+        let measured = Self {
+            steering: Steering::Differential,
+            radius_m: 0.3,
+            base_speed_mps: 0.0,
+            max_speed_mps: 1.6,
+            cautious_speed_mps: 0.0,
+            max_turn_rate_radps: 0.0,
+            min_turn_radius_m: 0.0,
+            braking_mps2: 2.0,
+            latency_us: 100_000,
+            reach_m: 10.0,
+            stop_distance_m: 0.0,
+            may_creep: true,
+        };
+        let derived = Derived::of(&measured);
+        Self {
+            base_speed_mps: derived.base_speed_mps,
+            cautious_speed_mps: derived.cautious_speed_mps,
+            max_turn_rate_radps: derived.max_turn_rate_radps,
+            stop_distance_m: derived.stop_distance_m,
+            ..measured
+        }
+    }
+}
+
+impl Default for SchemaParameters {
+    /// Those of the default vehicle.
+    fn default() -> Self {
+        let derived = Derived::of(&Vehicle::default());
+        Self {
+            goal_gain: 1.0,
+            avoid_gain: 1.0,
+            avoid_sphere_m: derived.avoid_sphere_m,
+            avoid_margin_m: derived.avoid_margin_m,
+            look_ahead_m: derived.look_ahead_m,
+            detour_after_us: 4_000_000,
+            goal_tolerance_m: 1.0,
+            noise_persistence_ticks: 10,
+        }
+    }
+}
+
 impl Default for Parameters {
     fn default() -> Self {
         Self {
             plan: 0,
             gains: Gains::MOSTLY_PLAN,
+            blend: Blend::Route,
             selection: Selection::Static,
-            vehicle: Vehicle {
-                steering: Steering::Differential,
-                radius_m: 0.3,
-                base_speed_mps: 1.4,
-                max_speed_mps: 1.6,
-                cautious_speed_mps: 0.3,
-                max_turn_rate_radps: 1.0,
-                min_turn_radius_m: 0.0,
-                braking_mps2: 2.0,
-                latency_us: 100_000,
-                reach_m: 10.0,
-                stop_distance_m: 0.3,
-                may_creep: true,
-            },
-            schemas: SchemaParameters {
-                goal_gain: 1.0,
-                goal_beside_advice: true,
-                avoid_gain: 1.0,
-                avoid_sphere_m: 5.0,
-                avoid_margin_m: 0.5,
-                goal_tolerance_m: 1.0,
-                noise_persistence_ticks: 10,
-            },
+            vehicle: Vehicle::default(),
+            schemas: SchemaParameters::default(),
             fixes: FixPolicy {
                 stale_after_us: 2_000_000,
                 max_accuracy_mm: 5_000,
@@ -278,6 +380,27 @@ impl Default for Parameters {
 }
 
 impl Parameters {
+    /// The paper's blend and the values that go with it: MissionLab's speeds, margin and sphere,
+    /// which fit wide outdoor maps.
+    pub fn paper() -> Self {
+        let defaults = Self::default();
+        Self {
+            blend: Blend::Paper,
+            vehicle: Vehicle {
+                base_speed_mps: 1.4,
+                max_turn_rate_radps: 1.0,
+                stop_distance_m: 0.3,
+                ..defaults.vehicle
+            },
+            schemas: SchemaParameters {
+                avoid_sphere_m: 5.0,
+                avoid_margin_m: 0.5,
+                ..defaults.schemas
+            },
+            ..defaults
+        }
+    }
+
     /// The name and the range of the first parameter that is out of its range; `None` if all are
     /// within. One table serves the compiler's message and the reader's refusal.
     pub fn check(&self) -> Option<(&'static str, f32, f32)> {
@@ -299,6 +422,8 @@ impl Parameters {
             ("schemas.avoid_gain", self.schemas.avoid_gain, 0.0, 100.0),
             ("schemas.avoid_sphere", self.schemas.avoid_sphere_m, 0.0, 1_000.0),
             ("schemas.avoid_margin", self.schemas.avoid_margin_m, 0.0, 1_000.0),
+            ("schemas.look_ahead", self.schemas.look_ahead_m, 0.0, 100.0),
+            ("schemas.detour_after", self.schemas.detour_after_us as f32 / 1e6, 0.1, 3_600.0),
             ("schemas.goal_tolerance", self.schemas.goal_tolerance_m, 0.01, 1_000.0),
             ("fixes.max_jump", self.fixes.max_jump_mps, 0.1, 1_000.0),
             ("link.timeout", self.link.timeout_us as f32 / 1e6, 0.1, 3_600.0),

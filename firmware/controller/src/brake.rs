@@ -1,0 +1,105 @@
+//! Brakes: limits the speed so that the robot can stop before it touches anything that it sees.
+//!
+//! The way that the robot needs to stop from a speed is `v t + v^2 / 2a + stop distance`, with the
+//! latency `t` and the brakes `a` of the vehicle. A speed is safe if the body touches nothing on
+//! that way, neither along the arc that the robot drives now nor along the one that the tick
+//! commands: the vehicle turns from one to the other within a few ticks. Points beside the body do
+//! not count, so the robot may drive along a wall at any distance.
+//!
+//! - The speed is the highest safe one, up to the wanted speed.
+//! - A robot that is too fast for the wanted arc brakes as hard as it can, and stays on the arc that
+//!   the last tick found safe.
+//!
+//! Invariant: if the robot obeys and no obstacle appears nearer than it could have been seen, it
+//! touches nothing, whatever the gains. Turning on the spot moves nothing outside the body's circle
+//! and stays allowed.
+
+use plan_format::parameters::Vehicle;
+use robot_io::RangeReading;
+
+use crate::drive::Twist;
+use crate::obstacles::{Body, Obstacles};
+
+/// Speeds tried in one tick. Each try halves the interval that holds the highest safe speed.
+const TRIES: usize = 4;
+
+/// Least distance from what the body passes, metres.
+const ASIDE_M: f32 = 0.01;
+/// What this distance grows by for each m/s: a fast robot follows its arc less exactly.
+const ASIDE_PER_SPEED_S: f32 = 0.03;
+
+/// Below this speed the robot turns on the spot, m/s.
+const SPOT_MPS: f32 = 1e-3;
+
+/// What the brakes need to know about the present motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moving {
+    /// Present speed and turn rate.
+    pub twist: Twist,
+    /// Time since the last tick, seconds.
+    pub elapsed_s: f32,
+    /// Age of the range readings, seconds. It adds to the vehicle's latency.
+    pub age_s: f32,
+}
+
+/// Limits `wanted`. `None` if obstacles leave no motion but turning on the spot.
+pub fn brake(
+    vehicle: &Vehicle,
+    readings: &[RangeReading],
+    moving: &Moving,
+    wanted: Twist,
+) -> Option<Twist> {
+    let now = moving.twist;
+    let leading = if wanted.speed_mps == 0.0 { now.speed_mps } else { wanted.speed_mps };
+    if leading == 0.0 {
+        return Some(wanted);
+    }
+    let is_astern = leading < 0.0;
+    let sign = if is_astern { -1.0 } else { 1.0 };
+    let want_mps = wanted.speed_mps * sign;
+    // Against the present motion, a robot stops first.
+    let present_mps = (now.speed_mps * sign).max(0.0);
+    let least_mps = (present_mps - vehicle.braking_mps2 * moving.elapsed_s).max(0.0);
+    let top_mps = want_mps.max(least_mps);
+
+    let stopping_m =
+        |speed_mps: f32| vehicle.stopping_distance_m(speed_mps) + speed_mps * moving.age_s;
+    let aside_m = |speed_mps: f32| ASIDE_M + ASIDE_PER_SPEED_S * speed_mps;
+    let way_m = stopping_m(top_mps) + vehicle.stop_distance_m;
+    let within_m = vehicle.radius_m + aside_m(top_mps) + way_m;
+    let seen = Obstacles::near(readings, within_m, is_astern);
+    if seen.is_empty() {
+        return Some(wanted);
+    }
+    let hidden = Obstacles::hidden(readings, within_m, is_astern);
+    let is_free = |speed_mps: f32, turn_rate_radps: f32| {
+        let curvature = turn_rate_radps / speed_mps.max(SPOT_MPS);
+        let length_m = stopping_m(speed_mps);
+        let body = Body { radius_m: vehicle.radius_m, aside_m: aside_m(speed_mps) };
+        let bare = Body { aside_m: 0.0, ..body };
+        seen.leave_free(&body, length_m + vehicle.stop_distance_m, curvature)
+            && hidden.leave_free(&bare, length_m, curvature)
+    };
+    let is_safe = |speed_mps: f32| {
+        is_free(speed_mps, now.turn_rate_radps) && is_free(speed_mps, wanted.turn_rate_radps)
+    };
+    if is_safe(top_mps) {
+        return Some(wanted);
+    }
+    let (mut safe_mps, mut unsafe_mps) = (0.0, top_mps);
+    for _ in 1..TRIES {
+        let middle_mps = 0.5 * (safe_mps + unsafe_mps);
+        if is_safe(middle_mps) {
+            safe_mps = middle_mps;
+        } else {
+            unsafe_mps = middle_mps;
+        }
+    }
+    if safe_mps >= least_mps {
+        let speed_mps = sign * safe_mps.min(want_mps.max(0.0));
+        return (safe_mps > 0.0 || want_mps <= 0.0).then_some(Twist { speed_mps, ..wanted });
+    }
+    let share = if present_mps > 0.0 { least_mps / present_mps } else { 0.0 };
+    let turn_rate_radps = now.turn_rate_radps * share;
+    Some(Twist { speed_mps: sign * safe_mps, turn_rate_radps })
+}

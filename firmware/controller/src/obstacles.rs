@@ -1,0 +1,235 @@
+//! What the robot sees nearby, as points in its own axes, and which ways these points leave open.
+
+use math::{Vec2, scalar, vector};
+use robot_io::RangeReading;
+use robot_io::limits::MAX_RANGES;
+
+/// A reading nearer than this counts as this far away, metres: at 0 it would have no direction.
+const LEAST_DISTANCE_M: f32 = 0.01;
+
+/// Share of the distance to a point that the body may use up by passing it. A body that is nearer
+/// to a point than it should be may pass it and leave it, and approach it a little.
+const KEPT: f32 = 0.98;
+
+/// Nearer to a point than this, the body does not approach it at all, metres.
+const TOUCH_M: f32 = 0.005;
+
+/// A way that turns by less than this is straight, radians: its end is off by less than the
+/// length times half of this.
+const STRAIGHT_RAD: f32 = 0.01;
+
+/// Sectors of the range finder; each reports its nearest obstacle only.
+const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
+
+/// Points that limit the motion of a tick, metres, x straight ahead, y to the left.
+#[derive(Clone, Copy, Debug)]
+pub struct Obstacles {
+    points: [Vec2; MAX_RANGES],
+    count: usize,
+}
+
+impl Obstacles {
+    /// The readings nearer than `within_m`, for motion ahead; with `is_astern`, for motion astern:
+    /// the axes are turned by half a turn.
+    pub fn near(readings: &[RangeReading], within_m: f32, is_astern: bool) -> Self {
+        Self::collect(readings, within_m, |reading| {
+            let direction = vector::from_angle(reading.bearing_rad);
+            if is_astern { -direction } else { direction }
+        })
+    }
+
+    /// Where the readings may hide an obstacle: a sector reports its nearest obstacle, and another
+    /// one, as near but closer to the way ahead, stays unseen. The arguments are those of
+    /// [`Obstacles::near`].
+    pub fn hidden(readings: &[RangeReading], within_m: f32, is_astern: bool) -> Self {
+        Self::collect(readings, within_m, |reading| {
+            let turned_rad = if is_astern { scalar::PI } else { 0.0 };
+            let bearing_rad = scalar::wrap_angle(reading.bearing_rad + turned_rad);
+            let sector = scalar::floor(bearing_rad.abs() / SECTOR_RAD + 0.5);
+            let edge_rad = ((sector - 0.5) * SECTOR_RAD).max(0.0);
+            vector::from_angle(if bearing_rad < 0.0 { -edge_rad } else { edge_rad })
+        })
+    }
+
+    fn collect(
+        readings: &[RangeReading],
+        within_m: f32,
+        direction: impl Fn(&RangeReading) -> Vec2,
+    ) -> Self {
+        let mut near = Self { points: [Vec2::zeros(); MAX_RANGES], count: 0 };
+        let close = readings.iter().filter(|reading| reading.distance_m < within_m);
+        for (point, reading) in near.points.iter_mut().zip(close) {
+            *point = direction(reading) * reading.distance_m.max(LEAST_DISTANCE_M);
+            near.count += 1;
+        }
+        near
+    }
+
+    /// Whether there is nothing near.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    fn points(&self) -> &[Vec2] {
+        self.points.get(..self.count).unwrap_or_default()
+    }
+
+    /// Whether a body that drives `length_m` straight in a direction of length 1
+    /// touches nothing.
+    pub fn leave_open(&self, body: &Body, length_m: f32, direction: Vec2) -> bool {
+        self.points().iter().all(|point| {
+            let along_m = point.dot(&direction);
+            if along_m <= 0.0 {
+                return true;
+            }
+            let aside_m = point.x * direction.y - point.y * direction.x;
+            let beyond_m = (along_m - length_m).max(0.0);
+            aside_m * aside_m + beyond_m * beyond_m >= body.room(point)
+        })
+    }
+
+    /// Whether a body that drives `length_m` ahead touches nothing on an arc of this
+    /// curvature, 1/m, positive to the left. Arcs of more than half a turn count as whole circles.
+    pub fn leave_free(&self, body: &Body, length_m: f32, curvature_per_m: f32) -> bool {
+        let turned_rad = length_m * curvature_per_m.abs();
+        if turned_rad < STRAIGHT_RAD {
+            return self.leave_open(body, length_m, Vec2::new(1.0, 0.0));
+        }
+        let arc_m = 1.0 / curvature_per_m.abs();
+        let is_circle = turned_rad >= scalar::PI;
+        let end = vector::from_angle(turned_rad);
+        self.points().iter().all(|point| {
+            let to_the_inside_m = if curvature_per_m < 0.0 { -point.y } else { point.y };
+            // The point about the arc's centre: the arc begins at (0, arc) and ends at
+            // arc x (sin, cos) of the turn.
+            let about = Vec2::new(point.x, arc_m - to_the_inside_m);
+            let room = body.room(point);
+            let is_abreast = about.x >= 0.0 && end.y * about.y - end.x * about.x >= 0.0;
+            if is_circle || is_abreast {
+                let (distance, reach_m) = (about.norm_squared(), scalar::sqrt(room));
+                let (inner_m, outer_m) = ((arc_m - reach_m).max(0.0), arc_m + reach_m);
+                distance <= inner_m * inner_m || distance >= outer_m * outer_m
+            } else {
+                (about - Vec2::new(end.y, end.x) * arc_m).norm_squared() >= room
+            }
+        })
+    }
+}
+
+/// A round body and the distance that it keeps from what it passes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Radius, metres.
+    pub radius_m: f32,
+    /// Distance to keep, metres.
+    pub aside_m: f32,
+}
+
+impl Body {
+    /// Square of the distance that the body's centre must keep from a point on its way.
+    fn room(&self, point: &Vec2) -> f32 {
+        let wide_m = self.radius_m + self.aside_m;
+        let touch_m = wide_m.min(self.radius_m + TOUCH_M);
+        let distance = point.norm_squared();
+        // A point at the body's side stays free in spite of rounding.
+        let kept = (KEPT * KEPT * distance).max((touch_m * touch_m).min(0.9999 * distance));
+        (wide_m * wide_m).min(kept)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn at(points: &[(f32, f32)]) -> Obstacles {
+        let reading = |&(x, y): &(f32, f32)| RangeReading {
+            bearing_rad: vector::angle(Vec2::new(x, y)),
+            distance_m: vector::length(Vec2::new(x, y)),
+        };
+        let readings: [RangeReading; 2] =
+            [0, 1].map(|i| reading(points.get(i).unwrap_or(&(9.0, 9.0))));
+        Obstacles::near(&readings, 5.0, false)
+    }
+
+    fn body(radius_m: f32) -> Body {
+        Body { radius_m, aside_m: 0.0 }
+    }
+
+    #[test]
+    fn a_straight_way_is_as_wide_as_the_body() {
+        // Point, length of the way, whether it is open for a body with a radius of 0.5 m.
+        for (point, length_m, is_open) in [
+            ((2.0, 0.0), 1.4, true),
+            ((2.0, 0.0), 1.6, false),
+            ((2.0, 0.52), 3.0, true),
+            ((2.0, 0.48), 3.0, false),
+            ((2.0, -0.48), 3.0, false),
+            ((-1.0, 0.0), 3.0, true),
+            // Beside the body and nearer than its radius: it may pass, not approach.
+            ((0.0, 0.45), 3.0, true),
+            ((0.3, 0.35), 3.0, false),
+        ] {
+            let obstacles = at(&[point]);
+            assert_eq!(obstacles.leave_free(&body(0.5), length_m, 0.0), is_open, "{point:?} {length_m}");
+        }
+    }
+
+    #[test]
+    fn an_arc_passes_what_a_straight_way_meets() {
+        // An obstacle straight ahead, and one where the arc leads.
+        assert!(!at(&[(1.5, 0.0)]).leave_free(&body(0.3), 1.5, 0.0));
+        assert!(at(&[(1.5, 0.0)]).leave_free(&body(0.3), 1.5, 1.0));
+        assert!(!at(&[(1.0, 1.0)]).leave_free(&body(0.3), 1.5, 1.0));
+        assert!(at(&[(1.0, 1.0)]).leave_free(&body(0.3), 1.5, -1.0));
+        assert!(!at(&[(1.0, -1.0)]).leave_free(&body(0.3), 1.5, -1.0));
+        // A turn on the spot meets nothing outside the body.
+        assert!(at(&[(0.4, 0.0), (0.0, 0.4)]).leave_free(&body(0.3), 0.0, 1e3));
+        // A circle meets what lies behind.
+        assert!(!at(&[(0.0, 2.0)]).leave_free(&body(0.3), 6.3, 1.0));
+    }
+
+    #[test]
+    fn a_hidden_obstacle_is_at_the_edge_of_the_sector_towards_the_way() {
+        let reading =
+            |degrees: f32| RangeReading { bearing_rad: degrees.to_radians(), distance_m: 1.0 };
+        for (degrees, edge) in [(5.0, 0.0), (30.0, 11.25), (-30.0, -11.25), (80.0, 78.75)] {
+            let hidden = Obstacles::hidden(&[reading(degrees)], 2.0, false);
+            let found = vector::angle(hidden.points[0]).to_degrees();
+            assert!((found - edge).abs() < 0.2, "{degrees}: {found}");
+        }
+        let astern = Obstacles::hidden(&[reading(150.0)], 2.0, true);
+        let found = vector::angle(astern.points[0]).to_degrees();
+        assert!((found + 11.25).abs() < 0.2, "{found}");
+    }
+
+    proptest! {
+        /// The body's centre, moved along a free arc in small steps, stays out of reach of the
+        /// point.
+        #[test]
+        fn a_free_arc_touches_nothing(
+            x in -2.0_f32..2.0, y in -2.0_f32..2.0, radius_m in 0.1_f32..0.6,
+            length_m in 0.0_f32..2.5, curvature in -4.0_f32..4.0,
+        ) {
+            let point = Vec2::new(x, y);
+            prop_assume!(vector::length(point) > radius_m + 0.01);
+            let is_free = at(&[(x, y)]).leave_free(&body(radius_m), length_m, curvature);
+            let mut nearest = f32::INFINITY;
+            for step in 0..=200 {
+                let turn = length_m * step as f32 / 200.0 * curvature;
+                let centre = if curvature.abs() < 1e-3 {
+                    Vec2::new(length_m * step as f32 / 200.0, 0.0)
+                } else {
+                    Vec2::new(scalar::sin(turn), 1.0 - scalar::cos(turn)) / curvature
+                };
+                nearest = nearest.min(vector::length(point - centre));
+            }
+            let reach = radius_m.min(KEPT * vector::length(point));
+            // Sines and cosines are good to 1e-3, about the arc's radius.
+            let slack = 0.01 + 2e-3 / curvature.abs().max(0.01);
+            prop_assert!(!is_free || nearest >= reach - slack, "{nearest} {reach}");
+            let turned = (length_m * curvature).abs();
+            prop_assert!(is_free || turned >= scalar::PI || nearest <= reach + slack || x <= 0.0);
+        }
+    }
+}
