@@ -65,8 +65,10 @@ pub fn brake(
     let stopping_m =
         |speed_mps: f32| vehicle.stopping_distance_m(speed_mps) + speed_mps * moving.age_s;
     let aside_m = |speed_mps: f32| ASIDE_M + ASIDE_PER_SPEED_S * speed_mps;
+    // A body without a radius must stop too.
+    let radius_m = vehicle.radius_m.max(0.5 * vehicle.stop_distance_m);
     let way_m = stopping_m(top_mps) + vehicle.stop_distance_m;
-    let within_m = vehicle.radius_m + aside_m(top_mps) + way_m;
+    let within_m = radius_m + aside_m(top_mps) + way_m;
     let seen = Obstacles::near(readings, within_m, is_astern);
     if seen.is_empty() {
         return Some(wanted);
@@ -75,7 +77,7 @@ pub fn brake(
     let is_free = |speed_mps: f32, turn_rate_radps: f32| {
         let curvature = turn_rate_radps / speed_mps.max(SPOT_MPS);
         let length_m = stopping_m(speed_mps);
-        let body = Body { radius_m: vehicle.radius_m, aside_m: aside_m(speed_mps) };
+        let body = Body { radius_m, aside_m: aside_m(speed_mps) };
         let bare = Body { aside_m: 0.0, ..body };
         seen.leave_free(&body, length_m + vehicle.stop_distance_m, curvature)
             && hidden.leave_free(&bare, length_m, curvature)

@@ -171,7 +171,11 @@ mod tests {
             ((0.3, 0.35), 3.0, false),
         ] {
             let obstacles = at(&[point]);
-            assert_eq!(obstacles.leave_free(&body(0.5), length_m, 0.0), is_open, "{point:?} {length_m}");
+            assert_eq!(
+                obstacles.leave_free(&body(0.5), length_m, 0.0),
+                is_open,
+                "{point:?} {length_m}"
+            );
         }
     }
 

@@ -16,7 +16,7 @@ const MAP: &str = "
     ....................";
 
 fn with_gains(gains: Gains) -> Parameters {
-    Parameters { gains, ..Parameters::default() }
+    Parameters { gains, ..Parameters::paper() }
 }
 
 /// Ranges that change from tick to tick.
@@ -147,7 +147,8 @@ fn w17_blending_smooths_the_bias_of_eight_directions() {
     }
 }
 
-/// A mix with mostly plan, and the plan alone, lead out of a trap that keeps a reactive robot.
+/// A mix with mostly plan, and the plan alone, lead out of a trap that keeps a reactive robot with
+/// the paper's blend.
 #[test]
 fn a_plan_leads_out_of_a_pocket_that_holds_a_reactive_robot() {
     let map = "
@@ -174,10 +175,17 @@ fn a_plan_leads_out_of_a_pocket_that_holds_a_reactive_robot() {
         ..............................
         ..............................
         ..............................";
-    for (gains, arrives) in
-        [(Gains::MOSTLY_PLAN, true), (Gains::PLAN_ONLY, true), (Gains::REACTIVE_ONLY, false)]
-    {
-        let blob = blob(&[map], with_gains(gains));
+    let route = |gains| Parameters { gains, ..Parameters::default() };
+    for (parameters, arrives) in [
+        (with_gains(Gains::MOSTLY_PLAN), true),
+        (with_gains(Gains::PLAN_ONLY), true),
+        (with_gains(Gains::REACTIVE_ONLY), false),
+        (route(Gains::MOSTLY_PLAN), true),
+        // A detour along the walls leads out without the plan.
+        (route(Gains::REACTIVE_ONLY), true),
+    ] {
+        let gains = parameters.gains;
+        let blob = blob(&[map], parameters);
         let blob = Blob::parse(&blob).unwrap();
         let mut robot = Robot::new(blob, 13.5, 11.5);
         let arrived = (0..4_000).any(|_| {

@@ -102,7 +102,7 @@ fn w14_w23_every_reason_is_reached_and_defined() {
     let mut waits = Parameters::default();
     waits.vehicle.may_creep = false;
     let waits = blob(&[MAP], waits);
-    let plan_only = Parameters { gains: Gains::PLAN_ONLY, ..Parameters::default() };
+    let plan_only = Parameters { gains: Gains::PLAN_ONLY, ..Parameters::paper() };
     let plan_only = blob(&[MAP], plan_only);
     let unknown_place = blob_at(&[MAP], Parameters::default(), None);
 
