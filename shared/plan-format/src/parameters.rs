@@ -49,6 +49,9 @@ pub struct Gains {
 impl Gains {
     /// Noise weight of all experiments of the paper (W, section 4).
     pub const NOISE: f32 = 0.11;
+    /// The default: the advice sets the speed, and obstacles at the margin balance half of it.
+    /// With [`Blend::Route`] nothing else pulls, so little noise is enough.
+    pub const ROUTE: Self = Self { reactive: 0.5, plan: 1.0, noise: 0.05 };
     /// Reactive behaviours alone: 100:0.
     pub const REACTIVE_ONLY: Self = Self { reactive: 1.0, plan: 0.0, noise: Self::NOISE };
     /// 66:34, mostly reactive.
@@ -351,7 +354,7 @@ impl Default for Parameters {
     fn default() -> Self {
         Self {
             plan: 0,
-            gains: Gains::MOSTLY_PLAN,
+            gains: Gains::ROUTE,
             blend: Blend::Route,
             selection: Selection::Static,
             vehicle: Vehicle::default(),
@@ -380,11 +383,35 @@ impl Default for Parameters {
 }
 
 impl Parameters {
+    /// The default parameters of a robot with this vehicle: everything that [`Derived`] names follows
+    /// from its radius, top speed, brakes and latency.
+    pub fn of_vehicle(measured: Vehicle) -> Self {
+        let derived = Derived::of(&measured);
+        let defaults = Self::default();
+        Self {
+            vehicle: Vehicle {
+                base_speed_mps: derived.base_speed_mps,
+                cautious_speed_mps: derived.cautious_speed_mps,
+                max_turn_rate_radps: derived.max_turn_rate_radps,
+                stop_distance_m: derived.stop_distance_m,
+                ..measured
+            },
+            schemas: SchemaParameters {
+                avoid_sphere_m: derived.avoid_sphere_m,
+                avoid_margin_m: derived.avoid_margin_m,
+                look_ahead_m: derived.look_ahead_m,
+                ..defaults.schemas
+            },
+            ..defaults
+        }
+    }
+
     /// The paper's blend and the values that go with it: MissionLab's speeds, margin and sphere,
     /// which fit wide outdoor maps.
     pub fn paper() -> Self {
         let defaults = Self::default();
         Self {
+            gains: Gains::MOSTLY_PLAN,
             blend: Blend::Paper,
             vehicle: Vehicle {
                 base_speed_mps: 1.4,
