@@ -57,6 +57,11 @@ pub struct Progress {
 /// that wavers by less than a tolerance must not start it again.
 const LEAVING: f32 = 2.0;
 
+/// Cells that the advice looks ahead where they are as large as the body or larger.
+const FEWEST_CELLS_AHEAD: u32 = 4;
+/// As far ahead as this the straight line leads through free cells, because a diagonal step needs
+/// both of its neighbours free.
+const SAFE_CELLS_AHEAD: u32 = 2;
 /// Most cells that the advice looks ahead: each costs a look-up.
 const MOST_CELLS_AHEAD: f32 = 8.0;
 
@@ -143,10 +148,10 @@ fn weigh(
 
 /// The advice as a vector of length 1.
 ///
-/// With [`Blend::Route`], it points from the robot to the centre of a cell of the route some way
-/// ahead: at least two cells, at most [`MOST_CELLS_AHEAD`]. Two cells ahead, the straight line stays
-/// in free cells, because a diagonal step needs both of its neighbours free. Over more cells the
-/// line cuts a corner by a part of the look-ahead, which follows from the body's radius.
+/// With [`Blend::Route`], it points from the robot to the centre of a cell of the route, the
+/// look-ahead away. That cuts a corner by a part of the look-ahead, which follows from the body's
+/// radius. Over coarse cells the robot still looks [`FEWEST_CELLS_AHEAD`] cells ahead, if the
+/// straight line to them leads through free cells, and else [`SAFE_CELLS_AHEAD`].
 fn ahead(blob: &Blob<'_>, plan: &ParallelPlan<'_>, advice: &Advice, position: Vec2) -> Vec2 {
     let one_step = schemas::follow_plan(advice.direction);
     let parameters = blob.parameters();
@@ -158,18 +163,30 @@ fn ahead(blob: &Blob<'_>, plan: &ParallelPlan<'_>, advice: &Advice, position: Ve
     };
     let grid = blob.grid();
     let cells = parameters.schemas.look_ahead_m / grid.resolution_m as f32;
+    let is_coarse = cells < FEWEST_CELLS_AHEAD as f32;
+    let count = scalar::clamp(cells, FEWEST_CELLS_AHEAD as f32, MOST_CELLS_AHEAD) as u32;
     let mut next = advice.direction;
-    for _ in 0..scalar::clamp(cells, 2.0, MOST_CELLS_AHEAD) as u32 {
+    let mut near = cell;
+    for step in 1..=count {
         let target = next.and_then(|step| cell.neighbour(step, grid.columns, grid.rows));
         let Some(target) = target else { break };
         cell = target;
+        if step <= SAFE_CELLS_AHEAD {
+            near = cell;
+        }
         next = match layer.step(cell) {
             Step::Move(direction) => Some(direction),
             _ => None,
         };
     }
-    let centre = grid.centre(cell).map(|metres| metres as f32);
-    vector::unit(Vec2::from(centre) - position)
+    let to = |cell| Vec2::from(grid.centre(cell).map(|metres| metres as f32)) - position;
+    let line = to(cell);
+    let is_free = |quarter: u32| {
+        let on_the_line = blob.cell_at(position + line * (quarter as f32 * 0.25));
+        on_the_line.is_some_and(|cell| matches!(layer.step(cell), Step::Move(_) | Step::Goal))
+    };
+    let is_safe = !is_coarse || (1..4).all(is_free);
+    vector::unit(if is_safe { line } else { to(near) })
 }
 
 /// A cost in metres.
