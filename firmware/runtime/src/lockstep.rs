@@ -8,7 +8,7 @@
 //! - A [`Mailbox`] is a transport that its caller feeds, one [`Mailbox::step`] per tick: for a
 //!   simulator that calls the robot.
 //!
-//! Invariants: the clock is the tick number times the period; all GPS bytes of a record are
+//! Invariants: a sound clock is the tick number times the period; all GPS bytes of a record are
 //! decoded before its tick, so the result does not depend on the executor's polling order; equal
 //! records give equal answers.
 
@@ -55,6 +55,7 @@ pub async fn run(blob: Blob<'_>, transport: impl Transport, observer: impl Obser
         transport,
         gps: &gps,
         now_us: &now_us,
+        sound_us: 0,
         slots: &slots,
         record: SensorRecord::default(),
         scan_us: None,
@@ -70,6 +71,8 @@ struct LockstepRobot<'a, T> {
     transport: T,
     gps: &'a Pipe<NoopRawMutex, MAX_GPS_BYTES>,
     now_us: &'a Cell<u64>,
+    /// What a sound clock shows.
+    sound_us: u64,
     slots: &'a Slots<NoopRawMutex>,
     /// The last record; its ranges are the last scan.
     record: SensorRecord,
@@ -101,7 +104,8 @@ impl<T: Transport> Robot for LockstepRobot<'_, T> {
             yield_now().await;
         }
         let record = self.transport.receive()?;
-        let now_us = self.now_us.get().saturating_add(TICK_PERIOD_US);
+        self.sound_us = self.sound_us.saturating_add(TICK_PERIOD_US);
+        let now_us = record.clock_us.unwrap_or(self.sound_us);
         self.now_us.set(now_us);
         self.hear(now_us, record);
         // The pipe has room for a whole record and is empty here, so this never waits.

@@ -34,6 +34,9 @@ pub struct SensorRecord {
     pub radio: Option<Operator>,
     /// A pose that arrived since the last tick; its arrival counts, not its `time_us`.
     pub pose: Option<Pose>,
+    /// What the robot's clock shows at this tick, microseconds, if it has a fault; `None` for a
+    /// sound clock.
+    pub clock_us: Option<u64>,
 }
 
 /// What the robot sends to the world after a tick.
@@ -112,6 +115,7 @@ mod tests {
                 heading_rad: Some(1.0),
                 accuracy_mm: u32::MAX,
             }),
+            clock_us: Some(u64::MAX),
         };
         let bytes = sensors.to_bytes().unwrap();
         assert_eq!(SensorRecord::from_bytes(&bytes), Some(sensors));

@@ -62,13 +62,16 @@ pub enum Channel {
     Link,
     /// The input that reports the battery's level.
     Battery,
+    /// The robot's clock. A lost or frozen clock stands; one that loses a tick shows the time of
+    /// the tick before.
+    Clock,
     /// The motors. A lost command is a stop.
     Actuators,
 }
 
 impl Channel {
     /// All channels with their names in world files.
-    pub const ALL: [(&'static str, Self); 8] = [
+    pub const ALL: [(&'static str, Self); 9] = [
         ("gps", Self::Gps),
         ("compass", Self::Heading),
         ("odometry", Self::Odometry),
@@ -76,6 +79,7 @@ impl Channel {
         ("pose", Self::Pose),
         ("link", Self::Link),
         ("battery", Self::Battery),
+        ("clock", Self::Clock),
         ("actuators", Self::Actuators),
     ];
 
@@ -108,6 +112,8 @@ pub struct Faulty<S> {
     past: VecDeque<SensorRecord>,
     /// The data that a freeze repeats.
     frozen: Option<SensorRecord>,
+    /// What a clock that stands shows, microseconds.
+    stood_us: Option<u64>,
 }
 
 impl<S: Sensors> Faulty<S> {
@@ -121,6 +127,32 @@ impl<S: Sensors> Faulty<S> {
             random: Random::new(seed, Stream::Fault),
             past: VecDeque::new(),
             frozen: None,
+            stood_us: None,
+        }
+    }
+
+    /// What a failing clock shows in a tick; `shown_us` is what other faults make it show.
+    fn clock(&mut self, scene: &Scene<'_>, shown_us: Option<u64>) -> u64 {
+        let now_us = shown_us.unwrap_or(scene.time_us + scene.tick_us);
+        let before_us = now_us.saturating_sub(scene.tick_us);
+        let stands = match self.fault {
+            Fault::Drop { chance } => self.random.chance(chance),
+            Fault::Freeze => true,
+            _ => false,
+        };
+        match self.fault {
+            _ if stands => *self.stood_us.get_or_insert(before_us),
+            Fault::Delay { ticks } => now_us.saturating_sub(ticks as u64 * scene.tick_us),
+            Fault::Jump { offset } => now_us.saturating_add_signed((offset[0] * 1e6) as i64),
+            // Any time within twelve days.
+            Fault::Garble { chance } if self.random.chance(chance) => {
+                (self.random.unit() * 1e12) as u64
+            }
+            _ => {
+                // A clock that loses ticks shows the right time in the others.
+                self.stood_us = Some(now_us);
+                now_us
+            }
         }
     }
 
@@ -224,6 +256,12 @@ impl<S: Sensors> Sensors for Faulty<S> {
             scene.mode = mode;
         }
         let mut record = self.inner.sense(&scene);
+        if self.channel == Channel::Clock {
+            if fails {
+                record.clock_us = Some(self.clock(&scene, record.clock_us));
+            }
+            return record;
+        }
         match self.fault {
             Fault::Delay { ticks } => self.delayed(&mut record, fails, ticks),
             Fault::Freeze if !fails => self.frozen = None,
@@ -270,6 +308,7 @@ impl Channel {
             Self::Battery => {
                 std::mem::swap(&mut a.inputs[BATTERY], &mut b.inputs[BATTERY]);
             }
+            Self::Clock => std::mem::swap(&mut a.clock_us, &mut b.clock_us),
             Self::Actuators => {}
         }
     }
@@ -295,7 +334,7 @@ impl Channel {
         match self {
             // The antenna has already been moved in the scene; a motor is not a sensor, and a
             // packet has no offset.
-            Self::Gps | Self::Actuators | Self::Link => {}
+            Self::Gps | Self::Actuators | Self::Link | Self::Clock => {}
             Self::Heading => record.heading_rad = shifted(record.heading_rad),
             Self::Odometry => record.speed_mps = shifted(record.speed_mps),
             Self::Ranges => {
@@ -342,7 +381,7 @@ impl Channel {
                 record.pose.iter_mut().flat_map(|pose| &mut pose.position_m).for_each(number);
             }
             Self::Battery => record.inputs[BATTERY].iter_mut().for_each(number),
-            Self::Link | Self::Actuators => {}
+            Self::Link | Self::Actuators | Self::Clock => {}
             Self::Gps => {
                 for byte in &mut record.gps {
                     if random.chance(chance) {
@@ -407,6 +446,9 @@ mod tests {
                 let numbers: Vec<String> = match channel {
                     Channel::Gps => record.gps.iter().map(u8::to_string).collect(),
                     Channel::Battery => record.inputs[0].iter().map(f32::to_string).collect(),
+                    Channel::Clock => {
+                        record.clock_us.iter().map(|us| (us / 1_000_000).to_string()).collect()
+                    }
                     Channel::Link => record.radio.iter().map(|_| "*".to_owned()).collect(),
                     Channel::Pose => {
                         record.pose.iter().map(|pose| pose.position_m[0].to_string()).collect()
@@ -437,6 +479,12 @@ mod tests {
         check(drop, Channel::Pose, "- 2 - - - - - - - 10 - 12");
         check(Fault::Freeze, Channel::Pose, "- 2 - 4 - 4 - 4 - 10 - 12");
         check(jump, Channel::Pose, "- 2 - 54 - 56 - 58 - 10 - 12");
+        // The clock of the first tick shows 1 s.
+        for stands in [drop, Fault::Freeze] {
+            check(stands, Channel::Clock, "- - - 3 3 3 3 3 - - - -");
+        }
+        check(jump, Channel::Clock, "- - - 54 55 56 57 58 - - - -");
+        check(delay, Channel::Clock, "- - - 2 3 4 5 6 - - - -");
         let garble = Fault::Garble { chance: 1.0 };
         for lost in [drop, garble] {
             check(lost, Channel::Link, "- * - - - - - - - * - *");

@@ -287,6 +287,7 @@ impl Sensors for SensorSuite {
             operator: self.settings.operator,
             radio: self.radio(scene),
             pose: self.pose(scene),
+            clock_us: None,
         }
     }
 }

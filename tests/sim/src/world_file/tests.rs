@@ -200,7 +200,9 @@ fn every_condition_is_read() {
 #[test]
 fn every_failure_of_every_sensor_is_read() {
     use crate::Fault;
-    for sensor in ["gps", "compass", "odometry", "ranges", "pose", "link", "battery", "actuators"] {
+    for sensor in
+        ["gps", "compass", "odometry", "ranges", "pose", "link", "battery", "clock", "actuators"]
+    {
         for (kind, value, fault) in [
             ("lost", "", Fault::Drop { chance: 1.0 }),
             ("frozen", "", Fault::Freeze),

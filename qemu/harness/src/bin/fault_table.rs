@@ -1,0 +1,130 @@
+//! `cargo fault-table`: every fault of every part of the robot, on three maps.
+
+use std::io::Write as _;
+use std::process::ExitCode;
+
+use clap::Parser;
+use harness::fault_table::{Filled, Row, fill, rows, run_count};
+use indicatif::{ProgressBar, ProgressStyle};
+
+const JUDGEMENT: &str = "\
+A run is sound if the robot arrives, or stands still with a reason other than being at the goal,
+within three times its time without a fault plus 60 s; and if it neither left the map nor touched an
+obstacle. Each fault lasts from a random time to the end. Motors that follow other commands than the
+robot's cannot be stopped by it: those rows are shown and not judged.
+
+The first row is without a fault; there, every robot must arrive.
+
+Exit status: 0 all judged runs are sound, 1 some are not, 2 the command line is wrong, 3 a map of the
+table is missing or wrong.";
+
+/// Tries every fault of every part of the robot from random times on three maps.
+#[derive(Parser)]
+#[command(name = "cargo fault-table", after_help = JUDGEMENT)]
+struct Arguments {
+    /// Runs of each fault on each map
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    seeds: u64,
+    /// Seed of the first run; each further run uses the next
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Only this part: gps, compass, odometry, ranges, link, battery, clock or actuators
+    #[arg(long, value_name = "NAME")]
+    sensor: Option<String>,
+    /// Only this kind: lost, frozen, offset, delayed, garbled or intermittent
+    #[arg(long, value_name = "NAME")]
+    kind: Option<String>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let is_wanted = |row: &Row| {
+        let is = |wanted: &Option<String>, name: &str| wanted.as_deref().is_none_or(|w| w == name);
+        is(&arguments.sensor, row.channel.name()) && is(&arguments.kind, row.kind)
+    };
+    let rows: Vec<Row> = rows().into_iter().filter(is_wanted).collect();
+    // The row without a fault is always there.
+    if rows.is_empty() {
+        eprintln!("no fault has this sensor and kind; see cargo fault-table --help");
+        return ExitCode::from(2);
+    }
+    let style = ProgressStyle::with_template("{bar:40} {pos} of {len} runs, {eta} left");
+    let bar = ProgressBar::new(run_count(&rows, arguments.seeds));
+    bar.set_style(style.expect("the template is well-formed"));
+    let table = fill(&rows, arguments.seed, arguments.seeds, &|| bar.inc(1));
+    bar.finish_and_clear();
+    let table = match table {
+        Ok(table) => table,
+        Err(message) => {
+            eprintln!("{message}");
+            return ExitCode::from(3);
+        }
+    };
+    let text = if arguments.json { json(&table) } else { text(&table) };
+    // A closed pipe does not change the exit status.
+    let _ = std::io::stdout().write_all(text.as_bytes());
+    ExitCode::from(u8::from(!table.iter().all(Filled::is_sound)))
+}
+
+fn text(table: &[Filled]) -> String {
+    let mut text = String::from(
+        "sensor     kind          runs  reached  stood  neither  false goal  left map  touched  \
+         latest s  sound  reasons\n",
+    );
+    for filled in table {
+        let Row { kind, .. } = filled.row;
+        let name = name(filled);
+        let stood = filled.count(|run| run.stood.is_some() && !run.is_at_false_goal());
+        let neither = filled.count(|run| !run.is_reached && run.stood.is_none());
+        let latest = filled.latest_stand_s().map_or("-".to_owned(), |s| format!("{s:.1}"));
+        let verdict = match (filled.row.is_judged(), filled.is_sound()) {
+            (false, _) => "-",
+            (true, true) => "yes",
+            (true, false) => "NO",
+        };
+        let reasons = filled.reasons();
+        let reasons = reasons.iter().map(|(reason, count)| format!("{reason} {count}"));
+        text += &format!(
+            "{name:<9}  {kind:<12}  {:>4}  {:>7}  {stood:>5}  {neither:>7}  {:>10}  {:>8}  {:>7}  \
+             {latest:>8}  {verdict:<5}  {}\n",
+            filled.runs.len(),
+            filled.count(|run| run.is_reached),
+            filled.count(harness::fault_table::Run::is_at_false_goal),
+            filled.count(|run| run.has_left),
+            filled.count(|run| run.has_touched),
+            reasons.collect::<Vec<_>>().join(", "),
+        );
+    }
+    text
+}
+
+/// What fails in a row.
+fn name(filled: &Filled) -> &'static str {
+    if filled.row == Row::WITHOUT { "-" } else { filled.row.channel.name() }
+}
+
+/// The object of `--json`. Programs rely on its names.
+fn json(table: &[Filled]) -> String {
+    let rows = table.iter().map(|filled| {
+        let stood_s: Vec<f64> = filled.runs.iter().filter_map(|run| Some(run.stood?.1)).collect();
+        serde_json::json!({
+            "sensor": name(filled),
+            "kind": filled.row.kind,
+            "runs": filled.runs.len(),
+            "reached": filled.count(|run| run.is_reached),
+            "stood": filled.reasons(),
+            "stood_after_s": stood_s,
+            "neither": filled.count(|run| !run.is_reached && run.stood.is_none()),
+            "false_goal": filled.count(harness::fault_table::Run::is_at_false_goal),
+            "left_map": filled.count(|run| run.has_left),
+            "touched": filled.count(|run| run.has_touched),
+            "judged": filled.row.is_judged(),
+            "sound": filled.is_sound(),
+        })
+    });
+    let rows: Vec<serde_json::Value> = rows.collect();
+    format!("{}\n", serde_json::json!({ "rows": rows }))
+}

@@ -1,0 +1,355 @@
+//! Every kind of fault of every part of the robot: does it arrive, or stand still with a reason?
+//!
+//! Each row of the table is one fault. Each of its runs has a fault that lasts from a random time to
+//! the end. Runs are independent and seeded, so the table is the same on every machine and with any
+//! number of threads.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use robot_io::Reason;
+use sim::{
+    Channel, Conditions, Ending, Fault, HostPilot, PlannedFault, Random, Scenario, SensorSettings,
+    Start, Stream, TICK_US,
+};
+
+use crate::mission::{self, Changes};
+use crate::setup::root;
+
+/// Time of a run that does not arrive even without a fault, seconds.
+const UNKNOWN_S: f64 = 120.0;
+/// A robot that is commanded to stand for this long stands still, seconds.
+const STANDS_S: f64 = 30.0;
+/// The same in a run that the simulator ends, because it ends stranded robots sooner.
+const STRANDED_S: f64 = 9.0;
+/// A run may take this many times as long as without a fault.
+const PATIENCE: f64 = 3.0;
+/// And this much longer, seconds.
+const PATIENCE_S: f64 = 60.0;
+
+/// The maps of the table, in `tests/maps`, with the receiver of the robots there.
+const MAPS: [(&str, SensorSettings); 3] = [
+    ("campus.opar", SensorSettings::USUAL),
+    ("yard.osm", SensorSettings::SURVEYOR),
+    ("tight.ovl", SensorSettings::SURVEYOR),
+];
+
+/// One fault.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// What fails.
+    pub channel: Channel,
+    /// How it fails, as a world file names it.
+    pub kind: &'static str,
+    /// The same with its value.
+    pub fault: Fault,
+}
+
+impl Row {
+    /// The row without a fault: a loss that never happens.
+    pub const WITHOUT: Self =
+        Self { channel: Channel::Gps, kind: "none", fault: Fault::Drop { chance: 0.0 } };
+
+    /// Whether the robot can do something about it. A body whose motors follow other commands than
+    /// the robot's cannot be stopped.
+    pub fn is_judged(&self) -> bool {
+        let obeys = matches!(self.kind, "lost" | "intermittent" | "delayed");
+        self.channel != Channel::Actuators || obeys
+    }
+}
+
+/// All rows of the table, by part and kind.
+pub fn rows() -> Vec<Row> {
+    use Channel::{Actuators, Battery, Clock, Gps, Heading, Link, Odometry, Ranges};
+    let channels = [Gps, Heading, Odometry, Ranges, Link, Battery, Clock, Actuators];
+    let rows = channels.into_iter().flat_map(|channel| {
+        // In the unit of the channel: metres, radians, m/s, a share, seconds.
+        let offset = match channel {
+            Gps => [30.0, 0.0],
+            Heading => [0.7, 0.0],
+            Battery => [-0.5, 0.0],
+            Clock => [100.0, 0.0],
+            Actuators => [0.3, 0.2],
+            _ => [0.5, 0.0],
+        };
+        // A motor that answers after a second is not the robot that its parameters describe.
+        let late = if channel == Actuators { 2 } else { 20 };
+        [
+            ("lost", Fault::Drop { chance: 1.0 }),
+            ("frozen", Fault::Freeze),
+            ("offset", Fault::Jump { offset }),
+            ("delayed", Fault::Delay { ticks: late }),
+            ("garbled", Fault::Garble { chance: 1.0 }),
+            ("intermittent", Fault::Drop { chance: 0.5 }),
+        ]
+        .map(|(kind, fault)| Row { channel, kind, fault })
+    });
+    // A packet has no offset.
+    rows.filter(|row| (row.channel, row.kind) != (Link, "offset")).collect()
+}
+
+/// The result of one run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Run {
+    /// The robot arrived.
+    pub is_reached: bool,
+    /// Why it stands still, and after how many seconds of the fault it came to stand.
+    pub stood: Option<(Reason, f64)>,
+    /// It left the map.
+    pub has_left: bool,
+    /// It touched an obstacle; all are mapped.
+    pub has_touched: bool,
+}
+
+impl Run {
+    /// Whether the robot reports that it is at the goal, and is not.
+    pub fn is_at_false_goal(&self) -> bool {
+        matches!(self.stood, Some((Reason::AtGoal, _)))
+    }
+
+    /// Whether nothing went wrong.
+    pub fn is_sound(&self) -> bool {
+        let has_ended = self.is_reached || self.stood.is_some() && !self.is_at_false_goal();
+        has_ended && !self.has_left && !self.has_touched
+    }
+}
+
+/// One row with its runs, in the order of maps and seeds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Filled {
+    /// The fault.
+    pub row: Row,
+    /// Its runs.
+    pub runs: Vec<Run>,
+}
+
+impl Filled {
+    /// Number of runs for which something holds.
+    pub fn count(&self, holds: impl Fn(&Run) -> bool) -> usize {
+        self.runs.iter().filter(|run| holds(run)).count()
+    }
+
+    /// How often the robot stood for each reason.
+    pub fn reasons(&self) -> BTreeMap<String, usize> {
+        let mut reasons = BTreeMap::new();
+        for (reason, _) in self.runs.iter().filter_map(|run| run.stood) {
+            *reasons.entry(format!("{reason:?}")).or_insert(0) += 1;
+        }
+        reasons
+    }
+
+    /// Longest time from the fault until the robot stood, seconds.
+    pub fn latest_stand_s(&self) -> Option<f64> {
+        self.runs.iter().filter_map(|run| Some(run.stood?.1)).reduce(f64::max)
+    }
+
+    /// Whether all runs are sound, or the row is not judged. Without a fault, all must arrive.
+    pub fn is_sound(&self) -> bool {
+        let is_without = self.row == Row::WITHOUT;
+        let holds = |run: &Run| run.is_sound() && (run.is_reached || !is_without);
+        !self.row.is_judged() || self.runs.iter().all(holds)
+    }
+}
+
+/// A start on a map, and what the run from there does without a fault.
+struct Journey<'m> {
+    scenario: &'m Scenario,
+    sensors: SensorSettings,
+    start: Start,
+    /// Time until the goal, seconds.
+    usual_s: f64,
+    /// The run without a fault.
+    without: Option<Run>,
+}
+
+/// Runs `seeds` journeys on each map for each row, on all cores. The first row of the result is the
+/// same journeys without a fault. `advance` is called once a run.
+/// The error is a message for the user.
+pub fn fill(
+    rows: &[Row],
+    first_seed: u64,
+    seeds: u64,
+    advance: &(dyn Fn() + Sync),
+) -> Result<Vec<Filled>, String> {
+    let mut scenarios = Vec::new();
+    for (name, sensors) in MAPS {
+        let map = root().join("tests/maps").join(name);
+        scenarios.push((name, mission::scenario(&map, &Changes::default())?, sensors));
+    }
+    let places: Vec<(usize, u64)> = (0..scenarios.len())
+        .flat_map(|map| (first_seed..first_seed + seeds).map(move |seed| (map, seed)))
+        .collect();
+    let journeys = in_parallel(places.len(), |index| {
+        let (map, seed) = places[index];
+        let (name, scenario, sensors) = &scenarios[map];
+        Journey::new(name, scenario, *sensors, seed)
+    });
+    let journeys = journeys.into_iter().collect::<Result<Vec<_>, String>>()?;
+    let runs = in_parallel(rows.len() * journeys.len(), |index| {
+        let run = journeys[index % journeys.len()].run(&rows[index / journeys.len()]);
+        advance();
+        run
+    });
+    let runs = runs.into_iter().collect::<Result<Vec<_>, String>>()?;
+    let without = journeys.iter().filter_map(|journey| journey.without).collect();
+    let first = Filled { row: Row::WITHOUT, runs: without };
+    let filled = rows.iter().zip(runs.chunks(journeys.len()));
+    let filled = filled.map(|(row, runs)| Filled { row: *row, runs: runs.to_vec() });
+    Ok([first].into_iter().chain(filled).collect())
+}
+
+impl<'m> Journey<'m> {
+    /// Draws a start, and drives from there without a fault.
+    fn new(
+        name: &str,
+        scenario: &'m Scenario,
+        sensors: SensorSettings,
+        seed: u64,
+    ) -> Result<Self, String> {
+        let position = scenario.draw_start(seed).ok_or(format!("{name}: no start is clear"))?;
+        let heading_rad = Random::new(seed, Stream::Obstacles).between(-PI, PI);
+        let start = Start { position, heading_rad, seed, sensors };
+        let mut journey = Self { scenario, sensors, start, usual_s: UNKNOWN_S, without: None };
+        let (run, time_s) = journey.drive(Vec::new(), 0.0)?;
+        if run.is_reached {
+            journey.usual_s = time_s;
+        }
+        journey.without = Some(run);
+        Ok(journey)
+    }
+
+    /// Drives with a fault from a random time of the journey on.
+    fn run(&self, row: &Row) -> Result<Run, String> {
+        let mut random = Random::new(self.start.seed, Stream::Fault);
+        let from_s = random.between(0.0, 0.9) * self.usual_s;
+        let window_s = from_s..f64::INFINITY;
+        let fault = PlannedFault { channel: row.channel, fault: row.fault, window_s };
+        Ok(self.drive(vec![fault], from_s)?.0)
+    }
+
+    /// Drives until the robot arrives, stands still or takes too long; also returns the time.
+    fn drive(&self, faults: Vec<PlannedFault>, from_s: f64) -> Result<(Run, f64), String> {
+        let limit_s = PATIENCE * self.usual_s + PATIENCE_S;
+        let [x, y] = self.start.position;
+        // A battery that lasts, so that its input can fail.
+        let world = format!(
+            "start = [{x:?}, {y:?}]\ntime_limit = {limit_s:?}\n[tanks.battery]\nchannel = 0\n\
+             level = 0.9\nuse_per_m = 0.0001\nfill_per_s = 0.0\nat = [{x:?}, {y:?}]\nwithin = 1\n"
+        );
+        let conditions = Conditions { faults, ..Conditions::default() };
+        let scenario = Scenario { surroundings: Some(world.parse()?), ..self.scenario.clone() };
+        let scenario = scenario.under(conditions);
+        let sensors = scenario.conditions.sensors(self.sensors);
+        let start = Start { sensors, ..self.start };
+        let robot = scenario.robot(&start, HostPilot::new(scenario.plan()))?;
+        let plan = scenario.plan();
+        let mut simulation = scenario.simulation([robot]);
+        let (mut has_left, mut standing) = (false, None);
+        loop {
+            simulation.step().map_err(|error| error.to_string())?;
+            let robot = &simulation.robots()[0];
+            let (outcome, commands, body) = (robot.outcome(), robot.commands(), robot.body());
+            let at = body.position.map(|x| x as f32);
+            has_left |= plan.cell_at(math::Vec2::new(at[0], at[1])).is_none();
+            let is_still = commands.speed_mps == 0.0 && commands.turn_rate_radps == 0.0;
+            standing = match standing {
+                _ if !is_still || body.speed_mps.abs() > 1e-3 => None,
+                Some(since) => Some(since),
+                None => Some(outcome.ticks),
+            };
+            let stood_s = |since: u64| ((outcome.ticks - since) * TICK_US) as f64 * 1e-6;
+            let is_over = outcome.ending.is_some();
+            let least_s = if is_over { STRANDED_S } else { STANDS_S };
+            let has_stood = standing.is_some_and(|since| stood_s(since) >= least_s);
+            // Before the fault, a robot may wait for its first fix.
+            let has_stood = has_stood && outcome.time_s > from_s + least_s;
+            if !is_over && !has_stood {
+                continue;
+            }
+            let is_reached = outcome.ending == Some(Ending::Reached);
+            let since = standing.filter(|_| !is_reached && has_stood);
+            let after_s = |since: u64| ((since * TICK_US) as f64 * 1e-6 - from_s).max(0.0);
+            let run = Run {
+                is_reached,
+                stood: since.map(|since| (commands.reason, after_s(since))),
+                has_left,
+                has_touched: outcome.touches > 0,
+            };
+            return Ok((run, outcome.time_s));
+        }
+    }
+}
+
+/// The results of `work` for 0 up to `count`, in this order, computed on all cores.
+fn in_parallel<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut done: Vec<(usize, T)> = std::thread::scope(|scope| {
+        let worker = || {
+            let mut mine = Vec::new();
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                if index >= count {
+                    return mine;
+                }
+                mine.push((index, work(index)));
+            }
+        };
+        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(worker)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().expect("a worker ends")).collect()
+    });
+    done.sort_by_key(|(index, _)| *index);
+    done.into_iter().map(|(_, result)| result).collect()
+}
+
+/// Number of runs of a table.
+pub fn run_count(rows: &[Row], seeds: u64) -> u64 {
+    rows.len() as u64 * MAPS.len() as u64 * seeds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_is_sound_if_it_arrives_or_stands_with_a_true_reason() {
+        let reached = Run { is_reached: true, stood: None, has_left: false, has_touched: false };
+        let stood = |reason| Run { is_reached: false, stood: Some((reason, 3.0)), ..reached };
+        for (run, is_sound) in [
+            (reached, true),
+            (stood(Reason::StaleFix), true),
+            (stood(Reason::AtGoal), false),
+            (Run { is_reached: false, ..reached }, false),
+            (Run { has_left: true, ..reached }, false),
+            (Run { has_touched: true, ..stood(Reason::StaleFix) }, false),
+        ] {
+            assert_eq!(run.is_sound(), is_sound, "{run:?}");
+        }
+    }
+
+    #[test]
+    fn every_part_fails_in_every_way() {
+        let rows = rows();
+        assert_eq!(rows.len(), 8 * 6 - 1);
+        let judged = rows.iter().filter(|row| row.is_judged()).count();
+        assert_eq!(judged, rows.len() - 3);
+    }
+
+    #[test]
+    fn work_in_parallel_keeps_its_order() {
+        assert_eq!(in_parallel(100, |index| index * 2), (0..200).step_by(2).collect::<Vec<_>>());
+    }
+
+    /// Two journeys a map: a lost receiver makes every robot stand, and the table repeats.
+    #[test]
+    fn a_lost_receiver_makes_every_robot_stand() {
+        let lost = rows().into_iter().filter(|row| row.kind == "lost");
+        let lost: Vec<Row> = lost.filter(|row| row.channel == Channel::Gps).collect();
+        let table = fill(&lost, 1, 2, &|| ()).expect("the maps are sound");
+        assert_eq!(table.len(), 2);
+        assert_eq!(table[1].count(|run| run.stood.is_some() || run.is_reached), 6, "{table:?}");
+        assert_eq!(table[1].count(|run| run.has_touched || run.has_left), 0, "{table:?}");
+        assert_eq!(table, fill(&lost, 1, 2, &|| ()).expect("the maps are sound"));
+    }
+}
