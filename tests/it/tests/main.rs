@@ -18,3 +18,4 @@ mod qemu;
 mod runs;
 mod wording;
 mod work;
+mod worlds;

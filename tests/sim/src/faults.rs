@@ -411,8 +411,8 @@ mod tests {
                 heading_rad: Some(f32::from(self.0)),
                 speed_mps: Some(scene.antenna[0] as f32),
                 inputs: scene.inputs,
-                radio: (self.0 % 2 == 0).then(Operator::default),
-                pose: (self.0 % 2 == 0).then(|| Pose {
+                radio: self.0.is_multiple_of(2).then(Operator::default),
+                pose: self.0.is_multiple_of(2).then(|| Pose {
                     time_us: 0,
                     position_m: [f32::from(self.0), 0.0],
                     heading_rad: None,

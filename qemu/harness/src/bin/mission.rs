@@ -138,7 +138,7 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
         }
     };
     if arguments.json {
-        text = json(&outcome);
+        text = json(&outcome, !scenario.conditions.discs.is_empty());
     } else {
         // Writing to a string does not fail.
         let _ = write_outcome(&mut text, &start, &outcome, report.as_ref());
@@ -183,23 +183,25 @@ fn on_the_host(
     Ok(outcome)
 }
 
-/// The object of `--json`. Programs rely on its names.
-fn json(outcome: &Outcome) -> String {
+/// The object of `--json`. Programs rely on its names. `struck` is there if something moves.
+fn json(outcome: &Outcome, something_moves: bool) -> String {
     let reasons = outcome.reasons.iter();
     let reasons: serde_json::Map<String, serde_json::Value> =
         reasons.map(|(reason, ticks)| (format!("{reason:?}"), (*ticks).into())).collect();
-    let object = serde_json::json!({
+    let mut object = serde_json::json!({
         "outcome": outcome.ending.map(Ending::name),
         "time_s": outcome.time_s,
         "distance_m": outcome.distance_m,
         // Infinite if nothing came near; JSON has no infinity.
         "closest_m": outcome.closest_m.is_finite().then_some(outcome.closest_m),
         "contacts": outcome.touches,
-        "struck": outcome.strikes,
         "turn_rad": outcome.turn_rad,
         "reasons": reasons,
         "trace_hash": format!("{:016x}", outcome.trace_hash),
     });
+    if something_moves {
+        object["struck"] = outcome.strikes.into();
+    }
     format!("{object}\n")
 }
 
