@@ -90,10 +90,7 @@ fn outcomes_have_names_and_exit_statuses() {
 
 #[test]
 fn a_wrong_command_line_and_wrong_input_have_different_statuses() {
-    let folder = folder(&[
-        ("meadow.ovl", MEADOW),
-        ("flat.ovl", "MISSION-AREA 9 9\nCONTROL MEASURES:\nPP a 1 1\n"),
-    ]);
+    let folder = folder(&[("meadow.ovl", MEADOW)]);
     let at = folder.path();
     for (arguments, status, part) in [
         ("meadow.ovl --gains 1:1", 2, "the presets are"),
@@ -103,11 +100,30 @@ fn a_wrong_command_line_and_wrong_input_have_different_statuses() {
         ("meadow.ovl --plan gaet", 3, "did you mean `gate`?"),
         ("meadow.ovl --goal d=99,99", 3, "outside the map"),
         ("meadow.ovl --start 30,20", 3, "close to an obstacle; a clear position nearby: --start"),
-        ("flat.ovl", 3, "GLOBAL_REF_POINT"),
     ] {
         let (ended, out, err) = run(at, arguments);
         assert_eq!((ended, out.as_str()), (status, ""), "{arguments}: {err}");
         assert!(err.contains(part), "{arguments}: {err}");
+    }
+}
+
+/// A note says where the simulator places the map; the JSON stays pure.
+#[test]
+fn a_map_without_a_place_on_the_globe_is_driven() {
+    let flat = "MISSION-AREA 30 30\nORIGIN 0 0\nCONTROL MEASURES:\nPP a 5 5\n";
+    let grid = "type octile\nheight 12\nwidth 12\nmap\n".to_owned()
+        + &"............\n".repeat(5)
+        + "..@@@@@@@@..\n"
+        + &"............\n".repeat(6);
+    let folder = folder(&[("flat.ovl", flat), ("grid.map", &grid)]);
+    for (arguments, note) in [
+        ("flat.ovl --start 20,20", "south-west corner (0.00, 0.00) at 45 N, 8 E"),
+        ("grid.map --start 6,2 --goal far=6,10", "south-west corner (0.00, 0.00) at 45 N, 8 E"),
+    ] {
+        outcome(folder.path(), arguments, "reached", 0);
+        let (_, out, err) = run(folder.path(), &format!("{arguments} --perfect --json"));
+        assert!(err.starts_with("note: ") && err.contains(note), "{err}");
+        assert!(out.starts_with('{') && out.ends_with("}\n"), "{out}");
     }
 }
 
