@@ -4,13 +4,15 @@
 //!
 //! | step | module | what it does |
 //! |---|---|---|
-//! | sense | [`sense`] | judges fixes, estimates position and heading |
+//! | sense | [`sense`] | judges the sensors, estimates position and heading |
 //! | monitor, criticalities, switch, decompose | [`behave`] | lets the behaviours decide what to do |
+//! | arming | [`arming`] | checks what the robot needs before it may drive |
 //! | advise | [`guidance`] | looks up the plan, detects arrival and trouble |
 //! | schemas, blend | `schemas` | computes vectors and sums them by their gains |
 //! | detour | [`detour`] | turns the sum away from closed directions and out of dead ends |
 //! | drive | [`drive`] | turns the sum into speed and turn rate |
 //! | limit | [`limit`], [`brake`] | clamps both by operator, obstacles and vehicle |
+//! | progress | [`stuck`] | notices that the robot does not get on |
 //!
 //! ```
 //! use controller::{State, tick};
@@ -122,15 +124,20 @@
 //! receivers and IMUs bring their own, and the tick uses a good fix unchanged.
 #![no_std]
 
+pub mod arming;
 pub mod behave;
 pub mod brake;
+mod compass;
 pub mod detour;
 pub mod drive;
 pub mod guidance;
 pub mod limit;
+mod motion;
 pub mod obstacles;
 pub mod ranges;
 pub mod sense;
+mod source;
+pub mod stuck;
 
 use behave::Intent;
 use behaviour::Behaviours;
@@ -151,12 +158,14 @@ pub struct State {
     pub progress: guidance::Progress,
     /// The noise schema.
     pub noise: Noise,
-    /// The checks before arming that failed in the last tick.
-    pub checks: Checks,
     /// The motion that the last tick commanded.
     pub motion: limit::Motion,
     /// Progress towards the goal, and detours.
     pub detours: detour::Detours,
+    /// What the robot needs before it may drive.
+    pub arming: arming::Arming,
+    /// Whether the robot gets on.
+    pub stuck: stuck::Progress,
 }
 
 /// Boards keep the state in static memory; its budget is 8 KB.
@@ -170,10 +179,16 @@ impl State {
             behaviours: Behaviours::new(&blob.mission()),
             progress: guidance::Progress::default(),
             noise: Noise::new(blob.parameters().seed),
-            checks: Checks::default(),
             motion: limit::Motion::default(),
             detours: detour::Detours::default(),
+            arming: arming::Arming::default(),
+            stuck: stuck::Progress::default(),
         }
+    }
+
+    /// The checks before arming that failed in the last tick.
+    pub const fn checks(&self) -> Checks {
+        self.arming.checks()
     }
 }
 
@@ -214,6 +229,7 @@ pub struct Blend {
 pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Explanation {
     let percepts = percepts.sanitised();
     let sensed = sense::sense(blob, &mut state.track, &percepts);
+    state.arming.update(blob, &percepts, &sensed);
     let mut report = behaviour::Report::default();
     let position = sensed.position.ok();
     let intent = behave::behave(blob, &mut state.behaviours, &percepts, position, &mut report);
@@ -221,8 +237,11 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let decided = decide(blob, &vehicle, state, &percepts, &sensed, &intent);
     let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));
     let wanted = intent.with_outputs(wanted);
-    let commands = limit::limit(&vehicle, &percepts, &sensed.ranges, &mut state.motion, wanted);
+    let vehicle = state.arming.limited(&vehicle);
+    let limited = limit::limit(&vehicle, &percepts, &sensed.ranges, &mut state.motion, wanted);
+    let commands = state.arming.explained(limited, &wanted, &percepts);
     state.track.commanded(&commands);
+    state.stuck.update(&sensed, &commands, blob.parameters());
     Explanation { commands, sensed, report, blend }
 }
 
@@ -239,6 +258,9 @@ fn decide(
     use plan_format::parameters::Blend::{Paper, Route};
     let parameters = blob.parameters();
     let schema = &parameters.schemas;
+    if sensed.is_clock_stopped {
+        return Err(Reason::ClockStopped);
+    }
     let position = sensed.position?;
     let is_armed = percepts.operator.is_armed;
     let guidance = match intent.approach(position)? {
@@ -247,7 +269,9 @@ fn decide(
         }
         behave::Approach::Straight(guidance) => guidance,
     };
-    if let Some(reason) = sensed.ranges.reason() {
+    let progress = &parameters.progress;
+    let trouble = state.arming.reason().or(sensed.ranges.reason());
+    if let Some(reason) = trouble.or(sensed.heading_reason()).or(state.stuck.reason(progress)) {
         return Err(reason);
     }
     let Some(heading_rad) = sensed.heading_rad else {

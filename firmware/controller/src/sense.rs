@@ -1,21 +1,29 @@
-//! Estimates position and heading: judges fixes and dead-reckons between them.
+//! Estimates position and heading: judges their sources and dead-reckons in between.
 //!
-//! Position: a good fix, unchanged; between fixes, speed and heading carry it on. The position
-//! is unknown once no good fix has arrived for the stale time.
+//! Position: a good pose or fix, unchanged; between them, speed and heading carry it on. While good
+//! poses arrive they win over the fixes: who adds a source of poses has it because fixes are not
+//! good enough there, and a mixture of both would leap by the offset between them. The position is
+//! unknown once neither has arrived for the stale time. [`crate::source`] judges each of the two,
+//! [`crate::motion`] whether positions follow the motion.
 //!
-//! Heading: from compass or IMU; else the course over ground of a good fix above
-//! [`COURSE_SPEED_MPS`]; else the last heading, carried on by the turn rate. A known heading may
-//! drift but never expires: as soon as the robot drives by it, the course corrects it.
+//! Heading: from a good pose; else from compass or IMU, as long as [`crate::compass`] trusts it;
+//! else the course over ground of a good fix above [`COURSE_SPEED_MPS`]; else the last heading,
+//! carried on by the turn rate. A known heading may drift but never expires: as soon as the robot
+//! drives by it, the course corrects it.
 //!
-//! Without odometry or gyroscope, the last commands stand in for speed or turn rate.
+//! Without odometry or gyroscope, the last commands stand in for speed or turn rate; so they do
+//! for readings that the vehicle cannot reach.
 
 use math::{MapFrame, Vec2, scalar, vector};
 use plan_format::Blob;
-use plan_format::parameters::FixPolicy;
-use robot_io::{Commands, Fix, Percepts, Reason, Receiver};
+use plan_format::parameters::{FixPolicy, Steering, Vehicle};
+use robot_io::{Commands, Fix, Percepts, Pose, Reason, Receiver};
 use serde::{Deserialize, Serialize};
 
+use crate::compass::{Compass, Evidence};
+use crate::motion::{Motion, Verdict};
 use crate::ranges::{RangeTrack, RangeTrust};
+use crate::source::{Anchor, Source};
 
 /// Below this speed the course over ground does not show the heading, m/s.
 pub const COURSE_SPEED_MPS: f32 = 0.5;
@@ -24,22 +32,55 @@ pub const COURSE_SPEED_MPS: f32 = 0.5;
 /// shows where the robot is.
 const LONGEST_STEP_US: u64 = 1_000_000;
 
-/// A fix jumps if it is farther away than the speed limit explains, plus this many times the
-/// accuracies of both fixes. An accuracy is one standard deviation.
-const JUMP_DEVIATIONS: f32 = 3.0;
+/// Measured speeds and turn rates count up to this many times the vehicle's limits, which slopes
+/// and braking exceed.
+const LIMIT_SHARE: f32 = 1.5;
+/// They also count up to this much beyond that, m/s and rad/s: a vehicle with a limit of 0 is
+/// pushed.
+const LIMIT_MARGIN: f32 = 1.0;
 
-/// Bound on sensor readings of speed and turn rate, m/s and rad/s.
-const FASTEST: f32 = 100.0;
+/// The clock stands still if it has had one time for this many ticks.
+const STANDING_TICKS: u8 = 10;
+
+/// The robot stops to creep after this time without a heading, seconds. At the speed of creeping a
+/// receiver gives a course after one or two.
+const LONGEST_CREEP_S: f32 = 15.0;
 
 /// Position and heading, or why the position is unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensed {
     /// Position in map metres. The error is why it is unknown.
     pub position: Result<Vec2, Reason>,
+    /// Accuracy of the last good position, one standard deviation, metres.
+    pub accuracy_m: f32,
     /// Heading in radians counter-clockwise from the map's x axis; `None` while unknown.
     pub heading_rad: Option<f32>,
+    /// The compass is wrong and nothing else shows the heading.
+    pub is_heading_wrong: bool,
+    /// The robot may creep to find its heading.
+    pub may_creep: bool,
     /// How far the range readings can be trusted.
     pub ranges: RangeTrust,
+    /// The clock stands still.
+    pub is_clock_stopped: bool,
+    /// Wheels turn, or should, and the robot does not move.
+    pub is_stuck: bool,
+    /// Time since the last tick, seconds; at most one.
+    pub elapsed_s: f32,
+}
+
+impl Sensed {
+    /// The reason to stand still for want of a heading; `None` if it is known, or if creeping may
+    /// find it.
+    pub fn heading_reason(&self) -> Option<Reason> {
+        if self.is_heading_wrong {
+            Some(Reason::WrongHeading)
+        } else if self.heading_rad.is_none() && !self.may_creep {
+            Some(Reason::NoHeading)
+        } else {
+            None
+        }
+    }
 }
 
 /// What the estimate keeps from tick to tick.
@@ -47,28 +88,38 @@ pub struct Sensed {
 pub struct Track {
     /// Time of the last tick.
     now_us: u64,
-    /// Time stamp of the last judged fix: no fix is judged twice.
-    judged_fix_us: Option<u64>,
-    /// Why the last judged fix was refused; `None` if it was good.
-    refusal: Option<Reason>,
-    /// The last good fix.
-    anchor: Option<Anchor>,
-    /// Position dead-reckoned from the anchor, map metres.
+    /// Ticks since the clock last advanced.
+    standing_ticks: u8,
+    fixes: Source,
+    poses: Source,
+    motion: Motion,
+    compass: Compass,
+    ranges: RangeTrack,
+    /// Time of the last course, for the time between two.
+    course_us: u64,
+    /// Position dead-reckoned from the last good one, map metres.
     position_m: [f32; 2],
+    /// Accuracy of the last good position.
+    accuracy_m: f32,
     heading_rad: Option<f32>,
+    /// The last good pose has a heading.
+    has_pose_heading: bool,
     /// Speed of the last commands.
     speed_mps: f32,
     /// Turn rate of the last commands.
     turn_rate_radps: f32,
-    ranges: RangeTrack,
+    /// Time for which the robot has crept without finding its heading, seconds.
+    crept_s: f32,
+    is_creeping: bool,
 }
 
-/// A good fix, in map metres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Anchor {
-    time_us: u64,
-    position_m: [f32; 2],
-    accuracy_m: f32,
+/// How the robot moves in one tick.
+#[derive(Clone, Copy)]
+struct Twist {
+    speed_mps: f32,
+    turn_rate_radps: f32,
+    is_turn_measured: bool,
+    elapsed_s: f32,
 }
 
 impl Track {
@@ -76,56 +127,156 @@ impl Track {
     pub fn commanded(&mut self, commands: &Commands) {
         self.speed_mps = commands.speed_mps;
         self.turn_rate_radps = commands.turn_rate_radps;
+        self.is_creeping = commands.reason == Reason::NoHeading && commands.speed_mps != 0.0;
     }
 
     /// Sets the clock. Returns the time since the last tick, seconds.
     fn advance(&mut self, now_us: u64) -> f32 {
         if now_us < self.now_us {
             // The clock ran backwards: earlier percepts belong to another history.
-            *self = Self { judged_fix_us: self.judged_fix_us, ..Self::default() };
+            let (fixes, poses) = (self.fixes.restarted(), self.poses.restarted());
+            *self = Self { fixes, poses, ..Self::default() };
         }
+        let stands = now_us == self.now_us;
+        self.standing_ticks = if stands { self.standing_ticks.saturating_add(1) } else { 0 };
         let step_us = now_us.saturating_sub(self.now_us).min(LONGEST_STEP_US);
         self.now_us = now_us;
         step_us as u32 as f32 * 1e-6
     }
 
-    fn is_stale(&self, time_us: u64, policy: &FixPolicy) -> bool {
-        self.now_us.saturating_sub(time_us) > u64::from(policy.stale_after_us)
+    /// Speed and turn rate: measured ones if the vehicle can reach them, else the last commands.
+    fn twist(&self, percepts: &Percepts, vehicle: &Vehicle, elapsed_s: f32) -> Twist {
+        let within = |most: f32| move |x: &f32| x.abs() <= LIMIT_SHARE * most + LIMIT_MARGIN;
+        let turn_rate = percepts.turn_rate_radps.filter(within(vehicle.max_turn_rate_radps));
+        let speed = percepts.speed_mps.filter(within(vehicle.max_speed_mps));
+        Twist {
+            speed_mps: speed.unwrap_or(self.speed_mps),
+            turn_rate_radps: turn_rate.unwrap_or(self.turn_rate_radps),
+            is_turn_measured: turn_rate.is_some(),
+            elapsed_s,
+        }
     }
 
-    /// Judges a fix. The error is the reason for refusing it.
-    fn judge(&self, fix: &Fix, frame: &MapFrame, policy: &FixPolicy) -> Result<Anchor, Reason> {
-        if !fix.is_valid || fix.accuracy_mm > policy.max_accuracy_mm {
-            return Err(Reason::PoorFix);
+    /// Dead-reckons one step.
+    fn carry_on(&mut self, twist: &Twist) {
+        let Some(heading_rad) = self.heading_rad else { return };
+        let turned_rad = twist.turn_rate_radps * twist.elapsed_s;
+        // The mean heading of the step is closer to the arc than either end.
+        let step = vector::from_angle(heading_rad + 0.5 * turned_rad)
+            * (twist.speed_mps * twist.elapsed_s);
+        self.position_m = (Vec2::from(self.position_m) + step).into();
+        // A robot that shall stand is not expected to move, even if its odometry is frozen.
+        if self.speed_mps != 0.0 {
+            self.motion.carry(step);
         }
-        // A time stamp from the future would never become stale.
-        let time_us = fix.time_us.min(self.now_us);
-        if self.is_stale(time_us, policy) {
-            return Err(Reason::StaleFix);
+        self.heading_rad = Some(scalar::wrap_angle(heading_rad + turned_rad));
+    }
+
+    /// Takes over a good position of the source that leads. Returns whether the robot is stuck.
+    fn arrive(&mut self, anchor: &Anchor, speed_mps: Option<f32>, leads: Leads) -> bool {
+        let verdict = self.motion.judge(anchor, speed_mps);
+        if verdict == Verdict::Frozen {
+            match leads {
+                Leads::Fixes => self.fixes.freeze(),
+                Leads::Poses => self.poses.freeze(),
+            }
+        } else {
+            self.position_m = anchor.position_m;
+            self.accuracy_m = anchor.accuracy_m;
         }
-        let position = frame.to_local(fix.place).ok_or(Reason::DistantFix)?;
-        let next = Anchor {
-            time_us,
-            position_m: position.into(),
-            accuracy_m: fix.accuracy_mm as f32 * 1e-3,
+        verdict == Verdict::Stuck
+    }
+
+    /// Judges the latest pose. Returns whether the robot is stuck.
+    fn hear_pose(&mut self, pose: &Pose, policy: &FixPolicy) -> bool {
+        if !self.poses.is_new(pose.time_us) {
+            return false;
+        }
+        let next = if pose.accuracy_mm > policy.max_accuracy_mm {
+            Err(Reason::PoorFix)
+        } else {
+            Ok(Anchor {
+                time_us: pose.time_us,
+                position_m: pose.position_m,
+                accuracy_m: pose.accuracy_mm as f32 * 1e-3,
+                source_ms: None,
+            })
         };
-        match &self.anchor {
-            Some(last) if next.jumps(last, policy) => Err(Reason::JumpedFix),
-            _ => Ok(next),
+        let estimate = self.position_m.into();
+        let Some(anchor) = self.poses.judge(next, self.now_us, estimate, policy) else {
+            return false;
+        };
+        self.has_pose_heading = pose.heading_rad.is_some();
+        self.heading_rad = pose.heading_rad.or(self.heading_rad);
+        self.arrive(&anchor, None, Leads::Poses)
+    }
+
+    /// Judges the latest fix. Returns its course, and whether the robot is stuck.
+    fn hear_fix(
+        &mut self,
+        fix: &Fix,
+        frame: &MapFrame,
+        twist: &Twist,
+        policy: &FixPolicy,
+    ) -> (Option<f32>, bool) {
+        if !self.fixes.is_new(fix.time_us) {
+            return (None, false);
+        }
+        let next = if !fix.is_valid || fix.accuracy_mm > policy.max_accuracy_mm {
+            Err(Reason::PoorFix)
+        } else {
+            let position = frame.to_local(fix.place).ok_or(Reason::DistantFix);
+            position.map(|position| Anchor {
+                time_us: fix.time_us,
+                position_m: position.into(),
+                accuracy_m: fix.accuracy_mm as f32 * 1e-3,
+                source_ms: fix.receiver_ms,
+            })
+        };
+        let estimate = self.position_m.into();
+        let Some(anchor) = self.fixes.judge(next, self.now_us, estimate, policy) else {
+            return (None, false);
+        };
+        let velocity = fix.velocity_mmps.map(|velocity| {
+            let [east, north] = velocity.map(|mmps| mmps as f32 * 1e-3);
+            frame.turned(east, north)
+        });
+        let speed_mps = velocity.map(vector::length);
+        let is_stuck = !self.poses.is_fresh(self.now_us, policy)
+            && self.arrive(&anchor, speed_mps, Leads::Fixes);
+        let course_rad = velocity.filter(|_| speed_mps.is_some_and(|mps| mps > COURSE_SPEED_MPS));
+        let course_rad = course_rad.map(|velocity| {
+            vector::angle(if twist.speed_mps < 0.0 { -velocity } else { velocity })
+        });
+        (course_rad, is_stuck)
+    }
+
+    /// Where the robot is, or why that is unknown.
+    fn position(&self, blob: &Blob<'_>, receiver: Receiver) -> Result<Vec2, Reason> {
+        let policy = &blob.parameters().fixes;
+        let has_frame = blob.map_frame().is_some();
+        let source = if has_frame && (self.fixes.was_heard() || !self.poses.was_heard()) {
+            &self.fixes
+        } else {
+            &self.poses
+        };
+        if self.fixes.is_fresh(self.now_us, policy) || self.poses.is_fresh(self.now_us, policy) {
+            Ok(self.position_m.into())
+        } else if source.was_heard() {
+            Err(source.refusal().unwrap_or(Reason::StaleFix))
+        } else if has_frame {
+            Err(no_fix(receiver))
+        } else {
+            Err(Reason::NoOrigin)
         }
     }
 }
 
-impl Anchor {
-    /// Whether this is farther from the last good fix than driving explains. The explained
-    /// distance grows with time, so the robot recovers from a wrong first fix.
-    fn jumps(&self, last: &Self, policy: &FixPolicy) -> bool {
-        let elapsed_us = self.time_us.saturating_sub(last.time_us).min(u64::from(u32::MAX));
-        let elapsed_s = elapsed_us as u32 as f32 * 1e-6;
-        let reach_m =
-            policy.max_jump_mps * elapsed_s + JUMP_DEVIATIONS * (self.accuracy_m + last.accuracy_m);
-        vector::length(Vec2::from(self.position_m) - Vec2::from(last.position_m)) > reach_m
-    }
+/// Which source the position comes from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Leads {
+    Fixes,
+    Poses,
 }
 
 /// Advances the track to the time of the percepts.
@@ -154,53 +305,85 @@ impl Anchor {
 /// ```
 pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed {
     let elapsed_s = track.advance(percepts.time_us);
-    let ranges = track.ranges.judge(percepts, &blob.parameters().ranges);
-    let (Some(frame), Some(origin)) = (blob.map_frame(), blob.origin()) else {
-        return Sensed { position: Err(Reason::NoOrigin), heading_rad: None, ranges };
+    let parameters = blob.parameters();
+    let vehicle = &parameters.vehicle;
+    let twist = track.twist(percepts, vehicle, elapsed_s);
+    let (moved_m, turned_rad) = (twist.speed_mps * elapsed_s, twist.turn_rate_radps * elapsed_s);
+    let ranges = track.ranges.judge(percepts, &parameters.ranges, moved_m, turned_rad);
+    track.carry_on(&twist);
+    let mut is_stuck = percepts.pose.is_some_and(|pose| track.hear_pose(&pose, &parameters.fixes));
+    let mut course_rad = None;
+    if let (Some(fix), Some(frame)) = (&percepts.fix, blob.map_frame()) {
+        let (course, sticks) = track.hear_fix(fix, frame, &twist, &parameters.fixes);
+        (course_rad, is_stuck) = (course, is_stuck | sticks);
+    }
+    let map_heading_rad = blob.origin().map(|origin| origin.heading_rad as f32);
+    find_heading(track, percepts, &twist, vehicle, map_heading_rad, course_rad, &parameters.fixes);
+
+    let has_heading = track.heading_rad.is_some();
+    if has_heading || !percepts.operator.is_armed {
+        track.crept_s = 0.0;
+    } else if track.is_creeping {
+        track.crept_s += elapsed_s;
+    }
+    Sensed {
+        position: track.position(blob, percepts.receiver),
+        accuracy_m: track.accuracy_m,
+        heading_rad: track.heading_rad,
+        is_heading_wrong: track.compass.is_wrong() && !gives_course(percepts),
+        may_creep: track.crept_s < LONGEST_CREEP_S,
+        ranges,
+        is_clock_stopped: track.standing_ticks >= STANDING_TICKS,
+        is_stuck,
+        elapsed_s,
+    }
+}
+
+/// Sets the heading from the best source.
+fn find_heading(
+    track: &mut Track,
+    percepts: &Percepts,
+    twist: &Twist,
+    vehicle: &Vehicle,
+    map_heading_rad: Option<f32>,
+    course_rad: Option<f32>,
+    policy: &FixPolicy,
+) {
+    if track.has_pose_heading && track.poses.is_fresh(track.now_us, policy) {
+        return;
+    }
+    let expected_rad = track.heading_rad;
+    let since_us = track.now_us.saturating_sub(track.course_us).min(LONGEST_STEP_US);
+    if let Some(course_rad) = course_rad {
+        track.course_us = track.now_us;
+        track.heading_rad = Some(course_rad);
+    }
+    let (Some(heading_rad), Some(map_heading_rad)) = (percepts.heading_rad, map_heading_rad) else {
+        track.compass.miss(twist.elapsed_s);
+        return;
     };
-    let speed_mps = percepts.speed_mps.unwrap_or(track.speed_mps).clamp(-FASTEST, FASTEST);
-    let compass_rad =
-        percepts.heading_rad.map(|heading| scalar::wrap_angle(heading + origin.heading_rad as f32));
-    carry_on(track, percepts, elapsed_s, speed_mps);
-    if let Some(fix) = percepts.fix.filter(|fix| track.judged_fix_us != Some(fix.time_us)) {
-        track.judged_fix_us = Some(fix.time_us);
-        let judged = track.judge(&fix, frame, &blob.parameters().fixes);
-        track.refusal = judged.err();
-        if let Ok(anchor) = judged {
-            track.anchor = Some(anchor);
-            track.position_m = anchor.position_m;
-            track.heading_rad = course(&fix, frame, speed_mps < 0.0).or(track.heading_rad);
-        }
+    let reading_rad = scalar::wrap_angle(heading_rad + map_heading_rad);
+    // A boat drifts, and a vehicle that shall stand may be carried.
+    let shows_heading = vehicle.steering != Steering::Boat && twist.speed_mps.abs() > 0.2;
+    let evidence = Evidence {
+        expected_rad: track.heading_rad.filter(|_| track.compass.is_wrong()).or(expected_rad),
+        course: course_rad
+            .filter(|_| shows_heading)
+            .map(|course_rad| (course_rad, since_us as u32 as f32 * 1e-6)),
+        turn_rate_radps: twist.turn_rate_radps,
+        is_turn_measured: twist.is_turn_measured,
+        elapsed_s: twist.elapsed_s,
+    };
+    if let Some(compass_rad) = track.compass.judge(reading_rad, &evidence) {
+        track.heading_rad = Some(compass_rad);
     }
-    track.heading_rad = compass_rad.or(track.heading_rad);
-    let position = position(track, &blob.parameters().fixes, percepts);
-    Sensed { position, heading_rad: track.heading_rad, ranges }
 }
 
-fn carry_on(track: &mut Track, percepts: &Percepts, elapsed_s: f32, speed_mps: f32) {
-    let Some(heading_rad) = track.heading_rad else { return };
-    let turn_rate = percepts.turn_rate_radps.unwrap_or(track.turn_rate_radps);
-    let turned_rad = turn_rate.clamp(-FASTEST, FASTEST) * elapsed_s;
-    // The mean heading of the step is closer to the arc than either end.
-    let step = vector::from_angle(heading_rad + 0.5 * turned_rad) * (speed_mps * elapsed_s);
-    track.position_m = (Vec2::from(track.position_m) + step).into();
-    track.heading_rad = Some(scalar::wrap_angle(heading_rad + turned_rad));
-}
-
-/// The heading that the velocity of a fix implies, map axes.
-fn course(fix: &Fix, frame: &MapFrame, is_astern: bool) -> Option<f32> {
-    let [east, north] = fix.velocity_mmps?.map(|mmps| mmps as f32 * 1e-3);
-    let velocity = frame.turned(east, north);
-    let ahead = if is_astern { -velocity } else { velocity };
-    (vector::length(velocity) > COURSE_SPEED_MPS).then(|| vector::angle(ahead))
-}
-
-fn position(track: &Track, policy: &FixPolicy, percepts: &Percepts) -> Result<Vec2, Reason> {
-    match &track.anchor {
-        Some(anchor) if !track.is_stale(anchor.time_us, policy) => Ok(track.position_m.into()),
-        Some(_) => Err(track.refusal.unwrap_or(Reason::StaleFix)),
-        None => Err(track.refusal.unwrap_or_else(|| no_fix(percepts.receiver))),
-    }
+/// Whether the receiver reports velocities, so that driving shows the heading. Many receivers omit
+/// the course while they stand still.
+pub(crate) fn gives_course(percepts: &Percepts) -> bool {
+    percepts.receiver == Receiver::Sound
+        || percepts.fix.is_some_and(|fix| fix.velocity_mmps.is_some())
 }
 
 /// Why no fix has ever arrived.

@@ -7,7 +7,7 @@ use robot_io::{CommandRecord, Commands, Percepts, TraceHash};
 
 use crate::gps::FixSlot;
 use crate::link::Telemetry;
-use crate::operator::OperatorSlot;
+use crate::operator::{Authority, OperatorSlot};
 use crate::pose::PoseSlot;
 
 /// Time from tick to tick, microseconds: 20 Hz.
@@ -22,7 +22,7 @@ pub trait Robot {
 
     /// Fills in heading, odometry, inputs and, on a robot with buttons, the operator's orders. A
     /// robot with a range finder fills in the ranges of its last complete scan and that scan's
-    /// time, an empty scan included. The link outranks the buttons from its first packet on. Time,
+    /// time, an empty scan included. [`Authority`] decides between the buttons and the link. Time,
     /// fix, state of the receiver and the pose that the link brought are already set; a robot with
     /// its own source of poses replaces the pose.
     async fn sense(&mut self, percepts: &mut Percepts);
@@ -92,16 +92,16 @@ pub async fn control_task<M: RawMutex>(
 ) {
     let mut state = State::new(&blob);
     let mut trace = TraceHash::default();
+    let mut authority = Authority::default();
     while let Some(time_us) = robot.wait().await {
         let receiver = slots.fixes.receiver(time_us);
         let fix = slots.fixes.latest();
         let pose = slots.poses.latest();
         let mut percepts = Percepts { time_us, fix, receiver, pose, ..Percepts::default() };
         robot.sense(&mut percepts).await;
-        if let Some(radio) = slots.operator.at(time_us, &blob.parameters().link) {
-            percepts.operator = radio.operator;
-            percepts.is_link_lost = radio.is_link_lost;
-        }
+        let radio = slots.operator.at(time_us, &blob.parameters().link);
+        percepts.operator = authority.decide(percepts.operator, radio);
+        percepts.is_link_lost = radio.is_some_and(|radio| radio.is_link_lost);
         let percepts = percepts.sanitised();
 
         observer.before();
@@ -110,7 +110,7 @@ pub async fn control_task<M: RawMutex>(
 
         trace.record(&percepts, &commands);
         let trace_hash = trace.get();
-        let checks = state.checks;
+        let checks = state.checks();
         let record =
             CommandRecord { time_us, commands, trace_hash, instructions, receiver, checks };
         robot.act(&record).await;
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn the_link_outranks_the_button_from_its_first_packet_on() {
+    fn the_link_outranks_the_button_in_arming_from_its_first_packet_on() {
         let slots = Slots::new();
         let mut robot = Armed { slots: &slots, ticks: 0, reasons: [None; 4], feeds: 0 };
         let blob = Blob::without_map(Parameters::default(), None, None);

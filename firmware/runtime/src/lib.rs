@@ -58,5 +58,5 @@ pub use blob::{Fallback, Loaded, load, load_paced};
 pub use control::{Observer, Robot, Slots, TICK_PERIOD_US, control_task};
 pub use gps::{FixSlot, gps_task};
 pub use link::{Telemetry, operator_task, telemetry_task};
-pub use operator::{ArmButton, OperatorSlot, RadioOrders};
+pub use operator::{ArmButton, Authority, OperatorSlot, RadioOrders};
 pub use pose::PoseSlot;

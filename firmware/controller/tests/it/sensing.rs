@@ -136,11 +136,46 @@ fn w14_a_jump_is_believed_once_time_explains_it() {
     };
     assert_eq!(position_after(0.0, 0.0), Ok(0.0));
     assert_eq!(position_after(10.0, 0.5), Ok(0.0), "10 m in half a second: refused");
-    assert_eq!(position_after(10.0, 0.5), Ok(10.0), "in a second: believed");
-    assert_eq!(position_after(110.0, 1.0), Ok(10.0));
-    assert_eq!(position_after(110.0, 1.5), Err(Reason::JumpedFix));
-    assert_eq!(position_after(110.0, 3.0), Err(Reason::JumpedFix));
-    assert_eq!(position_after(110.0, 2.0), Ok(110.0), "100 m in 7 s");
+    assert_eq!(position_after(0.5, 0.5), Ok(1.0), "back again");
+    assert_eq!(position_after(10.0, 1.0), Ok(10.0), "9.5 m in a second: believed");
+    assert_eq!(position_after(110.0, 7.0), Ok(110.0), "100 m in 7 s");
+    assert_eq!(position_after(10.0, 1.0), Ok(110.0), "100 m in a second");
+    assert_eq!(position_after(10.0, 3.0), Err(Reason::JumpedFix));
+    assert_eq!(position_after(10.0, 3.0), Err(Reason::JumpedFix), "time alone is no reason now");
+    assert_eq!(position_after(10.0, 3.0), Err(Reason::JumpedFix));
+    assert_eq!(position_after(10.0, 1.0), Ok(10.0), "it has been there for 10 s");
+}
+
+/// Whatever the limit on jumps: a wrong first fix is a matter of seconds.
+#[test]
+fn a_wrong_first_fix_never_locks_the_robot_out() {
+    for (max_jump_mps, wrong_m) in [(0.1, 15_000.0), (1.0, 300.0), (15.0, 15_000.0)] {
+        let mut parameters = Parameters::default();
+        parameters.fixes.max_jump_mps = max_jump_mps;
+        let blob = Blob::without_map(parameters, Some(ORIGIN), None);
+        let mut watch = Watch { blob, ..Watch::new(ORIGIN) };
+        let fix = Some(watch.fix(wrong_m, 0.0));
+        assert!(watch.look(Percepts { fix, ..Percepts::default() }).position.is_ok());
+        let seconds = (0..1_000).find(|_| {
+            let fix = Some(watch.fix(5.0, 5.0));
+            near(watch.look(Percepts { fix, ..Percepts::default() }).position, 5.0, 5.0)
+        });
+        let ticks = seconds.expect("the true fixes win");
+        assert!((190..=220).contains(&ticks), "{max_jump_mps} m/s: {ticks} ticks");
+    }
+}
+
+/// Reflections that move about are never consistent, so they never become the position.
+#[test]
+fn jumps_to_different_places_are_never_believed() {
+    let mut watch = Watch::new(ORIGIN);
+    let fix = Some(watch.fix(0.0, 0.0));
+    watch.look(Percepts { fix, ..Percepts::default() });
+    for tick in 0..2_000 {
+        let fix = Some(watch.fix(500.0 + (tick % 7) as f32 * 300.0, 0.0));
+        let position = watch.look(Percepts { fix, ..Percepts::default() }).position;
+        assert!(near(position, 0.0, 0.0) || position == Err(Reason::JumpedFix), "{position:?}");
+    }
 }
 
 #[test]

@@ -60,7 +60,7 @@ mod gate {
                     trace_hash: trace.get(),
                     instructions: 0,
                     receiver: percepts.receiver,
-                    checks: state.checks,
+                    checks: state.checks(),
                 };
                 black_box(encode(&Downlink::Telemetry(record)));
                 black_box(record.to_bytes());

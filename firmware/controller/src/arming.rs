@@ -1,0 +1,187 @@
+//! What the robot needs before it may drive: checks before arming, the fence, the battery.
+//!
+//! The operator orders the robot to be armed; it is armed once the checks pass that its way of
+//! driving needs. Driving by plan needs all of them, manual driving only clock, battery and fence:
+//! the driver sees for himself. Each check has a bit in [`Checks`], which telemetry carries. An
+//! armed robot stays armed until the order ends; later trouble stops it with its own reason.
+//!
+//! The fence is a circle around the place where the robot was armed. It is judged by the fixes as
+//! they are, so it needs neither map nor blob; without fixes, by poses.
+
+use math::{GeoPoint, scalar, vector};
+use plan_format::Blob;
+use plan_format::parameters::{ArmingChecks, FixPolicy, Vehicle};
+use robot_io::{Checks, Commands, Percepts, Reason, percepts::channel};
+use serde::{Deserialize, Serialize};
+
+use crate::sense::{Sensed, gives_course};
+
+/// The battery is low once it has been below the threshold for this time, seconds: motors that
+/// start pull it down for a moment.
+const LOW_FOR_S: f32 = 2.0;
+
+/// Metres in 1e-7 degrees of latitude. The fence ignores that this varies by 1 % over the globe.
+const METRES_PER_E7: f32 = 0.011_132;
+/// A turn of longitude, 1e-7 degrees.
+const TURN_E7: i64 = 3_600_000_000;
+
+/// Checks that manual driving needs.
+const FOR_MANUAL: Checks = Checks::CLOCK.with(Checks::BATTERY, true).with(Checks::FENCE, true);
+
+/// What the checks keep from tick to tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Arming {
+    checks: Checks,
+    /// The order is given and the checks have passed since.
+    is_armed: bool,
+    /// Where the robot was armed.
+    home: Option<Home>,
+    /// The robot is outside the fence, or nothing shows where it is.
+    is_outside: bool,
+    /// Time for which the battery has been low, seconds.
+    low_s: f32,
+}
+
+/// The fence's centre.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Home {
+    /// By fixes; with the cosine of the latitude.
+    Place(GeoPoint, f32),
+    /// By poses, map metres.
+    Position([f32; 2]),
+}
+
+impl Arming {
+    /// The checks that fail.
+    pub const fn checks(&self) -> Checks {
+        self.checks
+    }
+
+    /// Takes over one tick.
+    pub fn update(&mut self, blob: &Blob<'_>, percepts: &Percepts, sensed: &Sensed) {
+        let parameters = blob.parameters();
+        if !percepts.operator.is_armed {
+            *self = Self { low_s: self.low_s, ..Self::default() };
+        }
+        self.watch_battery(percepts, parameters.safety.battery_low, sensed.elapsed_s);
+        let candidate = home(percepts, sensed, &parameters.fixes);
+        let radius_m = parameters.safety.fence_radius_m;
+        self.is_outside =
+            radius_m > 0.0 && self.home.is_some_and(|home| home.is_beyond(candidate, radius_m));
+        self.checks = failing(blob, percepts, sensed)
+            .with(Checks::BATTERY, self.low_s > 0.0)
+            .with(Checks::FENCE, radius_m > 0.0 && candidate.is_none() || self.is_outside);
+        let needed = if percepts.operator.manual.is_some() { FOR_MANUAL } else { Checks::all() };
+        let passes = parameters.safety.checks == ArmingChecks::None || !self.checks.has(needed);
+        if percepts.operator.is_armed && !self.is_armed && passes {
+            (self.is_armed, self.home) = (true, candidate);
+        }
+    }
+
+    fn watch_battery(&mut self, percepts: &Percepts, low: f32, elapsed_s: f32) {
+        let charge = percepts.inputs.get(usize::from(channel::BATTERY)).copied().flatten();
+        if charge.is_some_and(|charge| charge < low) {
+            self.low_s += elapsed_s.max(f32::MIN_POSITIVE);
+        } else if !self.is_low() || !percepts.operator.is_armed {
+            self.low_s = 0.0;
+        }
+    }
+
+    /// An armed robot whose battery was low stays stopped: without load the battery recovers a
+    /// little, and the robot would start again and again.
+    fn is_low(&self) -> bool {
+        self.low_s >= LOW_FOR_S
+    }
+
+    /// The limited commands with the reason that counts. A stop keeps its own reason, which says
+    /// more than that a check fails; `wanted` are the commands before the limits.
+    pub fn explained(&self, limited: Commands, wanted: &Commands, percepts: &Percepts) -> Commands {
+        let moves = wanted.speed_mps != 0.0 || wanted.turn_rate_radps != 0.0;
+        let reason = match limited.reason {
+            Reason::Disarmed if percepts.is_link_lost => Reason::LinkLost,
+            Reason::Disarmed | Reason::EmergencyStop => limited.reason,
+            Reason::Manual if !self.is_armed => Reason::NotReady,
+            _ if moves && !self.is_armed => Reason::NotReady,
+            reason => reason,
+        };
+        Commands { reason, ..limited }
+    }
+
+    /// The reason for which a robot that drives by itself must stand still.
+    pub fn reason(&self) -> Option<Reason> {
+        if self.is_low() {
+            Some(Reason::LowBattery)
+        } else if self.is_outside {
+            Some(Reason::OutsideFence)
+        } else {
+            None
+        }
+    }
+
+    /// The vehicle's limits: 0 while the order to arm waits for the checks; outside the fence, a
+    /// driver has the cautious speed at most.
+    pub fn limited(&self, vehicle: &Vehicle) -> Vehicle {
+        if !self.is_armed {
+            return Vehicle { max_speed_mps: 0.0, max_turn_rate_radps: 0.0, ..*vehicle };
+        }
+        let most_mps =
+            if self.is_outside { vehicle.cautious_speed_mps } else { vehicle.max_speed_mps };
+        Vehicle { max_speed_mps: vehicle.max_speed_mps.min(most_mps), ..*vehicle }
+    }
+}
+
+/// The checks that fail, without those of battery and fence.
+fn failing(blob: &Blob<'_>, percepts: &Percepts, sensed: &Sensed) -> Checks {
+    let vehicle = &blob.parameters().vehicle;
+    let may_find_heading = vehicle.may_creep && sensed.may_creep && gives_course(percepts);
+    let has_task = blob.goal().is_some() || !blob.mission().behaviours().is_empty();
+    Checks::default()
+        .with(Checks::POSITION, sensed.position.is_err())
+        .with(
+            Checks::HEADING,
+            sensed.is_heading_wrong || sensed.heading_rad.is_none() && !may_find_heading,
+        )
+        .with(Checks::RANGES, sensed.ranges.reason().is_some())
+        .with(Checks::PLAN, !has_task)
+        .with(Checks::CLOCK, sensed.is_clock_stopped)
+}
+
+/// Where the robot is, for the fence.
+fn home(percepts: &Percepts, sensed: &Sensed, policy: &FixPolicy) -> Option<Home> {
+    let fix = percepts.fix.filter(|fix| {
+        let age_us = percepts.time_us.saturating_sub(fix.time_us);
+        fix.is_valid
+            && fix.accuracy_mm <= policy.max_accuracy_mm
+            && age_us <= u64::from(policy.stale_after_us)
+    });
+    match (fix, sensed.position) {
+        (Some(fix), _) => {
+            let lat_rad = (fix.place.lat_e7 as f32 * 1e-7).to_radians();
+            Some(Home::Place(fix.place, scalar::cos(lat_rad)))
+        }
+        (None, Ok(position)) => Some(Home::Position(position.into())),
+        (None, Err(_)) => None,
+    }
+}
+
+impl Home {
+    /// Whether the robot is farther from here than the radius. `None` counts as outside, and so
+    /// does a position that cannot be compared.
+    fn is_beyond(&self, robot: Option<Self>, radius_m: f32) -> bool {
+        let away = match (self, robot) {
+            (&Self::Place(home, cosine), Some(Self::Place(place, _))) => {
+                let north_e7 = i64::from(place.lat_e7) - i64::from(home.lat_e7);
+                let east_e7 = i64::from(place.lon_e7) - i64::from(home.lon_e7);
+                // The shorter way around the globe.
+                let half_e7 = TURN_E7 / 2;
+                let east_e7 = (east_e7 + half_e7).rem_euclid(TURN_E7) - half_e7;
+                math::Vec2::new(east_e7 as f32 * cosine, north_e7 as f32) * METRES_PER_E7
+            }
+            (&Self::Position(home), Some(Self::Position(position))) => {
+                math::Vec2::from(position) - math::Vec2::from(home)
+            }
+            _ => return true,
+        };
+        vector::length(away) > radius_m
+    }
+}

@@ -1,0 +1,78 @@
+//! Notices that the robot does not get on.
+//!
+//! The robot makes no progress if it drives for some time without leaving a circle. Only time in
+//! which it is commanded to move counts: waiting before an obstacle does not. The circle begins
+//! where the robot last left one, and anew when it holds, arrives, is driven by hand or disarmed.
+
+use math::{Vec2, vector};
+use plan_format::parameters::{OnNoProgress, Parameters, ProgressPolicy};
+use robot_io::{Commands, Reason};
+use serde::{Deserialize, Serialize};
+
+use crate::sense::Sensed;
+
+/// How many accuracies of the position enlarge the circle, so that noise does not leave it.
+const DEVIATIONS: f32 = 3.0;
+
+/// What the detection keeps from tick to tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// Centre of the circle, map metres.
+    centre_m: Option<[f32; 2]>,
+    /// Time for which the robot has driven within it, seconds.
+    driven_s: f32,
+    is_none: bool,
+}
+
+impl Progress {
+    /// Whether the robot makes no progress.
+    pub const fn is_none(&self) -> bool {
+        self.is_none
+    }
+
+    /// Takes over the commands of one tick, and what led to them. A robot whose wheels turn in
+    /// place is stuck at once, whatever its circle.
+    ///
+    /// A robot that stops without progress stays so until it begins anew; otherwise leaving the
+    /// circle is progress.
+    pub fn update(&mut self, sensed: &Sensed, commands: &Commands, parameters: &Parameters) {
+        use Reason::{Driving, Escaping, NoPlan, NoProgress, NoRoute, ObstacleStop, OffMap};
+        let policy = &parameters.progress;
+        self.is_none |= sensed.is_stuck;
+        let moves = commands.speed_mps != 0.0 || commands.turn_rate_radps != 0.0;
+        match commands.reason {
+            Driving | Escaping | NoPlan | NoRoute | OffMap | ObstacleStop if moves => {
+                self.driven_s += sensed.elapsed_s;
+            }
+            Reason::AtGoal
+            | Reason::Holding
+            | Reason::Idle
+            | Reason::Manual
+            | Reason::Disarmed
+            | Reason::LinkLost
+            | Reason::EmergencyStop => {
+                *self = Self::default();
+                return;
+            }
+            NoProgress => return,
+            _ => {}
+        }
+        let Ok(position) = sensed.position else { return };
+        let radius_m = policy.within_m + DEVIATIONS * sensed.accuracy_m;
+        let centre_m = *self.centre_m.get_or_insert(position.into());
+        let has_left = vector::length(position - Vec2::from(centre_m)) > radius_m;
+        if has_left {
+            *self = Self { centre_m: Some(position.into()), ..Self::default() };
+        }
+        // A slow robot needs longer to cross the circle.
+        let is_long = self.driven_s * 1e6 >= policy.after_us as f32
+            && self.driven_s * parameters.vehicle.max_speed_mps >= 2.0 * radius_m;
+        self.is_none |= is_long;
+    }
+
+    /// The reason to stand still for want of progress.
+    pub fn reason(&self, policy: &ProgressPolicy) -> Option<Reason> {
+        let stops = self.is_none && policy.on_none == OnNoProgress::Stop;
+        stops.then_some(Reason::NoProgress)
+    }
+}
