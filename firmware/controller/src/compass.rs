@@ -7,7 +7,8 @@
 //! - the reading leaps from tick to tick.
 //!
 //! Once the doubt has lasted [`DOUBT_S`], the compass is wrong: course and turn rate give the
-//! heading instead. It counts again once it has agreed with them for [`AGREEMENT_S`].
+//! heading instead. It counts again once it has agreed with them through a turn, or once the robot
+//! is disarmed.
 //!
 //! A single leap is not followed at once. If the compass stays at the new value for [`LEAP_S`] and
 //! no course contradicts it, it counts again: somebody may have turned the robot.
@@ -21,8 +22,6 @@ const WRONG_RAD: f32 = 0.5;
 const DOUBT_S: f32 = 3.0;
 /// Doubt for one leap between two ticks, seconds.
 const DOUBT_PER_LEAP_S: f32 = 0.25;
-/// A wrong compass counts again after it has agreed for this time, seconds.
-const AGREEMENT_S: f32 = 5.0;
 /// A wrong compass agrees within this angle, radians.
 const AGREEMENT_RAD: f32 = 0.3;
 /// A compass that has leapt counts again after it has stayed for this time, seconds. Longer than
@@ -63,8 +62,9 @@ pub(crate) struct Compass {
     is_wrong: bool,
     /// How long the doubt has lasted, seconds.
     doubt_s: f32,
-    /// How long a wrong compass has agreed, seconds.
-    agreed_s: f32,
+    /// Whether it has agreed with the expected heading since the comparison with the turn rate
+    /// began.
+    has_agreed: bool,
     /// The reading where the comparison with the turn rate began.
     start_rad: Option<f32>,
     /// Angle that the robot has turned since then.
@@ -89,16 +89,16 @@ impl Compass {
 
     /// Judges a reading, map axes. Returns it if it counts.
     pub(crate) fn judge(&mut self, reading_rad: f32, evidence: &Evidence) -> Option<f32> {
-        let rate_radps = evidence.turn_rate_radps;
-        self.compare_with_turns(reading_rad, evidence);
-        if let Some((course_rad, elapsed_s)) = evidence.course {
-            self.compare_with_course(reading_rad, course_rad, rate_radps, elapsed_s);
-        }
         let was_silent = core::mem::take(&mut self.silent_s) > LONGEST_SILENCE_S;
         let expected_rad = evidence.expected_rad.filter(|_| self.is_wrong || !was_silent);
         let off_rad = expected_rad.map_or(0.0, |rad| wrap_angle(reading_rad - rad).abs());
+        self.has_agreed &= off_rad < AGREEMENT_RAD;
+        self.compare_with_turns(reading_rad, evidence);
+        if let Some((course_rad, elapsed_s)) = evidence.course {
+            let rate_radps = evidence.turn_rate_radps;
+            self.compare_with_course(reading_rad, course_rad, rate_radps, elapsed_s);
+        }
         if self.is_wrong {
-            self.forgive(off_rad, evidence.elapsed_s);
             return None;
         }
         if off_rad <= WRONG_RAD {
@@ -116,9 +116,18 @@ impl Compass {
         let turned_rad = if evidence.is_turn_measured { TURNED_RAD } else { COMMANDED_RAD };
         if self.turned_rad.abs() > turned_rad {
             let is_frozen = wrap_angle(reading_rad - start_rad).abs() < FROZEN_RAD;
-            self.doubt(if is_frozen { DOUBT_S } else { 0.0 });
-            (self.start_rad, self.turned_rad) = (Some(reading_rad), 0.0);
+            if is_frozen {
+                self.doubt(DOUBT_S);
+            } else if self.is_wrong && self.has_agreed {
+                self.restart();
+            }
+            (self.start_rad, self.turned_rad, self.has_agreed) = (Some(reading_rad), 0.0, true);
         }
+    }
+
+    /// Trusts the compass anew.
+    pub(crate) fn restart(&mut self) {
+        *self = Self::default();
     }
 
     fn compare_with_course(
@@ -142,13 +151,6 @@ impl Compass {
         self.doubt_s += seconds;
         if self.doubt_s >= DOUBT_S {
             *self = Self { is_wrong: true, ..Self::default() };
-        }
-    }
-
-    fn forgive(&mut self, off_rad: f32, elapsed_s: f32) {
-        self.agreed_s = if off_rad < AGREEMENT_RAD { self.agreed_s + elapsed_s } else { 0.0 };
-        if self.agreed_s >= AGREEMENT_S {
-            *self = Self::default();
         }
     }
 

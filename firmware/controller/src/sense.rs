@@ -251,6 +251,10 @@ impl Track {
         (course_rad, is_stuck)
     }
 
+    fn position_was_heard(&self) -> bool {
+        self.fixes.was_heard() || self.poses.was_heard()
+    }
+
     /// Where the robot is, or why that is unknown.
     fn position(&self, blob: &Blob<'_>, receiver: Receiver) -> Result<Vec2, Reason> {
         let policy = &blob.parameters().fixes;
@@ -311,9 +315,13 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
     let (moved_m, turned_rad) = (twist.speed_mps * elapsed_s, twist.turn_rate_radps * elapsed_s);
     let ranges = track.ranges.judge(percepts, &parameters.ranges, moved_m, turned_rad);
     track.carry_on(&twist);
-    let mut is_stuck = percepts.pose.is_some_and(|pose| track.hear_pose(&pose, &parameters.fixes));
+    // Without time, nothing explains how positions change.
+    let is_timeless = track.standing_ticks > 0 && track.position_was_heard();
+    let pose = percepts.pose.filter(|_| !is_timeless);
+    let mut is_stuck = pose.is_some_and(|pose| track.hear_pose(&pose, &parameters.fixes));
     let mut course_rad = None;
-    if let (Some(fix), Some(frame)) = (&percepts.fix, blob.map_frame()) {
+    let fix = percepts.fix.as_ref().filter(|_| !is_timeless);
+    if let (Some(fix), Some(frame)) = (fix, blob.map_frame()) {
         let (course, sticks) = track.hear_fix(fix, frame, &twist, &parameters.fixes);
         (course_rad, is_stuck) = (course, is_stuck | sticks);
     }
@@ -321,6 +329,10 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
     find_heading(track, percepts, &twist, vehicle, map_heading_rad, course_rad, &parameters.fixes);
 
     let has_heading = track.heading_rad.is_some();
+    if !percepts.operator.is_armed {
+        // A new order to arm is a new attempt.
+        track.compass.restart();
+    }
     if has_heading || !percepts.operator.is_armed {
         track.crept_s = 0.0;
     } else if track.is_creeping {

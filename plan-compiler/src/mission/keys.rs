@@ -552,7 +552,7 @@ pub const KEYS: &[Key] = &[
         "progress",
         "after",
         "s",
-        "30.0",
+        "60.0",
         "The robot makes no progress if it drives for this time without leaving a circle. A slow robot gets more: twice the circle's radius at its highest speed.",
         |m, v| m.parameters.progress.after_us = (v * 1e6).round() as u32,
     ),

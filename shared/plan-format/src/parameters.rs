@@ -368,7 +368,7 @@ impl Default for Parameters {
             link: LinkPolicy { timeout_us: 1_000_000, on_loss: OnLinkLoss::Disarm },
             ranges: RangePolicy { stale_after_us: 500_000, is_required: false },
             progress: ProgressPolicy {
-                after_us: 30_000_000,
+                after_us: 60_000_000,
                 within_m: 1.0,
                 on_none: OnNoProgress::Stop,
             },

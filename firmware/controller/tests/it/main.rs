@@ -1,8 +1,10 @@
 //! The controller as a whole: percepts in, commands out.
 
 mod advice_is_advice;
+mod arming;
 mod behaving;
 mod bench;
+mod doubt;
 mod reasons;
 mod replay;
 mod sensing;

@@ -71,16 +71,23 @@ fn index_of(reason: Reason) -> usize {
         NoPositionMessage,
         SilentRanges,
         FaultyRanges,
+        FrozenFix,
+        WrongHeading,
+        NoProgress,
+        ClockStopped,
+        LinkLost,
+        OutsideFence,
+        NotReady,
+        LowBattery,
     ];
     match reason {
         Driving | AtGoal | Escaping | NoPlan | NoRoute | OffMap | NoFix | StaleFix | PoorFix
         | JumpedFix | DistantFix | NoHeading | ObstacleStop | Disarmed | EmergencyStop | Manual
         | NoOrigin | Holding | Idle | UnreadableReceiver | UncheckedReceiver
-        | NoPositionMessage | SilentRanges | FaultyRanges => {
+        | NoPositionMessage | SilentRanges | FaultyRanges | FrozenFix | WrongHeading
+        | NoProgress | ClockStopped | LinkLost | OutsideFence | NotReady | LowBattery => {
             all.iter().position(|&other| other == reason).expect("it is listed")
         }
-        FrozenFix | WrongHeading | NoProgress | ClockStopped | LinkLost | OutsideFence
-        | NotReady | LowBattery => unreachable!("no case reaches it"),
     }
 }
 
@@ -104,6 +111,10 @@ fn w14_w23_every_reason_is_reached_and_defined() {
     let waits = blob(&[MAP], waits);
     let plan_only = Parameters { gains: Gains::PLAN_ONLY, ..Parameters::paper() };
     let plan_only = blob(&[MAP], plan_only);
+    let mut guarded = Parameters::default();
+    guarded.safety.fence_radius_m = 2.0;
+    guarded.safety.battery_low = 10.0;
+    let guarded = blob(&[MAP], guarded);
     let unknown_place = blob_at(&[MAP], Parameters::default(), None);
 
     let [holding, idle] = ["PS", "NB"].map(|label| behaving_blob(MAP, label, "hold 60000"));
@@ -145,6 +156,21 @@ fn w14_w23_every_reason_is_reached_and_defined() {
     let garbled = |_: usize, p: &mut Percepts| {
         (p.scan_us, p.garbled_ranges) = (Some(p.time_us), 1);
     };
+    let repeated = |_: usize, p: &mut Percepts| p.fix.as_mut().unwrap().receiver_ms = Some(7);
+    let standing = |index: usize, p: &mut Percepts| {
+        let fix = p.fix.as_mut().unwrap();
+        (fix.receiver_ms, fix.velocity_mmps) = (Some(index as u32), Some([0, 0]));
+    };
+    let turning = |_: usize, p: &mut Percepts| p.turn_rate_radps = Some(1.0);
+    let same_time = |_: usize, p: &mut Percepts| p.time_us = 1_000_000;
+    let moved = then(|p| p.fix.as_mut().unwrap().place.lat_e7 += 300);
+    let low = |_: usize, p: &mut Percepts| p.inputs[0] = Some(9.0);
+    let low_by_hand = |_: usize, p: &mut Percepts| {
+        p.inputs[0] = Some(9.0);
+        p.operator.manual = Some(Manual { speed_mps: 1.0, turn_rate_radps: 0.0 });
+    };
+    let lost_link =
+        |_: usize, p: &mut Percepts| (p.operator.is_armed, p.is_link_lost) = (false, true);
     let disarmed = |_: usize, p: &mut Percepts| p.operator.is_armed = false;
     let emergency = |_: usize, p: &mut Percepts| p.operator.is_emergency_stop = true;
     let by_hand = |_: usize, p: &mut Percepts| {
@@ -180,6 +206,14 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         ("ranges lost, 0.5 s", &stops, START, 11, &lost_ranges, Reason::Driving, Drives),
         ("ranges lost", &stops, START, 12, &lost_ranges, Reason::SilentRanges, Stops),
         ("garbled ranges", &stops, START, 9, &garbled, Reason::FaultyRanges, Stops),
+        ("one solution repeated", &stops, START, 42, &repeated, Reason::FrozenFix, Stops),
+        ("wheels that turn in place", &stops, START, 42, &standing, Reason::NoProgress, Stops),
+        ("a frozen compass", &stops, START, 24, &turning, Reason::WrongHeading, Stops),
+        ("a clock that stands", &stops, START, 12, &same_time, Reason::ClockStopped, Stops),
+        ("outside the fence", &guarded, START, 2, &moved, Reason::OutsideFence, Stops),
+        ("a low battery", &guarded, START, 42, &low, Reason::LowBattery, Stops),
+        ("not ready", &guarded, START, 1, &low_by_hand, Reason::NotReady, Stops),
+        ("the link is lost", &stops, START, 1, &lost_link, Reason::LinkLost, Stops),
         ("disarmed", &stops, START, 1, &disarmed, Reason::Disarmed, Stops),
         ("emergency stop", &stops, START, 1, &emergency, Reason::EmergencyStop, Stops),
         ("by hand", &stops, START, 1, &by_hand, Reason::Manual, Drives),
@@ -187,7 +221,7 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         ("nothing to do", &idle, START, 1, &nothing, Reason::Idle, Stops),
         ("no origin", &unknown_place, START, 1, &nothing, Reason::NoOrigin, Stops),
     ];
-    let mut reached = vec![false; 24];
+    let mut reached = vec![false; 32];
     for (name, blob, at, ticks, change, reason, does) in table {
         let blob = Blob::parse(blob).expect("the blob is valid");
         let (result, did) = after(*ticks, blob, *at, *change);

@@ -49,11 +49,16 @@ pub(super) fn within(
 
 /// Runs with a failing channel, and checks that the robot arrives and touches nothing.
 fn fail(fault: Fault, channel: Channel) -> Vec<Moment> {
+    fail_for(fault, channel, FAILURE_S)
+}
+
+/// As [`fail`], with another window of time.
+fn fail_for(fault: Fault, channel: Channel, window_s: Range<f64>) -> Vec<Moment> {
     let blob = blob(&[]);
     let blob = Blob::parse(&blob).expect("the compiler writes what the robot reads");
     let Campus { world, reference, .. } = campus();
     let suite = SensorSuite::new(SensorSettings::USUAL, reference, 1);
-    let sensors = Faulty::new(suite, fault, channel, FAILURE_S, 1);
+    let sensors = Faulty::new(suite, fault, channel, window_s, 1);
     let body = Body::new(chassis(&blob), START, 0.0);
     let robot = Robot::new(body, sensors, HostPilot::new(blob), limits(&blob, 1.0));
     let (moments, outcome) = watch(world, robot, f64::INFINITY);
@@ -105,8 +110,9 @@ fn fixes_that_no_motion_explains_stop_the_robot_until_they_are_back() {
 
 #[test]
 fn a_jump_that_lasts_is_believed_and_its_end_is_another_jump() {
-    let moments = fail(Fault::Jump { offset: [-100.0, 0.0] }, Channel::Gps);
-    let window = within(&moments, FAILURE_S.start..FAILURE_S.end + 10.0);
+    let lasting_s = FAILURE_S.start..FAILURE_S.end + 10.0;
+    let moments = fail_for(Fault::Jump { offset: [-100.0, 0.0] }, Channel::Gps, lasting_s.clone());
+    let window = within(&moments, lasting_s.start..lasting_s.end + 15.0);
     let mut reasons: Vec<Reason> = window.clone().map(|moment| moment.reason).collect();
     reasons.dedup();
     use Reason::{Driving, JumpedFix, OffMap};
@@ -131,10 +137,16 @@ fn a_short_jump_is_ridden_out_by_dead_reckoning() {
 }
 
 #[test]
-fn a_frozen_receiver_does_no_harm() {
-    let moments = fail(Fault::Freeze, Channel::Gps);
-    let back = within(&moments, FAILURE_S.end + 2.6..FAILURE_S.end + 6.0);
-    assert!(back.clone().any(|moment| moment.speed_mps > 0.5), "the robot drives on");
+fn a_frozen_receiver_stops_the_robot_until_it_is_back() {
+    check_stop(&fail(Fault::Freeze, Channel::Gps), Reason::FrozenFix, 0.5);
+}
+
+#[test]
+fn lost_ranges_stop_the_robot_until_they_are_back() {
+    let moments = fail(Fault::Drop { chance: 1.0 }, Channel::Ranges);
+    for moment in within(&moments, FAILURE_S.start + 0.7..FAILURE_S.end) {
+        assert_eq!((moment.reason, moment.speed_mps), (Reason::SilentRanges, 0.0), "{moment:?}");
+    }
 }
 
 #[test]
