@@ -33,8 +33,6 @@ const STRAIGHT_RADPS: f32 = 0.5;
 const TURNING_RADPS: f32 = 0.1;
 /// The compass is compared with the turn rate once the robot has turned by this, radians.
 const TURNED_RAD: f32 = 1.0;
-/// The same for a turn rate that is only commanded: the robot may turn more slowly than that.
-const COMMANDED_RAD: f32 = 2.5;
 /// A compass that has moved less than this in that turn is frozen, radians.
 const FROZEN_RAD: f32 = 0.2;
 
@@ -48,9 +46,10 @@ pub(crate) struct Evidence {
     pub(crate) expected_rad: Option<f32>,
     /// The course of a new fix, and the time since the last one, seconds; map axes.
     pub(crate) course: Option<(f32, f32)>,
-    /// Turn rate, rad/s.
+    /// Turn rate, measured or commanded, rad/s.
     pub(crate) turn_rate_radps: f32,
-    /// The turn rate is measured, not only commanded.
+    /// The turn rate is measured. Only then does it prove that the robot turns: one that is stuck
+    /// does not do what it is commanded.
     pub(crate) is_turn_measured: bool,
     /// Time since the last tick, seconds.
     pub(crate) elapsed_s: f32,
@@ -110,11 +109,10 @@ impl Compass {
 
     fn compare_with_turns(&mut self, reading_rad: f32, evidence: &Evidence) {
         let start_rad = *self.start_rad.get_or_insert(reading_rad);
-        if evidence.turn_rate_radps.abs() > TURNING_RADPS {
+        if evidence.is_turn_measured && evidence.turn_rate_radps.abs() > TURNING_RADPS {
             self.turned_rad += evidence.turn_rate_radps * evidence.elapsed_s;
         }
-        let turned_rad = if evidence.is_turn_measured { TURNED_RAD } else { COMMANDED_RAD };
-        if self.turned_rad.abs() > turned_rad {
+        if self.turned_rad.abs() > TURNED_RAD {
             let is_frozen = wrap_angle(reading_rad - start_rad).abs() < FROZEN_RAD;
             if is_frozen {
                 self.doubt(DOUBT_S);

@@ -178,7 +178,12 @@ fn a_sound_receiver_is_sound() {
     (pvt[20], pvt[21]) = (3, 1);
     pvt[24..28].copy_from_slice(&HOME.lon_e7.to_le_bytes());
     pvt[28..32].copy_from_slice(&HOME.lat_e7.to_le_bytes());
-    check("NAV-PVT", move |_| ubx(1, 7, &pvt), Receiver::Sound, Reason::NoHeading);
+    let second = move |second: usize| {
+        let mut pvt = pvt;
+        pvt[..4].copy_from_slice(&(second as u32 * 1_000).to_le_bytes());
+        ubx(1, 7, &pvt)
+    };
+    check("NAV-PVT", second, Receiver::Sound, Reason::NoHeading);
 }
 
 #[test]

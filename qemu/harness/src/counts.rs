@@ -25,7 +25,7 @@ pub const LIMITS: &[(&str, u64)] = &[
     ("tick-8-obstacles-worst", 6_000),
     ("tick-stack-bytes", 4_096),
     ("control-state-bytes", 8_192),
-    ("plan-view-bytes", 512),
+    ("plan-view-bytes", 640),
     ("behaviours-tick-worst", 20_000),
     ("behaviours-tick-stack-bytes", 8_192),
     ("worst-map-blob-validation", 30_000_000),

@@ -107,7 +107,8 @@ fn the_mission_of_the_budget_is_as_large_as_it_says() {
             velocity_mmps: None,
             receiver_ms: Some(tick * 50),
         });
-        percepts.heading_rad = Some(0.0);
+        // It stands in front of something.
+        (percepts.heading_rad, percepts.speed_mps) = (Some(0.0), Some(0.0));
         let explanation = explain(&blob, &mut state, &percepts);
         assert_eq!(explanation.commands.reason, robot_io::Reason::Driving, "tick {tick}");
         assert_eq!(explanation.report.omitted, 0, "tick {tick}");

@@ -110,7 +110,11 @@ mod counts {
         let layer = parallel.layer(0).expect("plans have layers");
         (0..SAMPLES * SAMPLES)
             .map(|step| sample(blob, step))
-            .find(|&point| is_far_from_goal(blob, &layer, point))
+            .find(|&point| {
+                // The robot drives around the point.
+                let mut around = (0..8).map(|step| on_circle(point, step as f32 * 0.8).0);
+                around.all(|at| is_far_from_goal(blob, &layer, at))
+            })
             .expect("some sample has a route")
     }
 
@@ -174,25 +178,35 @@ mod counts {
         phase.min(2 * period - phase) as f32 / period as f32
     }
 
-    fn percepts(blob: &Blob<'_>, at: Vec2, tick: u64) -> Percepts {
+    /// Position and heading on a circle of 1 m around a point.
+    fn on_circle(centre: Vec2, angle_rad: f32) -> (Vec2, f32) {
+        let heading_rad = math::scalar::wrap_angle(angle_rad + core::f32::consts::FRAC_PI_2);
+        (centre + math::vector::from_angle(angle_rad), heading_rad)
+    }
+
+    /// Consistent percepts of a robot that drives in a circle at 1 m/s: a tick in which the robot
+    /// doubts a sensor would end early.
+    fn percepts(blob: &Blob<'_>, centre: Vec2, tick: u64) -> Percepts {
         let frame = blob.map_frame().expect("the blob is on the globe");
         let time_us = (tick + 1) * PERIOD_US;
         // A different angle in each tick, over several turns.
-        let turn_rad = tick as f32 * 0.1;
+        let turn_rad = tick as f32 * 0.05;
+        let (at, heading_rad) = on_circle(centre, turn_rad);
+        let velocity = math::vector::from_angle(heading_rad) * 1e3;
         Percepts {
             time_us,
             fix: Some(Fix {
                 time_us,
                 is_valid: true,
                 place: frame.to_geodetic(at),
-                accuracy_mm: 500,
-                velocity_mmps: Some([300, -200]),
+                accuracy_mm: 100,
+                velocity_mmps: Some([velocity.x as i32, velocity.y as i32]),
                 receiver_ms: Some((tick * 50) as u32),
             }),
             receiver: Receiver::Sound,
-            heading_rad: Some(math::scalar::wrap_angle(turn_rad)),
+            heading_rad: Some(heading_rad),
             speed_mps: Some(1.0),
-            turn_rate_radps: Some(0.1),
+            turn_rate_radps: Some(1.0),
             ranges: (0..OBSTACLES)
                 .map(|index| RangeReading {
                     bearing_rad: math::scalar::wrap_angle(index as f32 * 0.7 + turn_rad),
