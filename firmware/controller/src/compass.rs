@@ -36,7 +36,7 @@ const TURNED_RAD: f32 = 1.0;
 /// A compass that has moved less than this in that turn is frozen, radians.
 const FROZEN_RAD: f32 = 0.2;
 
-/// After this time without a reading the next one is no leap, seconds.
+/// After this time without a reading the next one does not count as a leap, seconds.
 const LONGEST_SILENCE_S: f32 = 0.5;
 
 /// What the compass is compared with in one tick.
@@ -81,7 +81,7 @@ impl Compass {
     }
 
     /// Notes a tick without a reading. The heading drifts meanwhile, so the first reading after a
-    /// longer silence is no leap.
+    /// longer silence does not count as a leap.
     pub(crate) fn miss(&mut self, elapsed_s: f32) {
         self.silent_s += elapsed_s;
     }

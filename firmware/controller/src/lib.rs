@@ -132,10 +132,10 @@ pub mod detour;
 pub mod drive;
 pub mod guidance;
 pub mod limit;
-mod motion;
 pub mod obstacles;
 pub mod ranges;
 pub mod sense;
+mod slip;
 mod source;
 pub mod stuck;
 

@@ -7,7 +7,7 @@
 //! A scan is sound if none of its readings is garbled, and if it is not frozen: the same obstacles
 //! to the last bit, although the robot has moved since. Only motion shows that: a robot that stands
 //! sees the same thing, and so does one that drives along a smooth wall for a while. An empty scan
-//! that is repeated cannot be told from open ground.
+//! that is repeated cannot be distinguished from open ground.
 
 use plan_format::parameters::RangePolicy;
 use robot_io::{Percepts, Reason};

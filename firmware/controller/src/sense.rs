@@ -4,7 +4,7 @@
 //! poses arrive they win over the fixes: who adds a source of poses has it because fixes are not
 //! good enough there, and a mixture of both would leap by the offset between them. The position is
 //! unknown once neither has arrived for the stale time. [`crate::source`] judges each of the two,
-//! [`crate::motion`] whether positions follow the motion.
+//! [`crate::slip`] whether positions follow the motion.
 //!
 //! Heading: from a good pose; else from compass or IMU, as long as [`crate::compass`] trusts it;
 //! else the course over ground of a good fix above [`COURSE_SPEED_MPS`]; else the last heading,
@@ -21,8 +21,8 @@ use robot_io::{Commands, Fix, Percepts, Pose, Reason, Receiver};
 use serde::{Deserialize, Serialize};
 
 use crate::compass::{Compass, Evidence};
-use crate::motion::{Motion, Verdict};
 use crate::ranges::{RangeTrack, RangeTrust};
+use crate::slip::{Slip, Verdict};
 use crate::source::{Anchor, Source};
 
 /// Below this speed the course over ground does not show the heading, m/s.
@@ -92,7 +92,7 @@ pub struct Track {
     standing_ticks: u8,
     fixes: Source,
     poses: Source,
-    motion: Motion,
+    slip: Slip,
     compass: Compass,
     ranges: RangeTrack,
     /// Time of the last course, for the time between two.
@@ -167,14 +167,14 @@ impl Track {
         self.position_m = (Vec2::from(self.position_m) + step).into();
         // A robot that shall stand is not expected to move, even if its odometry is frozen.
         if self.speed_mps != 0.0 {
-            self.motion.carry(step);
+            self.slip.carry(step);
         }
         self.heading_rad = Some(scalar::wrap_angle(heading_rad + turned_rad));
     }
 
     /// Takes over a good position of the source that leads. Returns whether the robot is stuck.
     fn arrive(&mut self, anchor: &Anchor, speed_mps: Option<f32>, leads: Leads) -> bool {
-        let verdict = self.motion.judge(anchor, speed_mps);
+        let verdict = self.slip.judge(anchor, speed_mps);
         if verdict == Verdict::Frozen {
             match leads {
                 Leads::Fixes => self.fixes.freeze(),

@@ -157,7 +157,7 @@ impl Anchor {
     }
 
     /// Whether this is the last position once more. Receivers that print whole seconds have one
-    /// time for several positions, so the time alone is no proof.
+    /// time for several positions, so the time alone proves nothing.
     fn repeats(&self, last: &Self) -> bool {
         self.source_ms.is_some()
             && self.source_ms == last.source_ms

@@ -141,7 +141,11 @@ fn w14_a_jump_is_believed_once_time_explains_it() {
     assert_eq!(position_after(110.0, 7.0), Ok(110.0), "100 m in 7 s");
     assert_eq!(position_after(10.0, 1.0), Ok(110.0), "100 m in a second");
     assert_eq!(position_after(10.0, 3.0), Err(Reason::JumpedFix));
-    assert_eq!(position_after(10.0, 3.0), Err(Reason::JumpedFix), "time alone is no reason now");
+    assert_eq!(
+        position_after(10.0, 3.0),
+        Err(Reason::JumpedFix),
+        "time alone does not explain it now"
+    );
     assert_eq!(position_after(10.0, 3.0), Err(Reason::JumpedFix));
     assert_eq!(position_after(10.0, 1.0), Ok(10.0), "it has been there for 10 s");
 }

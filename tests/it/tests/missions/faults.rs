@@ -110,7 +110,7 @@ fn fixes_that_no_motion_explains_stop_the_robot_until_they_are_back() {
 
 #[test]
 fn a_jump_that_lasts_is_believed_and_its_end_is_another_jump() {
-    let lasting_s = FAILURE_S.start..FAILURE_S.end + 10.0;
+    let lasting_s = FAILURE_S.start..FAILURE_S.end + 6.0;
     let moments = fail_for(Fault::Jump { offset: [-100.0, 0.0] }, Channel::Gps, lasting_s.clone());
     let window = within(&moments, lasting_s.start..lasting_s.end + 15.0);
     let mut reasons: Vec<Reason> = window.clone().map(|moment| moment.reason).collect();

@@ -36,7 +36,7 @@ pub(crate) enum Verdict {
 
 /// What the comparison keeps from tick to tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Motion {
+pub(crate) struct Slip {
     /// The position where the way begins.
     start: Option<Anchor>,
     /// The way since then, map axes, metres.
@@ -45,7 +45,7 @@ pub(crate) struct Motion {
     has_wavered: bool,
 }
 
-impl Motion {
+impl Slip {
     /// Adds a step, map axes.
     pub(crate) fn carry(&mut self, step: Vec2) {
         self.way_m = (Vec2::from(self.way_m) + step).into();
