@@ -39,6 +39,9 @@ const LIMIT_SHARE: f32 = 1.5;
 /// pushed.
 const LIMIT_MARGIN: f32 = 1.0;
 
+/// A heading that changes by more than this at once was wrong before, radians.
+const LEAP_RAD: f32 = 0.5;
+
 /// The clock stands still if it has had one time for this many ticks.
 const STANDING_TICKS: u8 = 10;
 
@@ -369,6 +372,9 @@ fn find_heading(
     if let Some(course_rad) = course_rad {
         track.course_us = track.now_us;
         track.heading_rad = Some(course_rad);
+        if expected_rad.is_some_and(|rad| scalar::wrap_angle(course_rad - rad).abs() > LEAP_RAD) {
+            track.slip.restart();
+        }
     }
     let (Some(heading_rad), Some(map_heading_rad)) = (percepts.heading_rad, map_heading_rad) else {
         track.compass.miss(twist.elapsed_s);

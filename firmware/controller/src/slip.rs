@@ -51,6 +51,11 @@ impl Slip {
         self.way_m = (Vec2::from(self.way_m) + step).into();
     }
 
+    /// Begins anew: the heading was wrong, and so is the way.
+    pub(crate) fn restart(&mut self) {
+        *self = Self::default();
+    }
+
     /// Compares the way with a new position. `speed_mps` is the speed that its source measured.
     pub(crate) fn judge(&mut self, next: &Anchor, speed_mps: Option<f32>) -> Verdict {
         let Some(start) = self.start else {
@@ -64,14 +69,15 @@ impl Slip {
             return Verdict::Follows;
         }
         let covered_m = vector::length(Vec2::from(next.position_m) - Vec2::from(start.position_m));
-        let verdict = if covered_m >= LEAST_SHARE * way_m {
-            Verdict::Follows
-        } else if self.has_wavered {
-            Verdict::Stuck
-        } else {
-            let is_alive = next.source_ms.is_some() && next.source_ms != start.source_ms;
-            let stands = speed_mps.is_some_and(|speed_mps| speed_mps < STANDING_MPS);
-            if is_alive && stands { Verdict::Stuck } else { Verdict::Frozen }
+        let stands = speed_mps.is_some_and(|speed_mps| speed_mps < STANDING_MPS);
+        let is_alive = next.source_ms.is_some() && next.source_ms != start.source_ms;
+        let verdict = match self.has_wavered {
+            _ if covered_m >= LEAST_SHARE * way_m => Verdict::Follows,
+            // The robot drives, but not where its heading points.
+            true if speed_mps.is_some() && !stands => Verdict::Follows,
+            true => Verdict::Stuck,
+            false if is_alive && stands => Verdict::Stuck,
+            false => Verdict::Frozen,
         };
         self.begin(next);
         verdict
