@@ -170,7 +170,7 @@ impl Track {
         self.position_m = (Vec2::from(self.position_m) + step).into();
         // A robot that shall stand is not expected to move, even if its odometry is frozen.
         if self.speed_mps != 0.0 {
-            self.slip.carry(step);
+            self.slip.carry(step, twist.speed_mps * twist.elapsed_s);
         }
         self.heading_rad = Some(scalar::wrap_angle(heading_rad + turned_rad));
     }

@@ -20,6 +20,8 @@ const WAY_DEVIATIONS: f32 = 4.0;
 const SHORTEST_WAY_M: f32 = 1.5;
 /// Positions that cover less than this share of the way do not follow it.
 const LEAST_SHARE: f32 = 0.3;
+/// A position that has not changed for this share of the way does not waver.
+const UNCHANGED_SHARE: f32 = 0.5;
 /// Below this reported speed the receiver says that the robot stands still, m/s.
 const STANDING_MPS: f32 = 0.3;
 
@@ -41,14 +43,17 @@ pub(crate) struct Slip {
     start: Option<Anchor>,
     /// The way since then, map axes, metres.
     way_m: [f32; 2],
-    /// The positions have changed since then.
-    has_wavered: bool,
+    /// The last position.
+    last_m: [f32; 2],
+    /// Distance driven since the position last changed, metres.
+    unchanged_m: f32,
 }
 
 impl Slip {
     /// Adds a step, map axes.
-    pub(crate) fn carry(&mut self, step: Vec2) {
+    pub(crate) fn carry(&mut self, step: Vec2, distance_m: f32) {
         self.way_m = (Vec2::from(self.way_m) + step).into();
+        self.unchanged_m += distance_m.abs();
     }
 
     /// Begins anew: the heading was wrong, and so is the way.
@@ -62,7 +67,9 @@ impl Slip {
             self.begin(next);
             return Verdict::Follows;
         };
-        self.has_wavered |= next.position_m != start.position_m;
+        if next.position_m != self.last_m {
+            (self.last_m, self.unchanged_m) = (next.position_m, 0.0);
+        }
         let way_m = vector::length(self.way_m.into());
         let least_m = WAY_DEVIATIONS * (start.accuracy_m + next.accuracy_m);
         if way_m < least_m.max(SHORTEST_WAY_M) {
@@ -71,7 +78,8 @@ impl Slip {
         let covered_m = vector::length(Vec2::from(next.position_m) - Vec2::from(start.position_m));
         let stands = speed_mps.is_some_and(|speed_mps| speed_mps < STANDING_MPS);
         let is_alive = next.source_ms.is_some() && next.source_ms != start.source_ms;
-        let verdict = match self.has_wavered {
+        let wavers = self.unchanged_m < UNCHANGED_SHARE * way_m;
+        let verdict = match wavers {
             _ if covered_m >= LEAST_SHARE * way_m => Verdict::Follows,
             // The robot drives, but not where its heading points.
             true if speed_mps.is_some() && !stands => Verdict::Follows,
@@ -84,6 +92,6 @@ impl Slip {
     }
 
     fn begin(&mut self, start: &Anchor) {
-        *self = Self { start: Some(*start), ..Self::default() };
+        *self = Self { start: Some(*start), last_m: start.position_m, ..Self::default() };
     }
 }

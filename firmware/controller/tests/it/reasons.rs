@@ -130,11 +130,15 @@ fn w14_w23_every_reason_is_reached_and_defined() {
     let first_fix_only = |index: usize, percepts: &mut Percepts| {
         if let (true, Some(fix)) = (index > 0, &mut percepts.fix) {
             fix.time_us = 1_000_000;
+            percepts.speed_mps = Some(0.0);
         }
     };
     let poor = |_: usize, p: &mut Percepts| p.fix.as_mut().unwrap().is_valid = false;
     let inaccurate = |_: usize, p: &mut Percepts| p.fix.as_mut().unwrap().accuracy_mm = 5_001;
-    let jumped = then(|p| p.fix.as_mut().unwrap().place.lat_e7 += 100_000);
+    let jumped = then(|p| {
+        p.fix.as_mut().unwrap().place.lat_e7 += 100_000;
+        p.speed_mps = Some(0.0);
+    });
     let distant = |_: usize, p: &mut Percepts| {
         p.fix.as_mut().unwrap().place = GeoPoint { lat_e7: 0, lon_e7: 0 }
     };
