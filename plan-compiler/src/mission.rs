@@ -7,6 +7,8 @@
 //!
 //! [`crate::behaviours`] reads the tables of behaviours.
 
+pub mod brakes;
+mod given;
 pub mod keys;
 mod masks;
 mod place;
@@ -14,6 +16,7 @@ mod reading;
 mod speeds;
 pub mod words;
 
+pub use given::Given;
 pub use masks::Mask;
 pub use place::{geo_uri, is_geo_uri, place_of};
 
@@ -66,6 +69,9 @@ pub struct Mission {
     pub parameters: Parameters,
     /// Whether the file sets `vehicle.radius` itself.
     pub body_radius_given: bool,
+    /// The keys that the file sets; `None` if the parameters are to be taken as they are, from a
+    /// program instead of a file.
+    pub given: Option<Given>,
     /// Behaviours, their plans and their rules.
     pub behaviours: behaviours::Syntax,
 }
@@ -127,9 +133,13 @@ pub fn parse(source: &Arc<Source>) -> (Mission, Vec<Problem>) {
 }
 
 fn read(file: &dyn TableLike, report: Report<'_>) -> Mission {
-    let mut reader = Reader { report, mission: Mission::default() };
+    let mission = Mission { given: Some(Given::default()), ..Mission::default() };
+    let mut reader = Reader { report, mission };
     reader.section("", file);
     speeds::settle(&mut reader.report, file, &mut reader.mission.parameters);
+    let Mission { parameters, given, .. } = &reader.mission;
+    let given = given.as_ref().cloned().unwrap_or_default();
+    reader.report.problems.extend(brakes::check(parameters, &given));
     // Last, because masks may add layers to those that the file lists.
     if let Some(masks) = file.get("masks").and_then(Item::as_table_like) {
         reader.masks(masks);
@@ -215,9 +225,18 @@ impl Reader<'_> {
 
     fn value(&mut self, key: &Key, item: &Item, span: Span) {
         let expected = key.expected();
+        if let Some(given) = &mut self.mission.given {
+            given.add(key.path(), self.report.place(&span));
+        }
         match (&key.kind, item.as_value()) {
             (Kind::Number { set, .. }, Some(value)) => match number(value) {
                 Some(number) if key.accepts(number) => set(&mut self.mission, number),
+                Some(_) if key.is("link", "timeout") => {
+                    let expected = format!(
+                        "{expected}; to drive on without a link, write on_loss = \"continue\""
+                    );
+                    self.report.out_of_range(&key.path(), &span, &expected);
+                }
                 Some(_) => self.report.out_of_range(&key.path(), &span, &expected),
                 None => self.report.wrong_type(&key.path(), item, &span, &expected, &key.example()),
             },
@@ -255,6 +274,11 @@ impl Reader<'_> {
     }
 
     fn goal(&mut self, raw: &str, item: &Item, span: Span) -> Option<Goal> {
+        if let Some(key) = misplaced(raw, item) {
+            let message = format!("`{raw}` is not a goal: `{}` is a key of its own", key.path());
+            self.report.error(message, &span, "in [goals]", &belongs(key));
+            return None;
+        }
         let name = self.name("goal", raw, span.clone());
         let here = item.span().unwrap_or_else(|| span.clone());
         let (at, layers) = match item.as_table_like() {
@@ -370,12 +394,8 @@ impl Reader<'_> {
         let known: Vec<&str> = here.chain(sections).collect();
         match elsewhere {
             Some(key) => {
-                let help = match key.section {
-                    "" => format!("`{name}` belongs at the top, above every [section]"),
-                    section => format!("`{name}` belongs in [{section}]"),
-                };
                 let message = format!("`{name}` is not a key of {table}");
-                self.report.error(message, &span, "unknown key", &help);
+                self.report.error(message, &span, "unknown key", &belongs(key));
             }
             None => {
                 let how = format!("known here: {}", known.join(", "));
@@ -388,6 +408,28 @@ impl Reader<'_> {
         let how = "a goal has `at`, or `lat` and `lon`, and `layers`";
         self.report.unknown_key(&format!("goal `{goal}`"), name, span, GOAL_KEYS.into_iter(), how);
     }
+}
+
+/// Where a key belongs, as help.
+fn belongs(key: &Key) -> String {
+    match key.section {
+        "" => format!("`{}` belongs at the top, above every [section]", key.name),
+        section => format!("`{}` belongs in [{section}]", key.name),
+    }
+}
+
+/// The key that a line of `[goals]` sets instead of a goal: it has the key's name and a value that
+/// the key takes and no goal has. Any name may be a goal at a position or a named point.
+fn misplaced(name: &str, item: &Item) -> Option<&'static Key> {
+    let value = item.as_value()?;
+    let key = KEYS.iter().find(|key| key.name == name)?;
+    let is_of_key = match value {
+        Value::String(word) => key.words().any(|known| known == word.value()),
+        Value::Integer(_) | Value::Float(_) => matches!(key.kind, Kind::Number { .. }),
+        Value::Boolean(_) => matches!(key.kind, Kind::Flag { .. }),
+        _ => false,
+    };
+    is_of_key.then_some(key)
 }
 
 #[cfg(test)]
@@ -427,6 +469,29 @@ pub(crate) mod tests {
              'a/b' = [1, 2]\n[vehicle]\nmax_speed = 1000\nresolution = 2\n",
         );
         assert_eq!(problems.len(), 7, "{problems:#?}");
+    }
+
+    #[test]
+    fn a_key_below_the_goals_is_not_a_goal() {
+        let (mission, problems) = read(
+            "[goals]\non_loss = 'continue'\nresolution = 0.5\nopen_gates = true\n\
+             plan = 'Depot'\nradius = [1, 2]\nseed = 'North'\n",
+        );
+        let expected = [
+            "`on_loss` is not a goal: `link.on_loss` is a key of its own",
+            "`resolution` is not a goal: `resolution` is a key of its own",
+            "`open_gates` is not a goal: `open_gates` is a key of its own",
+        ];
+        assert_eq!(problems, expected);
+        let names: Vec<String> = mission.goals.unwrap().into_iter().map(|g| g.name).collect();
+        assert_eq!(names, ["plan", "radius", "seed"]);
+    }
+
+    #[test]
+    fn a_timeout_of_nothing_is_answered_with_what_was_meant() {
+        let source = Arc::new(Source { name: "m".into(), text: "[link]\ntimeout = 0\n".into() });
+        let help = parse(&source).1[0].help.clone().unwrap();
+        assert!(help.ends_with("write on_loss = \"continue\""), "{help}");
     }
 
     #[test]

@@ -13,7 +13,8 @@
 //!
 //! Accuracy. Only the layer's cells are known, so that a blob alone is enough. A cell is blocked if
 //! any part of it lies within the robot's radius of an obstacle, so the true width is at least the
-//! free room between the sides plus two radii. Each side may lie up to one cell further back.
+//! free room between the sides plus two radii. Each side may lie up to one cell further back. At its
+//! narrowest, a route passes within half a cell of the line between the sides.
 //!
 //! Deliberately absent: passages beside the edge of the map, which is not an obstacle.
 
@@ -66,10 +67,10 @@ pub struct Need {
     pub width_m: f64,
     /// Radius of the body, metres.
     pub radius_m: f64,
-    /// Distance that the robot keeps on either side, metres.
-    pub beside_m: f64,
-    /// The key of a mission file that sets this distance.
-    pub key: &'static str,
+    /// The stop distance, metres.
+    pub stop_m: f64,
+    /// The margin, metres; 0 if margins do not act.
+    pub margin_m: f64,
 }
 
 impl Need {
@@ -79,13 +80,9 @@ impl Need {
         let (vehicle, schemas) = (&parameters.vehicle, &parameters.schemas);
         let has_margin = parameters.gains.reactive > 0.0 && schemas.avoid_gain > 0.0;
         let margin_m = if has_margin { schemas.avoid_margin_m } else { 0.0 };
-        let (beside_m, key) = if margin_m > vehicle.stop_distance_m {
-            (margin_m, "schemas.avoid_margin")
-        } else {
-            (vehicle.stop_distance_m, "vehicle.stop_distance")
-        };
-        let [radius_m, beside_m] = [vehicle.radius_m, beside_m].map(f64::from);
-        Self { width_m: 2.0 * (radius_m + beside_m), radius_m, beside_m, key }
+        let numbers = [vehicle.radius_m, vehicle.stop_distance_m, margin_m];
+        let [radius_m, stop_m, margin_m] = numbers.map(f64::from);
+        Self { width_m: 2.0 * (radius_m + stop_m.max(margin_m)), radius_m, stop_m, margin_m }
     }
 
     /// Whether a passage may be too narrow.
@@ -190,7 +187,12 @@ fn cell(field: &Field, index: usize) -> Cell {
 
 /// Least and largest width of a gap between the obstacles before they were grown.
 fn width_m(gap: &Gap, site: &Site<'_>) -> [f64; 2] {
-    [gap.cells, gap.cells + 2.0].map(|c| c * site.grid.resolution_m + 2.0 * site.grown_m)
+    let [[x1, y1], [x2, y2]] = gap.sides.map(|side| site.grid.centre(side));
+    let (dx, dy) = ((x1 - x2).abs(), (y1 - y2).abs());
+    // The obstacle may begin at the far corner of the blocked cell on either side.
+    let depth = (dx + dy) / wide::hypot(dx, dy).max(f64::MIN_POSITIVE);
+    let metres = |cells: f64| cells * site.grid.resolution_m + 2.0 * site.grown_m;
+    [metres(gap.cells), metres(gap.cells + 2.0 * depth)]
 }
 
 fn middle(gap: &Gap, grid: &Grid) -> Point {
@@ -218,6 +220,10 @@ fn narrow_places(
         }
     }
     joints.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+    // Only clear gaps are passages; the others join what lies on either side.
+    let is_clear = |gap: &Option<Gap>| gap.is_some_and(|gap| gap.is_clear(site.solid));
+    let is_clear: Vec<bool> = gaps.iter().map(is_clear).collect();
+    let depth = |place: usize| if is_clear[place] { cells(place) } else { f64::INFINITY };
     // The parent of each place in its basin; a root is the basin's narrowest place.
     let mut parents: Vec<usize> = (0..trunk.len()).collect();
     let mut narrow: Vec<usize> = Vec::new();
@@ -226,14 +232,14 @@ fn narrow_places(
         if one == other {
             continue;
         }
-        let (deep, shallow) = if cells(one) <= cells(other) { (one, other) } else { (other, one) };
+        let (deep, shallow) = if depth(one) <= depth(other) { (one, other) } else { (other, one) };
         let grown = 2.0 * site.grown_m / site.grid.resolution_m;
-        if level + grown >= WIDENS * (cells(shallow) + grown) + 1.0 {
+        if level + grown >= WIDENS * (depth(shallow) + grown) + 1.0 {
             narrow.push(shallow);
         }
         parents[shallow] = deep;
     }
-    narrow.extend((0..trunk.len()).filter(|&place| parents[place] == place));
+    narrow.extend((0..trunk.len()).filter(|&place| is_clear[place] && parents[place] == place));
     narrow.sort_by(|&one, &other| cells(one).total_cmp(&cells(other)).then(one.cmp(&other)));
     narrow.into_iter().filter_map(|place| gaps[place]).collect()
 }
@@ -284,21 +290,27 @@ fn warning(passage: &Passage, layers: &[&LayerPassages], need: &Need) -> Problem
         "the routes to {to} pass between obstacles {width} apart at {at}, but the robot needs {} m",
         metres(need.width_m)
     );
-    let Need { radius_m, beside_m, key, .. } = *need;
-    let sum = format!(
-        "it keeps `{key}` on both sides: 2 x ({} + {}) m",
-        metres(radius_m),
-        metres(beside_m)
-    );
-    let fitting = wide::floor((0.5 * passage.width_m[0] - radius_m) * 100.0 + 1e-6) / 100.0;
-    let (_, name) = key.split_once('.').unwrap_or(("", key));
-    let avoid =
-        format!("set robot_radius = {}, so that the routes avoid it", metres(0.5 * need.width_m));
-    Problem::warning(message).help(if fitting > 0.0 {
-        format!("{sum}; set {name} = {} or less, or {avoid}", metres(fitting))
-    } else {
-        format!("{sum}; {avoid}")
-    })
+    Problem::warning(message).help(help(passage, need))
+}
+
+/// What the robot keeps free, which keys would let it pass, and how to make the routes avoid the
+/// passage.
+fn help(passage: &Passage, need: &Need) -> String {
+    let distances =
+        [("stop_distance", need.stop_m, "stops"), ("avoid_margin", need.margin_m, "is repelled")];
+    let fitting = wide::floor((0.5 * passage.width_m[0] - need.radius_m) * 100.0 + 1e-6) / 100.0;
+    let larger = distances.iter().filter(|(_, distance, _)| *distance > fitting + TOLERANCE_M);
+    let (keys, reasons): (Vec<&str>, Vec<String>) = larger
+        .map(|(key, distance, what)| (*key, format!("{what} within {} m", metres(*distance))))
+        .unzip();
+    let (keys, reasons) = (keys.join(" and "), reasons.join(" and "));
+    let why = format!("its body of {} m {reasons} of obstacles", metres(2.0 * need.radius_m));
+    let grown = metres(0.5 * need.width_m);
+    let avoid = format!("set robot_radius = {grown}, so that the routes avoid the passage");
+    match fitting > 0.0 {
+        true => format!("{why}; set {keys} to {} at most, or {avoid}", metres(fitting)),
+        false => format!("{why}; {avoid}"),
+    }
 }
 
 /// The width of a passage and its place as text, to the centimetre.

@@ -62,11 +62,14 @@ pub(super) struct OnePassage {
     is_too_narrow: bool,
 }
 
+/// A number to the millionth, so that single precision and binary fractions do not show.
+pub(super) fn rounded(number: f64) -> f64 {
+    (number * 1e6).round() / 1e6
+}
+
 /// A passage for a robot with a need.
 pub(super) fn passage(passage: &Passage, need: &Need) -> OnePassage {
     let Passage { at_m, width_m, share } = *passage;
-    // A micrometre, so that binary fractions do not show.
-    let rounded = |metres: f64| (metres * 1e6).round() / 1e6;
     OnePassage {
         at_m: at_m.map(rounded),
         width_m: width_m.map(rounded),
@@ -133,7 +136,7 @@ pub(super) fn describe<'b>(
         corner_m: grid.corner_m,
         origin,
         raw_bytes: raw_bytes(grid) * layers as u64,
-        needed_width_m: (need.width_m * 1e6).round() / 1e6,
+        needed_width_m: rounded(need.width_m),
         plans,
     }
 }

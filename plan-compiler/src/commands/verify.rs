@@ -37,7 +37,7 @@ pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
             let closed = layer.passages.iter().filter(|passage| need.exceeds(passage));
             closed.map(|passage| Narrow {
                 layer: format!("{}/{}", layer.plan, layer.layer),
-                needed_width_m: need.width_m,
+                needed_width_m: description::rounded(need.width_m),
                 passage: description::passage(passage, &need),
             })
         });

@@ -403,6 +403,34 @@ pub const KEYS: &[Key] = &[
     ),
     number(
         "vehicle",
+        "braking",
+        "m/s^2",
+        "2.0",
+        "Deceleration that the brakes give at least. The robot never drives faster than it can stop within what it sees.",
+        |m, v| m.parameters.vehicle.braking_mps2 = v as f32,
+    ),
+    ranged(
+        number(
+            "vehicle",
+            "latency",
+            "s",
+            "0.1",
+            "Longest time from a range reading to the effect of the brakes.",
+            |m, v| m.parameters.vehicle.latency_us = (v * 1e6).round() as u32,
+        ),
+        0.0,
+        2.0,
+    ),
+    number(
+        "vehicle",
+        "reach",
+        "m",
+        "10.0",
+        "Distance from the robot's centre at which its range sensors see obstacles reliably.",
+        |m, v| m.parameters.vehicle.reach_m = v as f32,
+    ),
+    number(
+        "vehicle",
         "stop_distance",
         "m",
         "0.3",
@@ -423,6 +451,13 @@ pub const KEYS: &[Key] = &[
         "1.0",
         "Gain of move-to-goal within the reactive part.",
         |m, v| m.parameters.schemas.goal_gain = v as f32,
+    ),
+    flag(
+        "schemas",
+        "goal_beside_advice",
+        "true",
+        "Whether move-to-goal acts beside the advice too, as in the paper. If not, it acts only where there is no advice.",
+        |m, v| m.parameters.schemas.goal_beside_advice = v,
     ),
     number(
         "schemas",

@@ -42,6 +42,33 @@ pub(super) fn across(blocked: &Bitmap, at: Cell, travel: Direction, reach: u32) 
     is_between.then_some(Gap { cells: near.0 + far.0, sides: [near.1, far.1] })
 }
 
+/// Least distance of the middle of a gap from any blocked cell, as a part of the gap's width. In the
+/// middle of a true gap it is a half.
+const CLEAR: f64 = 0.35;
+
+impl Gap {
+    /// Whether nothing stands between the sides: otherwise the gap is only a part of the line
+    /// between them.
+    pub(super) fn is_clear(&self, blocked: &Bitmap) -> bool {
+        let [one, other] = self.sides;
+        let middle = Cell::new((one.column + other.column) / 2, (one.row + other.row) / 2);
+        let within = wide::ceil(CLEAR * self.cells) as u32;
+        // Three sectors of 120 degrees see everything around.
+        let sectors = [0.0, 1.0, 2.0].map(|third| third * std::f64::consts::TAU / 3.0);
+        let sees = |angle: f64| {
+            let axis = [wide::cos(angle), wide::sin(angle)];
+            nearest(blocked, middle, axis, within)
+        };
+        // A gap of one cell has its middle in that cell.
+        let limit = CLEAR * self.cells - 0.5;
+        !blocked.get(middle)
+            && sectors
+                .iter()
+                .filter_map(|&angle| sees(angle))
+                .all(|(distance, _)| distance >= limit)
+    }
+}
+
 /// The nearest blocked cell in the sector about a unit vector, and the distance from the centre of
 /// `from` to its edge, cells.
 pub(super) fn nearest(

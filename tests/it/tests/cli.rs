@@ -7,6 +7,7 @@
 mod examples;
 mod hostile;
 mod maps;
+mod passages;
 mod people;
 mod pictures;
 mod typed;

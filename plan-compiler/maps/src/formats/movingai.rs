@@ -167,7 +167,8 @@ impl Reader<'_> {
         }
         for (cells, what) in [(swamp, "swamp, which is free"), (water, "water, which is blocked")] {
             if cells > 0 {
-                self.problems.push(Problem::note(format!("{cells} cells are {what}")));
+                let are = if cells == 1 { "cell is" } else { "cells are" };
+                self.problems.push(Problem::note(format!("{cells} {are} {what}")));
             }
         }
         let unknown = Bitmap::new(columns, rows);
@@ -262,7 +263,7 @@ mod tests {
     #[test]
     fn terrain_is_decided_and_reported() {
         assert_snapshot!(check("type octile\nheight 1\nwidth 4\nmap\nSWW.\n"), @"
-          ☞ 1 cells are swamp, which is free
+          ☞ 1 cell is swamp, which is free
 
           ☞ 2 cells are water, which is blocked
 
