@@ -21,6 +21,7 @@ pub use memory::{Need, gib};
 use crate::behaviours::{self, PlanNames, Plans};
 use crate::input::Input;
 use crate::layers::{Layer, Stack};
+use crate::mission::{brakes, follow};
 use crate::pack::pack;
 use crate::recipe;
 use crate::search::{Corners, MAX_COST, Query, Solver, is_cut_short};
@@ -123,8 +124,13 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     problems.extend(warnings::nearly_blocked(input, &grid, radius, physical));
     let goals = goals::place(input, &grid, layers, problems);
     let plan = goals::followed(input, &goals, problems);
-    let parameters =
+    let mut parameters =
         Parameters { plan, vehicle: vehicle(input, radius), ..input.mission.parameters };
+    if let Some(given) = &input.mission.given {
+        // Once more: an option may have changed the radius.
+        follow::complete(&mut parameters, given);
+        problems.extend(brakes::check(&parameters, given));
+    }
     let corners = input.options.corners.or(input.mission.corners).unwrap_or(Corners::Forbid);
     let plans = plan_names(&goals, layers);
     let mission = behaviours::compile(&input.mission.behaviours, &plans, problems)?;

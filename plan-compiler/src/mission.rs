@@ -7,7 +7,8 @@
 //!
 //! [`crate::behaviours`] reads the tables of behaviours.
 
-pub mod brakes;
+pub(crate) mod brakes;
+pub(crate) mod follow;
 mod given;
 pub mod keys;
 mod masks;
@@ -76,6 +77,23 @@ pub struct Mission {
     pub behaviours: behaviours::Syntax,
 }
 
+impl Mission {
+    /// The mission of a map without a mission file.
+    pub fn of_no_file() -> Self {
+        Self { given: Some(Given::default()), ..Self::default() }
+    }
+
+    /// Sets the parameters that the file leaves out.
+    fn complete(&mut self) {
+        let Some(given) = &self.given else { return };
+        let radius_m = self.robot_radius_m.filter(|radius| *radius > 0.0);
+        if let (false, Some(radius_m)) = (self.body_radius_given, radius_m) {
+            self.parameters.vehicle.radius_m = radius_m as f32;
+        }
+        follow::complete(&mut self.parameters, given);
+    }
+}
+
 /// A name and where it was written.
 #[derive(Clone, Debug)]
 pub struct Named {
@@ -133,13 +151,10 @@ pub fn parse(source: &Arc<Source>) -> (Mission, Vec<Problem>) {
 }
 
 fn read(file: &dyn TableLike, report: Report<'_>) -> Mission {
-    let mission = Mission { given: Some(Given::default()), ..Mission::default() };
-    let mut reader = Reader { report, mission };
+    let mut reader = Reader { report, mission: Mission::of_no_file() };
     reader.section("", file);
-    speeds::settle(&mut reader.report, file, &mut reader.mission.parameters);
-    let Mission { parameters, given, .. } = &reader.mission;
-    let given = given.as_ref().cloned().unwrap_or_default();
-    reader.report.problems.extend(brakes::check(parameters, &given));
+    reader.mission.complete();
+    speeds::check(&mut reader.report, file, &reader.mission.parameters.vehicle);
     // Last, because masks may add layers to those that the file lists.
     if let Some(masks) = file.get("masks").and_then(Item::as_table_like) {
         reader.masks(masks);
@@ -495,6 +510,11 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn zz_print_rows() {
+        std::fs::write("/tmp/w/rows.txt", KEYS.iter().map(|k| k.row() + "\n").collect::<String>()).unwrap();
+    }
+
+    #[test]
     fn the_documentation_lists_every_key_as_it_is() {
         let documentation = include_str!("../MISSION.md");
         for row in KEYS.iter().map(Key::row) {
@@ -504,7 +524,8 @@ pub(crate) mod tests {
 
     #[test]
     fn every_documented_default_is_the_default() {
-        for key in KEYS.iter().filter(|key| !key.default.is_empty()) {
+        let has_value = |key: &&Key| !key.default.is_empty() && !key.follows();
+        for key in KEYS.iter().filter(has_value) {
             let (mission, problems) = read(&key.example_with(key.default));
             assert_eq!(problems, [""; 0], "{}", key.path());
             assert_eq!(mission.parameters, Parameters::default(), "{}", key.path());

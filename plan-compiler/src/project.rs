@@ -4,7 +4,7 @@
 //! go in; a [`Project`] comes out, or every mistake in its files.
 
 use crate::input::{Input, Options};
-use crate::mission::{self, Given, Mission};
+use crate::mission::{self, Mission};
 use crate::recipe::Recipe;
 use maps::formats::{self, Loaded};
 use maps::problem::{Problem, Source, has_errors};
@@ -76,9 +76,7 @@ pub fn load(request: Request, problems: &mut Vec<Problem>) -> Option<Project> {
     let mission = mission_path.as_deref().map(|path| read_mission(path, mission_bytes, problems));
     let mut mission = match mission {
         Some(None) if is_mission => return None,
-        mission => mission
-            .flatten()
-            .unwrap_or_else(|| Mission { given: Some(Given::default()), ..Mission::default() }),
+        mission => mission.flatten().unwrap_or_else(Mission::of_no_file),
     };
     if let Some(recipe) = recipe {
         recipe.complete(&mut options, &mut mission, is_asked);

@@ -8,23 +8,12 @@ use math::scalar::wide;
 use plan_format::Parameters;
 use plan_format::parameters::Vehicle;
 
-/// The distance that a vehicle needs to stop from a speed: what it drives before the brakes act, and
-/// while they do; metres.
-pub fn stopping_m(vehicle: &Vehicle, speed_mps: f64) -> f64 {
-    let [braking, latency_s] = numbers(vehicle);
-    speed_mps * latency_s + speed_mps * speed_mps / (2.0 * braking)
-}
-
 /// The highest speed from which a vehicle stops within a distance, m/s.
-pub fn speed_within(vehicle: &Vehicle, distance_m: f64) -> f64 {
-    let [braking, latency_s] = numbers(vehicle);
+fn speed_within(vehicle: &Vehicle, distance_m: f64) -> f64 {
+    let braking = f64::from(vehicle.braking_mps2);
+    let latency_s = f64::from(vehicle.latency_us) / 1e6;
     let root = wide::sqrt(latency_s * latency_s + 2.0 * distance_m.max(0.0) / braking);
     braking * (root - latency_s)
-}
-
-/// Deceleration, m/s^2, and latency, s.
-fn numbers(vehicle: &Vehicle) -> [f64; 2] {
-    [f64::from(vehicle.braking_mps2), f64::from(vehicle.latency_us) / 1e6]
 }
 
 /// Contradictions between a robot's speed, its brakes, its sensors and its distances.
@@ -51,10 +40,9 @@ fn named(key: &str, value: f32, unit: &str, given: &Given) -> String {
 /// The robot must see an obstacle before it is too late to stop.
 fn beyond_reach(parameters: &Parameters, given: &Given) -> Option<Problem> {
     let vehicle = &parameters.vehicle;
-    let speed = f64::from(vehicle.max_speed_mps);
     let room = [vehicle.reach_m, -vehicle.radius_m, -vehicle.stop_distance_m].map(f64::from);
     let room_m: f64 = room.iter().sum();
-    let needed_m = stopping_m(vehicle, speed);
+    let needed_m = f64::from(vehicle.stopping_distance_m(vehicle.max_speed_mps));
     if needed_m <= room_m + 1e-3 {
         return None;
     }
@@ -118,11 +106,14 @@ fn margin_in_stop_distance(parameters: &Parameters, given: &Given) -> Option<Pro
 fn sphere_in_stopping_distance(parameters: &Parameters, given: &Given) -> Option<Problem> {
     let key = "schemas.avoid_sphere";
     let sphere = parameters.schemas.avoid_sphere_m;
-    let stopping_m = stopping_m(&parameters.vehicle, parameters.vehicle.max_speed_mps.into());
-    if !given.has(key) || f64::from(sphere) >= stopping_m {
+    let stopping_m = {
+        let vehicle = &parameters.vehicle;
+        f64::from(vehicle.stopping_distance_m(vehicle.max_speed_mps))
+    };
+    if !given.has(key) || f64::from(sphere) + 1e-3 >= stopping_m {
         return None;
     }
-    let least = metres((stopping_m * 100.0).ceil() / 100.0);
+    let least = metres((stopping_m * 100.0 - 0.01).ceil() / 100.0);
     let message = format!(
         "{} is less than the {least} m in which the robot stops from {} m/s: it brakes before \
          obstacles repel it",
@@ -136,7 +127,17 @@ fn sphere_in_stopping_distance(parameters: &Parameters, given: &Given) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mission::tests::read;
+    use crate::mission::tests::read as parse;
+
+    /// The contradictions in a mission file, as text; their help.
+    fn read(file: &str) -> (Vec<String>, Vec<String>) {
+        let (mission, problems) = parse(file);
+        assert_eq!(problems, [""; 0], "{file}");
+        let found = check(&mission.parameters, mission.given.as_ref().unwrap());
+        found.iter().for_each(|problem| assert!(problem.place.is_some(), "{problem}"));
+        let help = found.iter().map(|problem| problem.help.clone().unwrap()).collect();
+        (found.iter().map(ToString::to_string).collect(), help)
+    }
 
     #[test]
     fn a_speed_and_its_stopping_distance_are_inverse() {
@@ -144,30 +145,25 @@ mod tests {
         for (braking, latency_us) in [(2.0, 100_000), (0.5, 0), (9.0, 1_000_000)] {
             (vehicle.braking_mps2, vehicle.latency_us) = (braking, latency_us);
             for speed in [0.0, 0.1, 1.6, 20.0] {
-                let back = speed_within(&vehicle, stopping_m(&vehicle, speed));
-                assert!((back - speed).abs() < 1e-9, "{back} {speed}");
+                let back = speed_within(&vehicle, vehicle.stopping_distance_m(speed).into());
+                assert!((back - f64::from(speed)).abs() < 1e-5, "{back} {speed}");
             }
         }
-        (vehicle.braking_mps2, vehicle.latency_us) = (2.0, 100_000);
-        assert_eq!(stopping_m(&vehicle, 2.0), 1.2);
         assert_eq!(speed_within(&vehicle, -1.0), 0.0);
     }
 
     #[test]
     fn the_speed_that_is_offered_fits() {
         for rest in ["", "braking = 0.3\n", "latency = 1.5\nradius = 2\n", "reach = 3\n"] {
-            let (_, problems) = read(&format!("[vehicle]\nmax_speed = 14.5\n{rest}"));
-            assert_eq!(problems.len(), 1, "{problems:?}");
-            let (mission, _) = read(&format!("[vehicle]\nmax_speed = 14.5\n{rest}"));
-            let found = check(&mission.parameters, mission.given.as_ref().unwrap());
-            let help = found[0].help.clone().unwrap();
+            let (_, help) = read(&format!("[vehicle]\nmax_speed = 14.5\n{rest}"));
+            let [help] = &help[..] else { panic!("{help:?}") };
             let speed = help.split(' ').nth(3).unwrap();
             let with = |speed: f64| read(&format!("[vehicle]\nmax_speed = {speed}\n{rest}")).1;
             let speed: f64 = speed.parse().unwrap_or_else(|_| panic!("{help}"));
             assert_eq!(with(speed), [""; 0], "{rest}");
             assert_eq!(with(speed + 0.02).len(), 1, "{rest}");
         }
-        let (_, problems) = read("[vehicle]\nreach = 0.4\n");
+        let (problems, _) = read("[vehicle]\nreach = 0.3\n");
         assert!(problems[0].contains("sees only 0 m"), "{problems:?}");
     }
 
@@ -192,7 +188,7 @@ mod tests {
             ("[vehicle]\nmax_speed = 2\n[schemas]\navoid_sphere = 1.2\n", ""),
             ("[vehicle]\nstop_distance = 0.4\n[schemas]\navoid_margin = 0.4\n", ""),
         ] {
-            let (_, problems) = read(file);
+            let (problems, _) = read(file);
             assert_eq!(problems.join("\n"), expected, "{file}");
         }
     }

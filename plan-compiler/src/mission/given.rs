@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, Default)]
 pub struct Given {
     places: BTreeMap<String, Place>,
+    is_paper: bool,
 }
 
 impl Given {
@@ -17,6 +18,15 @@ impl Given {
     /// Whether the file sets a key.
     pub fn has(&self, path: &str) -> bool {
         self.places.contains_key(path)
+    }
+
+    /// Whether the file starts from the paper's values.
+    pub(super) fn is_paper(&self) -> bool {
+        self.is_paper
+    }
+
+    pub(super) fn set_paper(&mut self) {
+        self.is_paper = true;
     }
 
     /// Where the file sets a key.

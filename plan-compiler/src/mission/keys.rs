@@ -4,10 +4,10 @@ use super::Mission;
 use crate::search::Corners;
 use maps::formats::TagRule;
 use math::GeoPoint;
-use plan_format::limits;
 use plan_format::parameters::{
-    ArmingChecks, Gains, OnLinkLoss, OnNoProgress, OnTrouble, Selection, Steering,
+    ArmingChecks, Blend, Gains, OnLinkLoss, OnNoProgress, OnTrouble, Selection, Steering,
 };
+use plan_format::{Parameters, limits};
 
 /// The tables of a mission file.
 pub const SECTIONS: [&str; 14] = [
@@ -141,7 +141,7 @@ impl Key {
             (Kind::Text, _) => "\"NAME\"",
             (Kind::Tags { .. }, _) => "[\"natural=water\", \"waterway\"]",
             (Kind::Place { .. }, _) => "[51.4779, -0.0015]",
-            (Kind::Number { .. }, "") => "1.0",
+            (Kind::Number { .. }, _) if self.default.is_empty() || self.follows() => "1.0",
             (_, default) => default,
         };
         format!("{} = {value}", self.name)
@@ -155,10 +155,16 @@ impl Key {
         }
     }
 
+    /// Whether its default follows from other keys; it is then a formula instead of a value.
+    pub fn follows(&self) -> bool {
+        self.default.starts_with("follows: ")
+    }
+
     /// Its row in the documentation's table.
     pub fn row(&self) -> String {
         let default = match self.default {
             "" => String::new(),
+            formula if self.follows() => formula.to_owned(),
             default => format!("`{default}`"),
         };
         let expected = self.expected();
@@ -225,6 +231,14 @@ const fn flag(
 /// Replaces the weights of schemas and advice, but not that of the noise.
 fn preset(mission: &mut Mission, gains: Gains) {
     mission.parameters.gains = Gains { noise: mission.parameters.gains.noise, ..gains };
+}
+
+/// Starts from the paper's values.
+fn paper(mission: &mut Mission) {
+    mission.parameters = Parameters::paper();
+    if let Some(given) = &mut mission.given {
+        given.set_paper();
+    }
 }
 
 /// Every key, in the order of the documentation.
@@ -324,6 +338,13 @@ pub const KEYS: &[Key] = &[
         4_294_967_295.0,
     ),
     word(
+        "",
+        "preset",
+        "\"body\"",
+        "Where values that the file does not set come from: from the body, by the formulas below, or from the paper's experiments with MissionLab, which suit wide outdoor maps: `blend = \"paper\"`, `base_speed = 1.4`, `max_turn_rate = 1`, `stop_distance = 0.3`, `avoid_margin = 0.5`, `avoid_sphere = 5`.",
+        &[("body", |_| ()), ("paper", paper)],
+    ),
+    word(
         "gains",
         "preset",
         "\"34:66\"",
@@ -350,6 +371,16 @@ pub const KEYS: &[Key] = &[
         m.parameters.gains.noise = v as f32
     }),
     word(
+        "gains",
+        "blend",
+        "\"route\"",
+        "What the weights apply to. `\"route\"`: the goal attracts only where there is no advice, the advice points to the route ahead, and detours lead out of dead ends that the map does not show. `\"paper\"`: goal and obstacles act beside the advice, which is one of eight directions.",
+        &[
+            ("route", |m| m.parameters.blend = Blend::Route),
+            ("paper", |m| m.parameters.blend = Blend::Paper),
+        ],
+    ),
+    word(
         "vehicle",
         "steering",
         "\"differential\"",
@@ -375,8 +406,8 @@ pub const KEYS: &[Key] = &[
         "vehicle",
         "base_speed",
         "m/s",
-        "1.4",
-        "Speed for a blended vector of length 1. It may not exceed `max_speed`; a lower `max_speed` lowers the default.",
+        "follows: `max_speed`",
+        "Speed for a blended vector of length 1. It may not exceed `max_speed`.",
         |m, v| m.parameters.vehicle.base_speed_mps = v as f32,
     ),
     number("vehicle", "max_speed", "m/s", "1.6", "Highest speed.", |m, v| {
@@ -386,13 +417,18 @@ pub const KEYS: &[Key] = &[
         "vehicle",
         "cautious_speed",
         "m/s",
-        "0.3",
-        "Speed where obstacles repel strongly. It may not exceed `base_speed`; a lower `base_speed` lowers the default.",
+        "follows: 0.3, at most `base_speed`",
+        "Speed where obstacles repel strongly. It may not exceed `base_speed`.",
         |m, v| m.parameters.vehicle.cautious_speed_mps = v as f32,
     ),
-    number("vehicle", "max_turn_rate", "rad/s", "1.0", "Highest turn rate.", |m, v| {
-        m.parameters.vehicle.max_turn_rate_radps = v as f32
-    }),
+    number(
+        "vehicle",
+        "max_turn_rate",
+        "rad/s",
+        "follows: `max_speed` / (2 `radius`), from 0.2 to 4",
+        "Highest turn rate.",
+        |m, v| m.parameters.vehicle.max_turn_rate_radps = v as f32,
+    ),
     number(
         "vehicle",
         "min_turn_radius",
@@ -433,8 +469,8 @@ pub const KEYS: &[Key] = &[
         "vehicle",
         "stop_distance",
         "m",
-        "0.3",
-        "The robot stops moving towards any range reading that is closer to the body than this.",
+        "follows: `radius` / 15, at least 0.02, at most a given `avoid_margin`",
+        "Distance that the robot keeps between its body and what it sees ahead.",
         |m, v| m.parameters.vehicle.stop_distance_m = v as f32,
     ),
     flag(
@@ -452,13 +488,6 @@ pub const KEYS: &[Key] = &[
         "Gain of move-to-goal within the reactive part.",
         |m, v| m.parameters.schemas.goal_gain = v as f32,
     ),
-    flag(
-        "schemas",
-        "goal_beside_advice",
-        "true",
-        "Whether move-to-goal acts beside the advice too, as in the paper. If not, it acts only where there is no advice.",
-        |m, v| m.parameters.schemas.goal_beside_advice = v,
-    ),
     number(
         "schemas",
         "avoid_gain",
@@ -471,7 +500,7 @@ pub const KEYS: &[Key] = &[
         "schemas",
         "avoid_sphere",
         "m",
-        "5.0",
+        "follows: the stopping distance from `max_speed`, at least `avoid_margin`",
         "Obstacles beyond the margin repel up to this distance.",
         |m, v| m.parameters.schemas.avoid_sphere_m = v as f32,
     ),
@@ -479,9 +508,25 @@ pub const KEYS: &[Key] = &[
         "schemas",
         "avoid_margin",
         "m",
-        "0.5",
+        "follows: `stop_distance`",
         "Obstacles this close to the body repel at full strength.",
         |m, v| m.parameters.schemas.avoid_margin_m = v as f32,
+    ),
+    number(
+        "schemas",
+        "look_ahead",
+        "m",
+        "follows: 1.6 `radius`",
+        "With `blend = \"route\"`, the advice points to the route this far ahead.",
+        |m, v| m.parameters.schemas.look_ahead_m = v as f32,
+    ),
+    number(
+        "schemas",
+        "detour_after",
+        "s",
+        "4.0",
+        "With `blend = \"route\"`, a robot behind an obstacle begins a detour after this time without progress.",
+        |m, v| m.parameters.schemas.detour_after_us = (v * 1e6).round() as u32,
     ),
     number(
         "schemas",
@@ -527,7 +572,7 @@ pub const KEYS: &[Key] = &[
         "max_jump",
         "m/s",
         "15.0",
-        "A fix that implies a higher speed than this is refused.",
+        "A fix that implies a higher speed than this is refused. The default is at least twice `max_speed`.",
         |m, v| m.parameters.fixes.max_jump_mps = v as f32,
     ),
     word(

@@ -1,19 +1,17 @@
 //! The speeds of a vehicle must agree with each other: a robot whose cautious speed is above its
 //! base speed would drive faster near obstacles than in the open.
 //!
-//! A speed that the file leaves out follows those that it gives: to lower `max_speed` is enough
-//! to make a slow robot. Two that are given, and one that is given against a default that cannot
-//! follow it, must not contradict each other.
+//! A speed that the file leaves out follows those that it gives: see `follow`. Two that are given,
+//! and one that is given against a default that cannot follow it, must not contradict each other.
 
 use crate::toml::{Report, number};
 use maps::Problem;
-use plan_format::Parameters;
 use plan_format::parameters::{Steering, Vehicle};
 use std::ops::Range;
 use toml_edit::{Item, TableLike};
 
-/// Derives the speeds that a file leaves out from the others, and reports contradictions.
-pub(super) fn settle(report: &mut Report<'_>, root: &dyn TableLike, parameters: &mut Parameters) {
+/// Reports speeds that contradict each other.
+pub(super) fn check(report: &mut Report<'_>, root: &dyn TableLike, vehicle: &Vehicle) {
     let Some(table) = root.get("vehicle").and_then(Item::as_table_like) else { return };
     let given = |key: &str| {
         let item = table.get(key)?;
@@ -21,14 +19,6 @@ pub(super) fn settle(report: &mut Report<'_>, root: &dyn TableLike, parameters: 
         Some(item.span().unwrap_or(0..0))
     };
     let [cautious, base, max] = ["cautious_speed", "base_speed", "max_speed"].map(given);
-    let vehicle = &mut parameters.vehicle;
-    if base.is_none() {
-        vehicle.base_speed_mps = vehicle.base_speed_mps.min(vehicle.max_speed_mps);
-    }
-    if cautious.is_none() {
-        vehicle.cautious_speed_mps = vehicle.cautious_speed_mps.min(vehicle.base_speed_mps);
-    }
-    let vehicle = *vehicle;
     let mut error = |message: String, at: Option<Range<usize>>, help: String| {
         let problem = Problem::error(message).help(help);
         report.problems.push(match at {
@@ -59,7 +49,7 @@ pub(super) fn settle(report: &mut Report<'_>, root: &dyn TableLike, parameters: 
             error(message, lower.2.clone().or_else(|| upper.2.clone()), help);
         }
     }
-    turning(report, table, &vehicle);
+    turning(report, table, vehicle);
 }
 
 /// A speed and whether it is a default.
@@ -113,10 +103,10 @@ mod tests {
         for (vehicle, speeds) in [
             ("max_speed = 0.5", [0.3, 0.5, 0.5]),
             ("max_speed = 0.2", [0.2, 0.2, 0.2]),
-            ("max_speed = 3", [0.3, 1.4, 3.0]),
+            ("max_speed = 3", [0.3, 3.0, 3.0]),
             ("base_speed = 0.1", [0.1, 0.1, 1.6]),
-            ("cautious_speed = 1.4", [1.4, 1.4, 1.6]),
-            ("cautious_speed = 0", [0.0, 1.4, 1.6]),
+            ("cautious_speed = 1.4", [1.4, 1.6, 1.6]),
+            ("cautious_speed = 0", [0.0, 1.6, 1.6]),
         ] {
             let (mission, problems) = read(vehicle);
             assert_eq!(problems, [""; 0], "{vehicle}");
