@@ -510,11 +510,6 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn zz_print_rows() {
-        std::fs::write("/tmp/w/rows.txt", KEYS.iter().map(|k| k.row() + "\n").collect::<String>()).unwrap();
-    }
-
-    #[test]
     fn the_documentation_lists_every_key_as_it_is() {
         let documentation = include_str!("../MISSION.md");
         for row in KEYS.iter().map(Key::row) {

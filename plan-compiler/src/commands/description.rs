@@ -1,7 +1,8 @@
 //! The contents of a blob as JSON.
 
 use plan_compiler::width::{LayerPassages, Need, Passage};
-use plan_format::{Blob, Counts, FORMAT_VERSION, Grid, Layer};
+use plan_format::parameters::{Blend, Derived};
+use plan_format::{Blob, Counts, FORMAT_VERSION, Grid, Layer, Parameters};
 use serde::Serialize;
 
 /// The JSON object. Programs rely on these names.
@@ -18,7 +19,70 @@ pub(super) struct Description<'b> {
     raw_bytes: u64,
     /// Width that the robot needs between obstacles.
     needed_width_m: f64,
+    drive: Drive,
     plans: Vec<Parallel<'b>>,
+}
+
+/// How the robot drives, and what would follow from its body.
+#[derive(Serialize)]
+struct Drive {
+    blend: &'static str,
+    radius_m: f64,
+    max_speed_mps: f64,
+    braking_mps2: f64,
+    latency_s: f64,
+    reach_m: f64,
+    stopping_distance_m: f64,
+    values: Following,
+    follows: Following,
+}
+
+/// Values that follow from the body unless a mission sets them.
+#[derive(Serialize)]
+struct Following {
+    base_speed_mps: f64,
+    cautious_speed_mps: f64,
+    max_turn_rate_radps: f64,
+    stop_distance_m: f64,
+    avoid_margin_m: f64,
+    avoid_sphere_m: f64,
+    look_ahead_m: f64,
+}
+
+fn drive(parameters: &Parameters) -> Drive {
+    let (vehicle, schemas) = (&parameters.vehicle, &parameters.schemas);
+    let number = |value: f32| rounded(f64::from(value));
+    let derived = Derived::of(vehicle);
+    Drive {
+        blend: match parameters.blend {
+            Blend::Route => "route",
+            Blend::Paper => "paper",
+        },
+        radius_m: number(vehicle.radius_m),
+        max_speed_mps: number(vehicle.max_speed_mps),
+        braking_mps2: number(vehicle.braking_mps2),
+        latency_s: f64::from(vehicle.latency_us) / 1e6,
+        reach_m: number(vehicle.reach_m),
+        stopping_distance_m: number(vehicle.stopping_distance_m(vehicle.max_speed_mps)),
+        values: Following {
+            base_speed_mps: number(vehicle.base_speed_mps),
+            cautious_speed_mps: number(vehicle.cautious_speed_mps),
+            max_turn_rate_radps: number(vehicle.max_turn_rate_radps),
+            stop_distance_m: number(vehicle.stop_distance_m),
+            avoid_margin_m: number(schemas.avoid_margin_m),
+            avoid_sphere_m: number(schemas.avoid_sphere_m),
+            look_ahead_m: number(schemas.look_ahead_m),
+        },
+        follows: Following {
+            base_speed_mps: number(derived.base_speed_mps),
+            cautious_speed_mps: number(derived.cautious_speed_mps),
+            max_turn_rate_radps: number(derived.max_turn_rate_radps),
+            stop_distance_m: number(derived.stop_distance_m),
+            avoid_margin_m: number(derived.avoid_margin_m),
+            avoid_sphere_m: number(derived.avoid_sphere_m),
+            look_ahead_m: number(derived.look_ahead_m),
+        },
+    }
 }
 
 #[derive(Serialize)]
@@ -137,6 +201,7 @@ pub(super) fn describe<'b>(
         origin,
         raw_bytes: raw_bytes(grid) * layers as u64,
         needed_width_m: rounded(need.width_m),
+        drive: drive(blob.parameters()),
         plans,
     }
 }

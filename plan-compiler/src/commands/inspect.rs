@@ -6,8 +6,8 @@ use super::{Failure, open, print, print_text, read_blob};
 use crate::cli::Inspect;
 use maps::numbers::{metres, pair};
 use plan_compiler::width::{self, LayerPassages, Need, Passage, in_words};
-use plan_format::parameters::{OnLinkLoss, OnTrouble, Selection, Steering};
-use plan_format::{Blob, FORMAT_VERSION};
+use plan_format::parameters::{Blend, Derived, OnLinkLoss, OnTrouble, Selection, Steering};
+use plan_format::{Blob, FORMAT_VERSION, Parameters};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -97,6 +97,44 @@ fn describe_passage(passage: &Passage, need: &Need) -> String {
     format!("{width} wide at {at} on {percent:.0} % of the routes{verdict}")
 }
 
+/// How the robot drives. A value that differs from what would follow from the body has that beside
+/// it.
+fn write_drive(out: &mut dyn Write, parameters: &Parameters) -> io::Result<()> {
+    let (vehicle, schemas) = (&parameters.vehicle, &parameters.schemas);
+    let follows = Derived::of(vehicle);
+    let number = |value: f32| metres(f64::from(value));
+    let value = |value: f32, follows: f32| match (value - follows).abs() < 1e-3 {
+        true => number(value),
+        false => format!("{} ({} would follow)", number(value), number(follows)),
+    };
+    let blend = match parameters.blend {
+        Blend::Route => "along the route",
+        Blend::Paper => "as in the paper",
+    };
+    writeln!(
+        out,
+        "  drive   blends {blend}, at {} m/s; stops within {} m from {} m/s and sees {} m",
+        value(vehicle.base_speed_mps, follows.base_speed_mps),
+        number(vehicle.stopping_distance_m(vehicle.max_speed_mps)),
+        vehicle.max_speed_mps,
+        vehicle.reach_m
+    )?;
+    writeln!(
+        out,
+        "          keeps {} m, margin {} m, sphere {} m",
+        value(vehicle.stop_distance_m, follows.stop_distance_m),
+        value(schemas.avoid_margin_m, follows.avoid_margin_m),
+        value(schemas.avoid_sphere_m, follows.avoid_sphere_m)
+    )?;
+    writeln!(
+        out,
+        "          turns at {} rad/s at most, cautious at {} m/s, looks {} m ahead",
+        value(vehicle.max_turn_rate_radps, follows.max_turn_rate_radps),
+        value(vehicle.cautious_speed_mps, follows.cautious_speed_mps),
+        value(schemas.look_ahead_m, follows.look_ahead_m)
+    )
+}
+
 fn write_robot(out: &mut dyn Write, blob: &Blob<'_>) -> io::Result<()> {
     let parameters = blob.parameters();
     let name = blob.parallel_plan(usize::from(parameters.plan)).map(|followed| followed.name());
@@ -126,6 +164,7 @@ fn write_robot(out: &mut dyn Write, blob: &Blob<'_>) -> io::Result<()> {
         vehicle.max_turn_rate_radps,
         vehicle.stop_distance_m
     )?;
+    write_drive(out, parameters)?;
     let word = |action| match action {
         OnTrouble::Stop => "stops",
         OnTrouble::Reactive => "drives by its reactive schemas",

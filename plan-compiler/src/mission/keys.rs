@@ -228,9 +228,10 @@ const fn flag(
     Key { section, name, meaning, default, kind: Kind::Flag { set } }
 }
 
-/// Replaces the weights of schemas and advice, but not that of the noise.
-fn preset(mission: &mut Mission, gains: Gains) {
-    mission.parameters.gains = Gains { noise: mission.parameters.gains.noise, ..gains };
+/// Sets the weights, and the blend that they are meant for.
+fn preset(mission: &mut Mission, gains: Gains, blend: Blend) {
+    mission.parameters.gains = gains;
+    mission.parameters.blend = blend;
 }
 
 /// Starts from the paper's values.
@@ -341,33 +342,34 @@ pub const KEYS: &[Key] = &[
         "",
         "preset",
         "\"body\"",
-        "Where values that the file does not set come from: from the body, by the formulas below, or from the paper's experiments with MissionLab, which suit wide outdoor maps: `blend = \"paper\"`, `base_speed = 1.4`, `max_turn_rate = 1`, `stop_distance = 0.3`, `avoid_margin = 0.5`, `avoid_sphere = 5`.",
+        "Where values that the file does not set come from: from the body, or from the paper's experiments with MissionLab, which suit wide outdoor maps: the gains of `\"34:66\"`, `base_speed = 1.4`, `max_turn_rate = 1`, `stop_distance = 0.3`, `avoid_margin = 0.5`, `avoid_sphere = 5`.",
         &[("body", |_| ()), ("paper", paper)],
     ),
     word(
         "gains",
         "preset",
-        "\"34:66\"",
-        "Weights of reactive schemas and advice, as in the paper's experiments. The other keys of this table override parts of it.",
+        "\"route\"",
+        "Weights and their blend: the default, or reactive schemas and advice in percent, as in the paper's experiments, with `noise = 0.11` and `blend = \"paper\"`. The other keys of this table override parts of it.",
         &[
-            ("100:0", |m| preset(m, Gains::REACTIVE_ONLY)),
-            ("66:34", |m| preset(m, Gains::MOSTLY_REACTIVE)),
-            ("34:66", |m| preset(m, Gains::MOSTLY_PLAN)),
-            ("0:100", |m| preset(m, Gains::PLAN_ONLY)),
+            ("route", |m| preset(m, Gains::ROUTE, Blend::Route)),
+            ("100:0", |m| preset(m, Gains::REACTIVE_ONLY, Blend::Paper)),
+            ("66:34", |m| preset(m, Gains::MOSTLY_REACTIVE, Blend::Paper)),
+            ("34:66", |m| preset(m, Gains::MOSTLY_PLAN, Blend::Paper)),
+            ("0:100", |m| preset(m, Gains::PLAN_ONLY, Blend::Paper)),
         ],
     ),
     number(
         "gains",
         "reactive",
         "",
-        "0.34",
+        "0.5",
         "Weight of move-to-goal and avoid-static-obstacle together.",
         |m, v| m.parameters.gains.reactive = v as f32,
     ),
-    number("gains", "plan", "", "0.66", "Weight of the advice.", |m, v| {
+    number("gains", "plan", "", "1.0", "Weight of the advice.", |m, v| {
         m.parameters.gains.plan = v as f32
     }),
-    number("gains", "noise", "", "0.11", "Weight of the noise schema.", |m, v| {
+    number("gains", "noise", "", "0.05", "Weight of the noise schema.", |m, v| {
         m.parameters.gains.noise = v as f32
     }),
     word(

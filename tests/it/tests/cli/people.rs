@@ -117,7 +117,7 @@ fn sizes_are_said_with_what_they_would_be_unpacked() {
     assert_eq!(layer["bytes_per_cell"], per_cell);
     let text = run.done("inspect plans.bin");
     assert!(text.contains(&format!("{per_cell:.3} per cell")) && text.contains("16200"), "{text}");
-    assert!(text.contains("gains   0.34 reactive, 0.66 plan, 0.11 noise"), "{text}");
+    assert!(text.contains("gains   0.5 reactive, 1 plan, 0.05 noise"), "{text}");
     let link = "link    lost after 1 s without a message, then disarms and stands still";
     assert!(text.contains(link), "{text}");
     let proved: Value = serde_json::from_str(&run.done("verify plans.bin --json")).unwrap();

@@ -177,6 +177,44 @@ fn speeds_that_contradict_each_other() {
     check("mission_speeds", &files, "build yard.ovl", "");
 }
 
+#[test]
+fn speeds_that_the_robot_cannot_stop_from_are_refused() {
+    let mission = "[vehicle]\nmax_speed = 9\nstop_distance = 0.5\n[fixes]\nmax_jump = 6\n\
+        [schemas]\navoid_margin = 0.2\navoid_sphere = 2\n";
+    let files = [("yard.ovl", YARD.as_bytes()), ("yard.mission.toml", mission.as_bytes())];
+    check("mission_brakes", &files, "build yard.ovl", "");
+}
+
+#[test]
+fn what_follows_from_the_body_is_shown() {
+    let run = Run::yard();
+    let mission = "[vehicle]\nradius = 0.45\nmax_speed = 2\nbraking = 1\nmax_turn_rate = 1\n";
+    fs::write(run.path("yard.mission.toml"), mission).unwrap();
+    run.done("build yard.ovl");
+    let text = run.done("inspect plans.bin");
+    let drive: Vec<&str> =
+        text.lines().skip_while(|line| !line.contains("drive ")).take(3).collect();
+    assert_eq!(
+        drive,
+        [
+            "  drive   blends along the route, at 2 m/s; stops within 2.2 m from 2 m/s and sees 10 m",
+            "          keeps 0.03 m, margin 0.03 m, sphere 2.2 m",
+            "          turns at 1 (2.222 would follow) rad/s at most, cautious at 0.3 m/s, looks 0.72 m \
+             ahead",
+        ]
+    );
+    let said: Value = serde_json::from_str(&run.done("inspect plans.bin --json")).unwrap();
+    let drive = &said["drive"];
+    assert_eq!((&drive["stopping_distance_m"], &drive["blend"]), (&2.2.into(), &"route".into()));
+    assert_eq!(drive["values"]["max_turn_rate_radps"], 1.0);
+    assert_eq!(drive["follows"]["max_turn_rate_radps"], 2.222222);
+    // The option outranks the mission's body only where the mission gives none.
+    fs::write(run.path("yard.mission.toml"), "[vehicle]\nmax_speed = 2\n").unwrap();
+    run.done("build yard.ovl --robot-radius 0.6");
+    let said: Value = serde_json::from_str(&run.done("inspect plans.bin --json")).unwrap();
+    assert_eq!(said["drive"]["values"]["stop_distance_m"], 0.04);
+}
+
 /// Blocked cells of the first layer.
 fn blocked(run: &Run, build: &str) -> u64 {
     run.done(build);
