@@ -3,10 +3,10 @@
 use crate::cli::Cli;
 use crate::maps::{draw_all, yard};
 use crate::robot;
-use ::maps::Map;
 use ::maps::problem::Source;
 use ::maps::problem::has_errors;
 use ::maps::source;
+use ::maps::{Extent, Map};
 use clap::Parser;
 use plan_compiler::behaviours::draw::{Drawn, dot, picture};
 use plan_compiler::behaviours::{self, Plans, graph_text};
@@ -16,7 +16,7 @@ use plan_compiler::mission;
 use plan_format::Blob;
 use plan_format::mission::Mission;
 use robot_io::{Commands, Reason};
-use sim::Surroundings;
+use sim::{SensorSettings, WorldFile};
 use std::ffi::OsString;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
@@ -78,7 +78,17 @@ pub(crate) fn graph(bytes: &[u8]) {
 /// A world file, and a robot's steps in its world.
 pub(crate) fn world(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    let Ok(mut world) = text.parse::<Surroundings>() else { return };
+    let Ok(file) = text.parse::<WorldFile>() else { return };
+    let map = Map::empty(Extent { corner: [0.0; 2], size: [9.0; 2] });
+    let worlds = file.difference.apply(&map, 1);
+    assert_eq!(worlds.unmapped.len(), file.difference.extra.len());
+    for disc in &file.conditions.discs {
+        let at = disc.at(3.0);
+        assert!(at.iter().all(|x| x.is_finite()), "{disc:?}");
+    }
+    let sensors = file.conditions.sensors(SensorSettings::USUAL);
+    assert_eq!(sensors.without_error().pose.is_some(), file.conditions.pose.is_some());
+    let mut world = file.surroundings;
     for step in 0..100 {
         let inputs = world.inputs();
         let commands = Commands { outputs: step as u16, ..Commands::stop(Reason::Driving) };

@@ -4,8 +4,7 @@
 //! that its sensors see and its body touches. An obstacle is a feature of the map, or a connected
 //! part of its occupied cells.
 
-use crate::world::Placement;
-use crate::{Point, Random, Stream, World};
+use crate::{Placement, Point, Random, Stream, World};
 use maps::bitmap::Bitmap;
 use maps::{CellMap, Map, Role, Shape};
 use plan_format::Cell;

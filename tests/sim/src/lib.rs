@@ -1,14 +1,16 @@
 //! Simulated robots in a simulated world.
 //!
 //! The crate models the truth: where the obstacles are ([`World`]), how a body moves and what it
-//! touches ([`Body`]), what its work changes ([`Surroundings`]), what the sensors report
-//! ([`Sensors`]) and which faults corrupt the reports ([`Faulty`]). It never decides what a robot
-//! does: its [`Pilot`] does. A pilot gets one record of sensor bytes and answers with one record of
-//! commands, so the same code simulates a robot in this process and a robot in QEMU.
+//! touches ([`Body`]), what moves ([`Disc`]), what its work changes ([`Surroundings`]), what the
+//! sensors report ([`Sensors`]) and which faults corrupt the reports ([`Faulty`]) or the motion
+//! ([`Actuators`]). It never decides what a robot does: its [`Pilot`] does. A pilot gets one record
+//! of sensor bytes and answers with one record of commands, so the same code simulates a robot in
+//! this process and a robot in QEMU.
 //!
-//! A [`Scenario`] holds what a robot knows (map and plans) and the true world. A [`Simulation`]
-//! runs [`Robot`]s in a true world. An [`Outcome`] is the result of one robot's run. A mission is
-//! what a robot is to do, as a file or in the blob.
+//! A [`Scenario`] holds what a robot knows (map and plans), the true world and the [`Conditions`]; a
+//! [`Difference`] makes a true world that differs from the map, and a [`WorldFile`] describes all
+//! of that as text. A [`Simulation`] runs [`Robot`]s in a true world. An [`Outcome`] is the result
+//! of one robot's run. A mission is what a robot is to do, as a file or in the blob.
 //!
 //! Invariants: everything random is drawn from one seed, and the same seed gives the same bytes on
 //! every machine (all functions come from `math`, all random numbers from ChaCha8); time is counted
@@ -16,7 +18,7 @@
 //! is clear of obstacles and other bodies never ends a step inside one.
 //!
 //! Deliberately absent: clocks, threads, drawing (except one small text picture), dynamics of
-//! wheels and slopes, moving obstacles that are not robots, radio.
+//! wheels and slopes, obstacles that react, radio waves.
 
 pub mod body;
 pub mod conditions;
@@ -27,6 +29,7 @@ pub mod geometry;
 pub mod outcome;
 pub mod picture;
 pub mod pilot;
+pub mod placement;
 pub mod random;
 pub mod receiver;
 pub mod robot;
@@ -45,6 +48,7 @@ pub use faults::{Actuators, Channel, Fault, Faulty, PlannedFault};
 pub use geometry::{Circle, Point};
 pub use outcome::{Ending, Limits, Outcome};
 pub use pilot::{HostPilot, Pilot, PilotError};
+pub use placement::Placement;
 pub use random::{Random, Stream};
 pub use receiver::{Dialect, Mode, Receiver, ReceiverSettings};
 pub use robot::Robot;
@@ -52,7 +56,7 @@ pub use scenario::{Scenario, Start};
 pub use sensors::{PoseSettings, RingSettings, Scene, SensorSettings, SensorSuite, Sensors};
 pub use simulation::Simulation;
 pub use surroundings::Surroundings;
-pub use world::{Nearest, Placement, World};
+pub use world::{Nearest, World};
 pub use world_file::WorldFile;
 
 /// Length of a tick, microseconds.

@@ -1,17 +1,15 @@
 //! The true obstacles: exact shapes that answer for rays, nearest points and contact.
 
-use crate::Point;
+mod cells;
+mod index;
+
 use crate::geometry::{distance, nearest_of_segment};
-use maps::bitmap::Bitmap;
+use crate::{Placement, Point};
+use cells::{cell_at, outline};
+use index::Index;
 use maps::{CellMap, Map, Role, Shape};
 use math::scalar::wide;
-use plan_format::Cell;
-use std::ops::Range;
 
-/// Smallest side of an index cell, metres. A range sensor reaches over a few such cells.
-const CELL_M: f64 = 4.0;
-/// Most index cells along the longer side; a larger world gets larger cells.
-const MAX_SIDE_CELLS: f64 = 1024.0;
 /// Most pushes of a disc out of obstacles; two walls of a corner need two or three.
 const MAX_PUSHES: usize = 8;
 
@@ -25,58 +23,6 @@ pub struct World {
     /// Cells that a map gives, and where they lie; the occupied ones are filled.
     cells: Option<(CellMap, Placement)>,
     index: Index,
-}
-
-/// Where a map's obstacles truly lie: turned and scaled about a point, then shifted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placement {
-    /// The point that turning and scaling do not move, metres.
-    pub about: Point,
-    /// Angle, radians counter-clockwise.
-    pub turn_rad: f64,
-    /// Scale; more than 0.
-    pub scale: f64,
-    /// Shift, metres.
-    pub shift: Point,
-}
-
-impl Placement {
-    /// As the map shows them.
-    pub const HERE: Self = Self { about: [0.0; 2], turn_rad: 0.0, scale: 1.0, shift: [0.0; 2] };
-
-    /// The true position of a point of the map.
-    pub fn apply(&self, at: Point) -> Point {
-        if *self == Self::HERE {
-            return at;
-        }
-        let (c, s) = (wide::cos(self.turn_rad), wide::sin(self.turn_rad));
-        let [x, y] = [0, 1].map(|axis| self.scale * (at[axis] - self.about[axis]));
-        let turned = [c * x - s * y, s * x + c * y];
-        [0, 1].map(|axis| turned[axis] + self.about[axis] + self.shift[axis])
-    }
-
-    /// The point of the map at a true position.
-    pub fn undo(&self, at: Point) -> Point {
-        if *self == Self::HERE {
-            return at;
-        }
-        let (c, s) = (wide::cos(self.turn_rad), wide::sin(self.turn_rad));
-        let [x, y] = [0, 1].map(|axis| at[axis] - self.about[axis] - self.shift[axis]);
-        let turned = [c * x + s * y, c * y - s * x];
-        [0, 1].map(|axis| turned[axis] / self.scale + self.about[axis])
-    }
-
-    /// The true shape of an obstacle of the map.
-    pub fn shape(&self, shape: &Shape) -> Shape {
-        let all = |points: &Vec<Point>| points.iter().map(|&at| self.apply(at)).collect();
-        match shape {
-            Shape::Circle { centre, radius } => {
-                Shape::Circle { centre: self.apply(*centre), radius: self.scale * radius }
-            }
-            Shape::Polyline(points) => Shape::Polyline(all(points)),
-            Shape::Polygon(rings) => Shape::Polygon(rings.iter().map(all).collect()),
-        }
-    }
 }
 
 /// A piece of an obstacle's surface.
@@ -93,16 +39,6 @@ pub struct Nearest {
     pub distance_m: f64,
     /// Its position, metres.
     pub at: Point,
-}
-
-/// Square cells, each with the parts that cross it.
-#[derive(Clone, Debug)]
-struct Index {
-    corner: Point,
-    cell_m: f64,
-    columns: usize,
-    rows: usize,
-    cells: Vec<Vec<u32>>,
 }
 
 impl World {
@@ -190,11 +126,9 @@ impl World {
         let mut best = within_m;
         let low = [0, 1].map(|axis| from[axis].min(to[axis]) - within_m);
         let high = [0, 1].map(|axis| from[axis].max(to[axis]) + within_m);
-        for cell in self.index.cells_of([low, high]) {
-            for &part in &self.index.cells[cell] {
-                best = best.min(self.parts[part as usize].distance_of_way(from, to));
-            }
-        }
+        self.index.within([low, high], &mut |part| {
+            best = best.min(self.parts[part as usize].distance_of_way(from, to));
+        });
         (best < within_m).then_some(best)
     }
 
@@ -347,54 +281,6 @@ fn segments(points: &[Point], closed: bool) -> impl Iterator<Item = Part> + '_ {
     open.chain(back.map(|(&from, &to)| Part::Segment { from, to }))
 }
 
-/// The cell of a map's cells that holds a point; `None` outside.
-fn cell_at(cells: &CellMap, point: Point) -> Option<Cell> {
-    let [column, row] =
-        [0, 1].map(|axis| wide::floor((point[axis] - cells.corner[axis]) / cells.resolution_m));
-    let (columns, rows) = (cells.occupied.columns().into(), cells.occupied.rows().into());
-    let is_inside = (0.0..columns).contains(&column) && (0.0..rows).contains(&row);
-    is_inside.then(|| Cell::new(column as u32, row as u32))
-}
-
-/// The edges between occupied and other cells, as long as they are straight.
-fn outline(cells: &CellMap) -> Vec<[Point; 2]> {
-    let occupied = &cells.occupied;
-    let turned = Bitmap::from_fn(occupied.rows(), occupied.columns(), |cell| {
-        occupied.get(Cell::new(cell.row, cell.column))
-    });
-    let metres =
-        |axis: usize, count: u32| cells.corner[axis] + f64::from(count) * cells.resolution_m;
-    let along_rows = edges(occupied).into_iter().map(|(row, run)| {
-        [[metres(0, run.start), metres(1, row)], [metres(0, run.end), metres(1, row)]]
-    });
-    let along_columns = edges(&turned).into_iter().map(|(column, run)| {
-        [[metres(0, column), metres(1, run.start)], [metres(0, column), metres(1, run.end)]]
-    });
-    along_rows.chain(along_columns).collect()
-}
-
-/// The runs of columns in which a row and the one south of it differ, each with its row.
-fn edges(bitmap: &Bitmap) -> Vec<(u32, Range<u32>)> {
-    let (columns, rows) = (bitmap.columns(), bitmap.rows());
-    let at = |column: u32, row: u32| row < rows && bitmap.get(Cell::new(column, row));
-    let mut found = Vec::new();
-    for row in 0..=rows {
-        let differs = |column: u32| at(column, row) != (row > 0 && at(column, row - 1));
-        let mut column = 0;
-        while column < columns {
-            let start = column;
-            while column < columns && differs(column) {
-                column += 1;
-            }
-            if column > start {
-                found.push((row, start..column));
-            }
-            column += 1;
-        }
-    }
-    found
-}
-
 /// South-west and north-east corners of the box around parts.
 fn bounds(parts: &[Part]) -> Option<[Point; 2]> {
     parts.iter().map(Part::bounds).reduce(|[a, b], [c, d]| {
@@ -402,103 +288,11 @@ fn bounds(parts: &[Part]) -> Option<[Point; 2]> {
     })
 }
 
-impl Index {
-    fn new(parts: &[Part]) -> Self {
-        let [low, high] = bounds(parts).unwrap_or_default();
-        let longest = (high[0] - low[0]).max(high[1] - low[1]);
-        let cell_m = CELL_M.max(longest / MAX_SIDE_CELLS);
-        let count = |axis: usize| ((high[axis] - low[axis]) / cell_m) as usize + 1;
-        let (columns, rows) = (count(0), count(1));
-        let mut index =
-            Self { corner: low, cell_m, columns, rows, cells: vec![Vec::new(); columns * rows] };
-        for (number, part) in parts.iter().enumerate() {
-            for cell in index.cells_of(part.bounds()) {
-                // A long slanted segment misses most cells of its bounding box.
-                if part.nearest(index.centre(cell)).distance_m <= cell_m {
-                    index.cells[cell].push(number as u32);
-                }
-            }
-        }
-        index
-    }
-
-    fn column(&self, x: f64) -> f64 {
-        wide::floor((x - self.corner[0]) / self.cell_m)
-    }
-
-    fn row(&self, y: f64) -> f64 {
-        wide::floor((y - self.corner[1]) / self.cell_m)
-    }
-
-    fn centre(&self, cell: usize) -> Point {
-        let at = |axis: usize, count: usize| self.corner[axis] + (count as f64 + 0.5) * self.cell_m;
-        [at(0, cell % self.columns), at(1, cell / self.columns)]
-    }
-
-    /// The index cells that a box overlaps.
-    fn cells_of(&self, [low, high]: [Point; 2]) -> impl Iterator<Item = usize> + use<> {
-        let span = |from: f64, to: f64, count: usize| {
-            (from.max(0.0) as usize)..((to + 1.0).clamp(0.0, count as f64) as usize)
-        };
-        let columns = span(self.column(low[0]), self.column(high[0]), self.columns);
-        let rows = span(self.row(low[1]), self.row(high[1]), self.rows);
-        let width = self.columns;
-        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
-    }
-
-    /// Calls `seen` for every part within `within_m` of a point, for some parts twice and for some
-    /// that are farther away.
-    fn around(&self, point: Point, within_m: f64, seen: &mut dyn FnMut(u32)) {
-        let low = [point[0] - within_m, point[1] - within_m];
-        let high = [point[0] + within_m, point[1] + within_m];
-        for cell in self.cells_of([low, high]) {
-            self.cells[cell].iter().for_each(|&part| seen(part));
-        }
-    }
-
-    /// Walks the cells along a ray (Amanatides and Woo 1987). `seen` gets the parts of a cell and
-    /// the distance along the ray where the cell ends, and returns whether to continue.
-    fn walk(
-        &self,
-        from: Point,
-        along: Point,
-        most_m: f64,
-        seen: &mut dyn FnMut(&[u32], f64) -> bool,
-    ) {
-        let mut cell = [self.column(from[0]), self.row(from[1])];
-        let mut next = [f64::INFINITY; 2];
-        for axis in 0..2 {
-            if along[axis] != 0.0 {
-                let edge = cell[axis] + if along[axis] > 0.0 { 1.0 } else { 0.0 };
-                let edge_m = self.corner[axis] + edge * self.cell_m;
-                next[axis] = (edge_m - from[axis]) / along[axis];
-            }
-        }
-        let mut entered = 0.0;
-        while entered <= most_m {
-            let axis = usize::from(next[1] < next[0]);
-            if let Some(parts) = self.parts_at(cell)
-                && !seen(parts, next[axis])
-            {
-                return;
-            }
-            entered = next[axis];
-            cell[axis] += along[axis].signum();
-            next[axis] += self.cell_m / along[axis].abs();
-        }
-    }
-
-    fn parts_at(&self, [column, row]: Point) -> Option<&[u32]> {
-        let inside =
-            column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
-        inside.then(|| self.cells[row as usize * self.columns + column as usize].as_slice())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Random, Stream};
+    use maps::bitmap::Bitmap;
 
     /// A U that is open to the south, a disc and a slanted wall.
     fn shapes() -> Vec<Shape> {

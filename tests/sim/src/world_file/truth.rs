@@ -1,8 +1,7 @@
 //! How the true world of a world file differs from the map.
 
 use super::reader::{FARTHEST_M, Reader, Section};
-use crate::world::Placement;
-use crate::{Difference, Missing, Point};
+use crate::{Difference, Missing, Placement, Point};
 use maps::problem::{Place, Problem, has_errors};
 use maps::{Map, Shape, formats};
 use std::path::Path;
