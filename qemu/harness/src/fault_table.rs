@@ -10,8 +10,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use robot_io::Reason;
 use sim::{
-    Channel, Conditions, Ending, Fault, HostPilot, PlannedFault, Random, Scenario, SensorSettings,
-    Start, Stream, TICK_US,
+    Channel, Conditions, Ending, Fault, HostPilot, PlannedFault, Point, Random, Scenario,
+    SensorSettings, Start, Stream, TICK_US,
 };
 
 use crate::mission::{self, Changes};
@@ -100,6 +100,23 @@ pub struct Run {
     pub has_left: bool,
     /// It touched an obstacle; all are mapped.
     pub has_touched: bool,
+    /// How to repeat it.
+    pub journey: Case,
+}
+
+/// What one run drives: enough to repeat it with a world file.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Case {
+    /// The map, in `tests/maps`.
+    pub map: &'static str,
+    /// Seed of the sensors.
+    pub seed: u64,
+    /// Start, metres.
+    pub start: Point,
+    /// Heading at the start, radians.
+    pub heading_rad: f64,
+    /// Time from which the fault lasts, seconds.
+    pub from_s: f64,
 }
 
 impl Run {
@@ -130,6 +147,12 @@ impl Filled {
         self.runs.iter().filter(|run| holds(run)).count()
     }
 
+    /// The runs that are not sound.
+    pub fn failures(&self) -> impl Iterator<Item = &Run> {
+        let is_wanted = |run: &&Run| !run.is_sound() && self.row.is_judged();
+        self.runs.iter().filter(is_wanted)
+    }
+
     /// How often the robot stood for each reason.
     pub fn reasons(&self) -> BTreeMap<String, usize> {
         let mut reasons = BTreeMap::new();
@@ -154,6 +177,7 @@ impl Filled {
 
 /// A start on a map, and what the run from there does without a fault.
 struct Journey<'m> {
+    map: &'static str,
     scenario: &'m Scenario,
     sensors: SensorSettings,
     start: Start,
@@ -202,15 +226,15 @@ pub fn fill(
 impl<'m> Journey<'m> {
     /// Draws a start, and drives from there without a fault.
     fn new(
-        name: &str,
+        map: &'static str,
         scenario: &'m Scenario,
         sensors: SensorSettings,
         seed: u64,
     ) -> Result<Self, String> {
-        let position = scenario.draw_start(seed).ok_or(format!("{name}: no start is clear"))?;
+        let position = scenario.draw_start(seed).ok_or(format!("{map}: no start is clear"))?;
         let heading_rad = Random::new(seed, Stream::Obstacles).between(-PI, PI);
         let start = Start { position, heading_rad, seed, sensors };
-        let mut journey = Self { scenario, sensors, start, usual_s: UNKNOWN_S, without: None };
+        let mut journey = Self { map, scenario, sensors, start, usual_s: UNKNOWN_S, without: None };
         let (run, time_s) = journey.drive(Vec::new(), 0.0)?;
         if run.is_reached {
             journey.usual_s = time_s;
@@ -275,6 +299,13 @@ impl<'m> Journey<'m> {
                 stood: since.map(|since| (commands.reason, after_s(since))),
                 has_left,
                 has_touched: outcome.touches > 0,
+                journey: Case {
+                    map: self.map,
+                    seed: start.seed,
+                    start: start.position,
+                    heading_rad: start.heading_rad,
+                    from_s,
+                },
             };
             return Ok((run, outcome.time_s));
         }
@@ -314,7 +345,13 @@ mod tests {
 
     #[test]
     fn a_run_is_sound_if_it_arrives_or_stands_with_a_true_reason() {
-        let reached = Run { is_reached: true, stood: None, has_left: false, has_touched: false };
+        let reached = Run {
+            is_reached: true,
+            stood: None,
+            has_left: false,
+            has_touched: false,
+            journey: Case::default(),
+        };
         let stood = |reason| Run { is_reached: false, stood: Some((reason, 3.0)), ..reached };
         for (run, is_sound) in [
             (reached, true),

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::Parser;
-use harness::fault_table::{Filled, Row, fill, rows, run_count};
+use harness::fault_table::{Case, Filled, Row, Run, fill, rows, run_count};
 use indicatif::{ProgressBar, ProgressStyle};
 
 const JUDGEMENT: &str = "\
@@ -34,6 +34,9 @@ struct Arguments {
     /// Only this kind: lost, frozen, offset, delayed, garbled or intermittent
     #[arg(long, value_name = "NAME")]
     kind: Option<String>,
+    /// List the runs that are not sound, with what repeats them in a world file
+    #[arg(long)]
+    failures: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -63,7 +66,10 @@ fn main() -> ExitCode {
             return ExitCode::from(3);
         }
     };
-    let text = if arguments.json { json(&table) } else { text(&table) };
+    let mut text = if arguments.json { json(&table) } else { text(&table) };
+    if arguments.failures && !arguments.json {
+        table.iter().for_each(|filled| text += &failures(filled));
+    }
     // A closed pipe does not change the exit status.
     let _ = std::io::stdout().write_all(text.as_bytes());
     ExitCode::from(u8::from(!table.iter().all(Filled::is_sound)))
@@ -92,13 +98,33 @@ fn text(table: &[Filled]) -> String {
              {latest:>8}  {verdict:<5}  {}\n",
             filled.runs.len(),
             filled.count(|run| run.is_reached),
-            filled.count(harness::fault_table::Run::is_at_false_goal),
+            filled.count(Run::is_at_false_goal),
             filled.count(|run| run.has_left),
             filled.count(|run| run.has_touched),
             reasons.collect::<Vec<_>>().join(", "),
         );
     }
     text
+}
+
+/// A line for each run of a row that is not sound.
+fn failures(filled: &Filled) -> String {
+    let lines = filled.failures().map(|run| {
+        let Case { map, seed, start: [x, y], heading_rad, from_s } = run.journey;
+        let what = match run {
+            Run { has_touched: true, .. } => "touched an obstacle".to_owned(),
+            Run { has_left: true, .. } => "left the map".to_owned(),
+            Run { stood: Some((reason, _)), .. } => format!("stands: {reason:?}"),
+            _ => "neither arrived nor stands".to_owned(),
+        };
+        format!(
+            "{} {}: {map} --seed {seed}, start = [{x:.3}, {y:.3}], heading = {heading_rad:.3}, from = \
+             {from_s:.2}: {what}\n",
+            name(filled),
+            filled.row.kind,
+        )
+    });
+    lines.collect()
 }
 
 /// What fails in a row.
@@ -118,7 +144,7 @@ fn json(table: &[Filled]) -> String {
             "stood": filled.reasons(),
             "stood_after_s": stood_s,
             "neither": filled.count(|run| !run.is_reached && run.stood.is_none()),
-            "false_goal": filled.count(harness::fault_table::Run::is_at_false_goal),
+            "false_goal": filled.count(Run::is_at_false_goal),
             "left_map": filled.count(|run| run.has_left),
             "touched": filled.count(|run| run.has_touched),
             "judged": filled.row.is_judged(),
