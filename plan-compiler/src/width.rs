@@ -46,6 +46,8 @@ const WIDENS: f64 = 1.25;
 const WIDE: f64 = 4.0;
 /// Limits of the distance, in cells, at which the sides of a passage are searched.
 const REACH: (f64, f64) = (8.0, 512.0);
+/// Layers of at most this many cells are measured side by side.
+const AT_ONCE_CELLS: usize = 1 << 22;
 /// The robot's numbers have single precision, which loses at most half a millimetre.
 const TOLERANCE_M: f64 = 5e-4;
 
@@ -136,7 +138,12 @@ pub fn of_blob(blob: &Blob<'_>, bytes: &[u8]) -> Vec<LayerPassages> {
             passages: passages(&field, &Site { grid, solid, grown_m, need }),
         })
     };
-    layers().collect::<Vec<_>>().par_iter().filter_map(of_layer).collect()
+    let layers: Vec<_> = layers().collect();
+    // A large layer takes about 11 bytes a cell: then one at a time.
+    match grid.cells() <= AT_ONCE_CELLS {
+        true => layers.par_iter().filter_map(of_layer).collect(),
+        false => layers.iter().filter_map(of_layer).collect(),
+    }
 }
 
 /// The blocked cells of a field.

@@ -1,11 +1,13 @@
 //! How many routes pass each cell.
 
 use crate::field::{Field, GOAL, advised};
-use plan_format::Cell;
+use plan_format::{Cell, Direction};
 
 /// The routes of a field: one from each cell that has one.
 pub(super) struct Routes<'f> {
     field: &'f Field,
+    /// What each direction adds to the index of a cell.
+    steps: [isize; 8],
     /// Routes through each cell, its own included.
     through: Vec<u32>,
     /// Number of all routes.
@@ -19,7 +21,12 @@ impl<'f> Routes<'f> {
     /// Counts the routes through every cell. Cells whose advice leads in a circle, as in a damaged
     /// blob, are left out.
     pub(super) fn count(field: &'f Field) -> Self {
-        let mut routes = Self { field, through: vec![0; field.code.len()], all: 0 };
+        let columns = field.columns as isize;
+        let steps = Direction::ALL.map(|direction| {
+            let (dx, dy) = direction.step();
+            dy as isize * columns + dx as isize
+        });
+        let mut routes = Self { field, steps, through: vec![0; field.code.len()], all: 0 };
         // Neighbours whose routes have not arrived yet.
         let mut waiting = vec![0_u8; field.code.len()];
         for index in 0..field.code.len() {
@@ -51,10 +58,9 @@ impl<'f> Routes<'f> {
     /// The cell that the advice of a cell leads to.
     pub(super) fn next(&self, index: usize) -> Option<usize> {
         let direction = advised(*self.field.code.get(index)?)?;
-        let (columns, rows) = (self.field.columns, self.field.rows);
-        let at = Cell::new((index % columns as usize) as u32, (index / columns as usize) as u32);
-        let next = at.neighbour(direction, columns, rows)?;
-        Some(next.row as usize * columns as usize + next.column as usize)
+        // Advice never leads off the grid, except in a damaged blob.
+        let next = index.checked_add_signed(self.steps[direction.code() as usize])?;
+        (next < self.field.code.len()).then_some(next)
     }
 
     /// The cells with at least one in `part` of all routes, in the order of their indices.

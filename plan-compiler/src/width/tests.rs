@@ -264,6 +264,8 @@ fn a_warning_says_what_would_fit() {
     assert_eq!(said.len(), 5);
     assert!(said[4].message.ends_with("; 2 more passages are too narrow"), "{}", said[4]);
     assert!(warnings(&[layer("hall", &many)], &need(0.25)).is_empty());
+    // A passage that may be too narrow is warned of.
+    assert_eq!(warnings(&[layer("hall", &many)], &need(0.3)).len(), 5);
 }
 
 #[test]
