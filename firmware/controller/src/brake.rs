@@ -18,7 +18,7 @@ use plan_format::parameters::Vehicle;
 use robot_io::RangeReading;
 
 use crate::drive::Twist;
-use crate::obstacles::{Body, Obstacles};
+use crate::obstacles::{Body, Kind, Obstacles};
 
 /// Speeds tried in one tick. Each try halves the interval that holds the highest safe speed.
 const TRIES: usize = 4;
@@ -31,6 +31,9 @@ const ASIDE_PER_SPEED_S: f32 = 0.03;
 /// Below this speed the robot turns on the spot, m/s.
 const SPOT_MPS: f32 = 1e-3;
 
+/// Turn rates that differ by less than this describe one arc, rad/s.
+const STEADY_RADPS: f32 = 0.1;
+
 /// What the brakes need to know about the present motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moving {
@@ -42,10 +45,19 @@ pub struct Moving {
     pub age_s: f32,
 }
 
-/// Limits `wanted`. `None` if obstacles leave no motion but turning on the spot.
+/// Readings farther away than this limit no motion, metres.
+pub fn within_m(vehicle: &Vehicle, age_s: f32) -> f32 {
+    let top_mps = vehicle.max_speed_mps;
+    let stopping_m = vehicle.stopping_distance_m(top_mps) + top_mps * age_s;
+    let aside_m = ASIDE_M + ASIDE_PER_SPEED_S * top_mps;
+    vehicle.radius_m.max(vehicle.stop_distance_m) + aside_m + vehicle.stop_distance_m + stopping_m
+}
+
+/// Limits `wanted`. `ahead` are the readings nearer than [`within_m`]. `None` if obstacles leave no motion but turning on the spot.
 pub fn brake(
     vehicle: &Vehicle,
     readings: &[RangeReading],
+    ahead: &Obstacles,
     moving: &Moving,
     wanted: Twist,
 ) -> Option<Twist> {
@@ -67,23 +79,33 @@ pub fn brake(
     let aside_m = |speed_mps: f32| ASIDE_M + ASIDE_PER_SPEED_S * speed_mps;
     // A body without a radius must stop too.
     let radius_m = vehicle.radius_m.max(0.5 * vehicle.stop_distance_m);
-    let way_m = stopping_m(top_mps) + vehicle.stop_distance_m;
-    let within_m = radius_m + aside_m(top_mps) + way_m;
-    let seen = Obstacles::near(readings, within_m, is_astern);
-    if seen.is_empty() {
+    let astern;
+    let near = if is_astern {
+        astern = Obstacles::near(readings, within_m(vehicle, moving.age_s), true);
+        &astern
+    } else {
+        ahead
+    };
+    if near.is_empty() {
         return Some(wanted);
     }
-    let hidden = Obstacles::hidden(readings, within_m, is_astern);
-    let is_free = |speed_mps: f32, turn_rate_radps: f32| {
+    let bare = Body { radius_m, aside_m: 0.0 };
+    let is_free = |kind: Kind, speed_mps: f32, turn_rate_radps: f32| {
         let curvature = turn_rate_radps / speed_mps.max(SPOT_MPS);
         let length_m = stopping_m(speed_mps);
-        let body = Body { radius_m, aside_m: aside_m(speed_mps) };
-        let bare = Body { aside_m: 0.0, ..body };
-        seen.leave_free(&body, length_m + vehicle.stop_distance_m, curvature)
-            && hidden.leave_free(&bare, length_m, curvature)
+        match kind {
+            Kind::Hidden => near.leave_free(kind, &bare, length_m, curvature),
+            Kind::Seen => {
+                let body = Body { aside_m: aside_m(speed_mps), ..bare };
+                near.leave_free(kind, &body, length_m + vehicle.stop_distance_m, curvature)
+            }
+        }
     };
+    let is_steady = (now.turn_rate_radps - wanted.turn_rate_radps).abs() < STEADY_RADPS;
     let is_safe = |speed_mps: f32| {
-        is_free(speed_mps, now.turn_rate_radps) && is_free(speed_mps, wanted.turn_rate_radps)
+        is_free(Kind::Seen, speed_mps, wanted.turn_rate_radps)
+            && is_free(Kind::Hidden, speed_mps, wanted.turn_rate_radps)
+            && (is_steady || is_free(Kind::Seen, speed_mps, now.turn_rate_radps))
     };
     if is_safe(top_mps) {
         return Some(wanted);

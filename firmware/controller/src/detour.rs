@@ -21,7 +21,6 @@
 
 use math::{Vec2, scalar, vector};
 use plan_format::parameters::Vehicle;
-use robot_io::RangeReading;
 use serde::{Deserialize, Serialize};
 
 use crate::obstacles::{Body, Obstacles};
@@ -106,8 +105,8 @@ pub struct Situation<'p> {
     pub way_m: f32,
     /// The vehicle.
     pub vehicle: &'p Vehicle,
-    /// The range readings.
-    pub readings: &'p [RangeReading],
+    /// What is near.
+    pub near: &'p Obstacles,
     /// Begin a detour after this time without progress, microseconds.
     pub patience_us: u32,
 }
@@ -123,8 +122,7 @@ impl Detours {
         let vehicle = situation.vehicle;
         let body = Body { radius_m: vehicle.radius_m, aside_m: ASIDE_M };
         let length_m = vehicle.radius_m;
-        let within_m = vehicle.radius_m + ASIDE_M + length_m;
-        let near = Obstacles::near(situation.readings, within_m, false);
+        let near = situation.near;
         let is_open = |direction: Vec2| near.leave_open(&body, length_m, direction);
         let ahead = wanted / length;
         let is_ahead_open = near.is_empty() || is_open(ahead);

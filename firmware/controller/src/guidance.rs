@@ -4,7 +4,7 @@ use advice::{Advice, Choice, Kind, advise};
 use math::{Vec2, scalar, vector};
 use plan_format::grid::STRAIGHT_STEP;
 use plan_format::parameters::{Blend, Gains, OnTrouble};
-use plan_format::{Blob, Direction, ParallelPlan, Step};
+use plan_format::{Blob, Cell, Direction, ParallelPlan, Step};
 use robot_io::Reason;
 
 /// What the schemas need from plan and goal in one tick.
@@ -156,17 +156,17 @@ fn ahead(blob: &Blob<'_>, plan: &ParallelPlan<'_>, advice: &Advice, position: Ve
     let one_step = schemas::follow_plan(advice.direction);
     let parameters = blob.parameters();
     let layer = advice.layer.and_then(|index| plan.layer(usize::from(index)));
-    let (Some(mut cell), Some(layer), Kind::Move, Blend::Route) =
+    let (Some(start), Some(layer), Kind::Move, Blend::Route) =
         (blob.cell_at(position), layer, advice.kind, parameters.blend)
     else {
         return one_step;
     };
     let grid = blob.grid();
-    let cells = parameters.schemas.look_ahead_m / grid.resolution_m as f32;
+    let resolution_m = grid.resolution_m as f32;
+    let cells = parameters.schemas.look_ahead_m / resolution_m;
     let is_coarse = cells < FEWEST_CELLS_AHEAD as f32;
     let count = scalar::clamp(cells, FEWEST_CELLS_AHEAD as f32, MOST_CELLS_AHEAD) as u32;
-    let mut next = advice.direction;
-    let mut near = cell;
+    let (mut cell, mut near, mut next) = (start, start, advice.direction);
     for step in 1..=count {
         let target = next.and_then(|step| cell.neighbour(step, grid.columns, grid.rows));
         let Some(target) = target else { break };
@@ -179,11 +179,22 @@ fn ahead(blob: &Blob<'_>, plan: &ParallelPlan<'_>, advice: &Advice, position: Ve
             _ => None,
         };
     }
-    let to = |cell| Vec2::from(grid.centre(cell).map(|metres| metres as f32)) - position;
+    // In cells from the centre of the robot's own, so that single precision is enough.
+    let centre = Vec2::from(grid.centre(start).map(|metres| metres as f32));
+    let here = (position - centre) / resolution_m;
+    let to = |cell: Cell| {
+        let cells = |to: u32, from: u32| (i64::from(to) - i64::from(from)) as f32;
+        Vec2::new(cells(cell.column, start.column), cells(cell.row, start.row)) - here
+    };
     let line = to(cell);
     let is_free = |quarter: u32| {
-        let on_the_line = blob.cell_at(position + line * (quarter as f32 * 0.25));
-        on_the_line.is_some_and(|cell| matches!(layer.step(cell), Step::Move(_) | Step::Goal))
+        let point = here + line * (quarter as f32 * 0.25);
+        let along = |start: u32, cells: f32| {
+            u32::try_from(i64::from(start) + i64::from(scalar::floor(cells + 0.5) as i32))
+        };
+        let (column, row) = (along(start.column, point.x), along(start.row, point.y));
+        let (Ok(column), Ok(row)) = (column, row) else { return false };
+        matches!(layer.step(Cell::new(column, row)), Step::Move(_) | Step::Goal)
     };
     let is_safe = !is_coarse || (1..4).all(is_free);
     vector::unit(if is_safe { line } else { to(near) })

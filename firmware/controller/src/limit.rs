@@ -5,8 +5,9 @@ use plan_format::parameters::{Steering, Vehicle};
 use robot_io::{Commands, Percepts, Reason};
 use serde::{Deserialize, Serialize};
 
-use crate::brake::{Moving, brake};
+use crate::brake::{Moving, brake, within_m};
 use crate::drive::Twist;
+use crate::obstacles::Obstacles;
 use crate::ranges::RangeTrust;
 
 /// After a longer pause between ticks the robot has braked no longer than this, microseconds.

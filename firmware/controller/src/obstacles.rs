@@ -18,102 +18,49 @@ const TOUCH_M: f32 = 0.005;
 /// length times half of this.
 const STRAIGHT_RAD: f32 = 0.01;
 
-/// Sectors of the range finder; each reports its nearest obstacle only.
+/// Angle of a sector of the range finder, which reports its nearest obstacle only. The first one is
+/// centred ahead.
 const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
 
-/// Points that limit the motion of a tick, metres, x straight ahead, y to the left.
+/// Directions of the edges of the sectors 0 to 8 that are nearer to straight ahead, on the left.
+const EDGES: [Vec2; MAX_RANGES / 2 + 1] = [
+    Vec2::new(1.0, 0.0),
+    Vec2::new(0.98078528, 0.19509032),
+    Vec2::new(0.83146961, 0.55557023),
+    Vec2::new(0.55557023, 0.83146961),
+    Vec2::new(0.19509032, 0.98078528),
+    Vec2::new(-0.19509032, 0.98078528),
+    Vec2::new(-0.55557023, 0.83146961),
+    Vec2::new(-0.83146961, 0.55557023),
+    Vec2::new(-0.98078528, 0.19509032),
+];
+
+/// What limits the motion of a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Obstacles {
-    points: [Vec2; MAX_RANGES],
+    points: [Point; MAX_RANGES],
     count: usize,
 }
 
-impl Obstacles {
-    /// The readings nearer than `within_m`, for motion ahead; with `is_astern`, for motion astern:
-    /// the axes are turned by half a turn.
-    pub fn near(readings: &[RangeReading], within_m: f32, is_astern: bool) -> Self {
-        Self::collect(readings, within_m, |reading| {
-            let direction = vector::from_angle(reading.bearing_rad);
-            if is_astern { -direction } else { direction }
-        })
-    }
+/// A reading as points, metres, x straight ahead, y to the left.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    /// The obstacle that was read.
+    seen: Vec2,
+    /// Where the reading may hide another one: a sector reports its nearest obstacle, and one that
+    /// is as near but closer to the way ahead stays unseen.
+    hidden: Vec2,
+    /// Their distance from the body's centre.
+    distance_m: f32,
+}
 
-    /// Where the readings may hide an obstacle: a sector reports its nearest obstacle, and another
-    /// one, as near but closer to the way ahead, stays unseen. The arguments are those of
-    /// [`Obstacles::near`].
-    pub fn hidden(readings: &[RangeReading], within_m: f32, is_astern: bool) -> Self {
-        Self::collect(readings, within_m, |reading| {
-            let turned_rad = if is_astern { scalar::PI } else { 0.0 };
-            let bearing_rad = scalar::wrap_angle(reading.bearing_rad + turned_rad);
-            let sector = scalar::floor(bearing_rad.abs() / SECTOR_RAD + 0.5);
-            let edge_rad = ((sector - 0.5) * SECTOR_RAD).max(0.0);
-            vector::from_angle(if bearing_rad < 0.0 { -edge_rad } else { edge_rad })
-        })
-    }
-
-    fn collect(
-        readings: &[RangeReading],
-        within_m: f32,
-        direction: impl Fn(&RangeReading) -> Vec2,
-    ) -> Self {
-        let mut near = Self { points: [Vec2::zeros(); MAX_RANGES], count: 0 };
-        let close = readings.iter().filter(|reading| reading.distance_m < within_m);
-        for (point, reading) in near.points.iter_mut().zip(close) {
-            *point = direction(reading) * reading.distance_m.max(LEAST_DISTANCE_M);
-            near.count += 1;
-        }
-        near
-    }
-
-    /// Whether there is nothing near.
-    pub fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
-    fn points(&self) -> &[Vec2] {
-        self.points.get(..self.count).unwrap_or_default()
-    }
-
-    /// Whether a body that drives `length_m` straight in a direction of length 1
-    /// touches nothing.
-    pub fn leave_open(&self, body: &Body, length_m: f32, direction: Vec2) -> bool {
-        self.points().iter().all(|point| {
-            let along_m = point.dot(&direction);
-            if along_m <= 0.0 {
-                return true;
-            }
-            let aside_m = point.x * direction.y - point.y * direction.x;
-            let beyond_m = (along_m - length_m).max(0.0);
-            aside_m * aside_m + beyond_m * beyond_m >= body.room(point)
-        })
-    }
-
-    /// Whether a body that drives `length_m` ahead touches nothing on an arc of this
-    /// curvature, 1/m, positive to the left. Arcs of more than half a turn count as whole circles.
-    pub fn leave_free(&self, body: &Body, length_m: f32, curvature_per_m: f32) -> bool {
-        let turned_rad = length_m * curvature_per_m.abs();
-        if turned_rad < STRAIGHT_RAD {
-            return self.leave_open(body, length_m, Vec2::new(1.0, 0.0));
-        }
-        let arc_m = 1.0 / curvature_per_m.abs();
-        let is_circle = turned_rad >= scalar::PI;
-        let end = vector::from_angle(turned_rad);
-        self.points().iter().all(|point| {
-            let to_the_inside_m = if curvature_per_m < 0.0 { -point.y } else { point.y };
-            // The point about the arc's centre: the arc begins at (0, arc) and ends at
-            // arc x (sin, cos) of the turn.
-            let about = Vec2::new(point.x, arc_m - to_the_inside_m);
-            let room = body.room(point);
-            let is_abreast = about.x >= 0.0 && end.y * about.y - end.x * about.x >= 0.0;
-            if is_circle || is_abreast {
-                let (distance, reach_m) = (about.norm_squared(), scalar::sqrt(room));
-                let (inner_m, outer_m) = ((arc_m - reach_m).max(0.0), arc_m + reach_m);
-                distance <= inner_m * inner_m || distance >= outer_m * outer_m
-            } else {
-                (about - Vec2::new(end.y, end.x) * arc_m).norm_squared() >= room
-            }
-        })
-    }
+/// Which points of the readings count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Obstacles that were read.
+    Seen,
+    /// Obstacles that the readings may hide.
+    Hidden,
 }
 
 /// A round body and the distance that it keeps from what it passes.
@@ -126,14 +73,104 @@ pub struct Body {
 }
 
 impl Body {
-    /// Square of the distance that the body's centre must keep from a point on its way.
-    fn room(&self, point: &Vec2) -> f32 {
+    /// The distance that the body's centre must keep from a point that is now `distance_m` away.
+    fn reach_m(&self, distance_m: f32) -> f32 {
         let wide_m = self.radius_m + self.aside_m;
+        if KEPT * distance_m >= wide_m {
+            return wide_m;
+        }
         let touch_m = wide_m.min(self.radius_m + TOUCH_M);
-        let distance = point.norm_squared();
         // A point at the body's side stays free in spite of rounding.
-        let kept = (KEPT * KEPT * distance).max((touch_m * touch_m).min(0.9999 * distance));
-        (wide_m * wide_m).min(kept)
+        wide_m.min((KEPT * distance_m).max(touch_m.min(0.9999 * distance_m)))
+    }
+}
+
+impl Obstacles {
+    /// The readings nearer than `within_m`, for motion ahead; with `is_astern`, for motion astern:
+    /// the axes are turned by half a turn.
+    pub fn near(readings: &[RangeReading], within_m: f32, is_astern: bool) -> Self {
+        let nothing = Point { seen: Vec2::zeros(), hidden: Vec2::zeros(), distance_m: 0.0 };
+        let mut near = Self { points: [nothing; MAX_RANGES], count: 0 };
+        let close = readings.iter().filter(|reading| reading.distance_m < within_m);
+        for (point, reading) in near.points.iter_mut().zip(close) {
+            let distance_m = reading.distance_m.max(LEAST_DISTANCE_M);
+            let turned_rad = if is_astern { scalar::PI } else { 0.0 };
+            let bearing_rad = scalar::wrap_angle(reading.bearing_rad + turned_rad);
+            let sector = (bearing_rad.abs() / SECTOR_RAD + 0.5) as usize;
+            let edge = EDGES.get(sector).copied().unwrap_or_default();
+            let aside = if bearing_rad < 0.0 { -edge.y } else { edge.y };
+            *point = Point {
+                seen: vector::from_angle(bearing_rad) * distance_m,
+                hidden: Vec2::new(edge.x, aside) * distance_m,
+                distance_m,
+            };
+            near.count += 1;
+        }
+        near
+    }
+
+    /// Whether there is nothing near.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    fn points(&self, kind: Kind) -> impl Iterator<Item = (Vec2, f32)> {
+        let points = self.points.get(..self.count).unwrap_or_default();
+        points.iter().map(move |point| match kind {
+            Kind::Seen => (point.seen, point.distance_m),
+            Kind::Hidden => (point.hidden, point.distance_m),
+        })
+    }
+
+    /// Whether a body that drives `length_m` straight in a direction of length 1 touches nothing
+    /// that was read.
+    pub fn leave_open(&self, body: &Body, length_m: f32, direction: Vec2) -> bool {
+        let nearest_m = length_m + body.radius_m + body.aside_m;
+        self.points(Kind::Seen).all(|(point, distance_m)| {
+            let along_m = point.dot(&direction);
+            if along_m <= 0.0 || distance_m >= nearest_m {
+                return true;
+            }
+            let aside_m = point.x * direction.y - point.y * direction.x;
+            let beyond_m = (along_m - length_m).max(0.0);
+            let reach_m = body.reach_m(distance_m);
+            aside_m * aside_m + beyond_m * beyond_m >= reach_m * reach_m
+        })
+    }
+
+    /// Whether a body that drives `length_m` ahead touches nothing on an arc of this curvature,
+    /// 1/m, positive to the left. Arcs of more than half a turn count as whole circles.
+    pub fn leave_free(&self, kind: Kind, body: &Body, length_m: f32, curvature_per_m: f32) -> bool {
+        let turned_rad = length_m * curvature_per_m.abs();
+        let nearest_m = length_m + body.radius_m + body.aside_m;
+        let is_straight = turned_rad < STRAIGHT_RAD;
+        let is_circle = turned_rad >= scalar::PI;
+        let arc_m = if is_straight { 0.0 } else { 1.0 / curvature_per_m.abs() };
+        let end = if is_straight { Vec2::new(1.0, 0.0) } else { vector::from_angle(turned_rad) };
+        self.points(kind).all(|(point, distance_m)| {
+            // No point of the way is farther from here than its length.
+            if distance_m >= nearest_m || point.x <= 0.0 && turned_rad < 0.5 * scalar::PI {
+                return true;
+            }
+            let reach_m = body.reach_m(distance_m);
+            if is_straight {
+                let beyond_m = (point.x - length_m).max(0.0);
+                return point.y * point.y + beyond_m * beyond_m >= reach_m * reach_m;
+            }
+            let to_the_inside_m = if curvature_per_m < 0.0 { -point.y } else { point.y };
+            // The point about the arc's centre: the arc begins at (0, arc) and ends at
+            // arc x (sin, cos) of the turn.
+            let about = Vec2::new(point.x, arc_m - to_the_inside_m);
+            let is_abreast = about.x >= 0.0 && end.y * about.y - end.x * about.x >= 0.0;
+            if is_circle || is_abreast {
+                let distance = about.norm_squared();
+                let (inner_m, outer_m) = ((arc_m - reach_m).max(0.0), arc_m + reach_m);
+                distance <= inner_m * inner_m || distance >= outer_m * outer_m
+            } else {
+                let from_end = about - Vec2::new(end.y, end.x) * arc_m;
+                from_end.norm_squared() >= reach_m * reach_m
+            }
+        })
     }
 }
 
@@ -172,7 +209,7 @@ mod tests {
         ] {
             let obstacles = at(&[point]);
             assert_eq!(
-                obstacles.leave_free(&body(0.5), length_m, 0.0),
+                obstacles.leave_free(Kind::Seen, &body(0.5), length_m, 0.0),
                 is_open,
                 "{point:?} {length_m}"
             );
@@ -182,15 +219,15 @@ mod tests {
     #[test]
     fn an_arc_passes_what_a_straight_way_meets() {
         // An obstacle straight ahead, and one where the arc leads.
-        assert!(!at(&[(1.5, 0.0)]).leave_free(&body(0.3), 1.5, 0.0));
-        assert!(at(&[(1.5, 0.0)]).leave_free(&body(0.3), 1.5, 1.0));
-        assert!(!at(&[(1.0, 1.0)]).leave_free(&body(0.3), 1.5, 1.0));
-        assert!(at(&[(1.0, 1.0)]).leave_free(&body(0.3), 1.5, -1.0));
-        assert!(!at(&[(1.0, -1.0)]).leave_free(&body(0.3), 1.5, -1.0));
+        assert!(!at(&[(1.5, 0.0)]).leave_free(Kind::Seen, &body(0.3), 1.5, 0.0));
+        assert!(at(&[(1.5, 0.0)]).leave_free(Kind::Seen, &body(0.3), 1.5, 1.0));
+        assert!(!at(&[(1.0, 1.0)]).leave_free(Kind::Seen, &body(0.3), 1.5, 1.0));
+        assert!(at(&[(1.0, 1.0)]).leave_free(Kind::Seen, &body(0.3), 1.5, -1.0));
+        assert!(!at(&[(1.0, -1.0)]).leave_free(Kind::Seen, &body(0.3), 1.5, -1.0));
         // A turn on the spot meets nothing outside the body.
-        assert!(at(&[(0.4, 0.0), (0.0, 0.4)]).leave_free(&body(0.3), 0.0, 1e3));
+        assert!(at(&[(0.4, 0.0), (0.0, 0.4)]).leave_free(Kind::Seen, &body(0.3), 0.0, 1e3));
         // A circle meets what lies behind.
-        assert!(!at(&[(0.0, 2.0)]).leave_free(&body(0.3), 6.3, 1.0));
+        assert!(!at(&[(0.0, 2.0)]).leave_free(Kind::Seen, &body(0.3), 6.3, 1.0));
     }
 
     #[test]
@@ -198,12 +235,12 @@ mod tests {
         let reading =
             |degrees: f32| RangeReading { bearing_rad: degrees.to_radians(), distance_m: 1.0 };
         for (degrees, edge) in [(5.0, 0.0), (30.0, 11.25), (-30.0, -11.25), (80.0, 78.75)] {
-            let hidden = Obstacles::hidden(&[reading(degrees)], 2.0, false);
-            let found = vector::angle(hidden.points[0]).to_degrees();
+            let hidden = Obstacles::near(&[reading(degrees)], 2.0, false);
+            let found = vector::angle(hidden.points[0].hidden).to_degrees();
             assert!((found - edge).abs() < 0.2, "{degrees}: {found}");
         }
-        let astern = Obstacles::hidden(&[reading(150.0)], 2.0, true);
-        let found = vector::angle(astern.points[0]).to_degrees();
+        let astern = Obstacles::near(&[reading(150.0)], 2.0, true);
+        let found = vector::angle(astern.points[0].hidden).to_degrees();
         assert!((found + 11.25).abs() < 0.2, "{found}");
     }
 
@@ -217,7 +254,7 @@ mod tests {
         ) {
             let point = Vec2::new(x, y);
             prop_assume!(vector::length(point) > radius_m + 0.01);
-            let is_free = at(&[(x, y)]).leave_free(&body(radius_m), length_m, curvature);
+            let is_free = at(&[(x, y)]).leave_free(Kind::Seen, &body(radius_m), length_m, curvature);
             let mut nearest = f32::INFINITY;
             for step in 0..=200 {
                 let turn = length_m * step as f32 / 200.0 * curvature;

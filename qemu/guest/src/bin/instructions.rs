@@ -51,6 +51,7 @@ mod counts {
         println!("blob-validation {validation}");
         println!("look-up-worst {}", worst_look_up(&blob, &layer, counter, overhead));
         println!("tick-8-obstacles-worst {}", worst_tick(&blob, &parallel, counter, overhead));
+        println!("tick-crowded-worst {}", crowded_tick(&blob, &parallel, counter, overhead));
         println!("tick-stack-bytes {}", tick_stack(&blob, &parallel));
         println!("control-state-bytes {}", size_of::<State>());
         println!("plan-view-bytes {}", size_of::<Blob<'_>>());
@@ -139,6 +140,38 @@ mod counts {
         worst
     }
 
+    /// Most instructions of a whole tick among obstacles that close almost every way: brakes and
+    /// detours try all that they may try.
+    fn crowded_tick(
+        blob: &Blob<'_>,
+        parallel: &ParallelPlan<'_>,
+        counter: Counter,
+        overhead: u32,
+    ) -> u32 {
+        let start = start(blob, parallel);
+        let mut state = State::new(blob);
+        let mut worst = 0;
+        for tick in 0..TICKS {
+            let percepts = crowded(percepts(blob, start, tick), tick);
+            let mark = counter.mark();
+            let commands = controller::tick(black_box(blob), &mut state, black_box(&percepts));
+            worst = worst.max(counter.since(mark) - overhead);
+            black_box(commands);
+        }
+        worst
+    }
+
+    /// The percepts with an obstacle near the body in every sector, which breathe in and out.
+    fn crowded(percepts: Percepts, tick: u64) -> Percepts {
+        let gap_m = 0.02 + 0.6 * wave(tick, 41);
+        let ranges = (0..16).map(|sector| RangeReading {
+            bearing_rad: math::scalar::wrap_angle(sector as f32 * (math::scalar::TAU / 16.0)),
+            distance_m: 0.4 + gap_m + 0.3 * wave(tick * 7 + sector * 5, 13),
+        });
+        let turn_rate_radps = Some(2.0 * wave(tick, 17) - 1.0);
+        Percepts { ranges: ranges.collect(), speed_mps: Some(1.6), turn_rate_radps, ..percepts }
+    }
+
     /// Most instructions and most bytes of stack of whole ticks in which behaviours alternate.
     fn with_behaviours(
         blob: &Blob<'_>,
@@ -151,11 +184,15 @@ mod counts {
         let (mut worst, mut deepest) = (0, 0);
         for tick in 0..BEHAVING_TICKS {
             let percepts = percepts(blob, start, tick);
+            let percepts = if tick % 2 == 0 { percepts } else { crowded(percepts, tick) };
             let mut copy = state.clone();
             let mark = counter.mark();
             let commands = controller::tick(black_box(blob), &mut state, black_box(&percepts));
             let instructions = counter.since(mark) - overhead;
-            assert!(commands.reason == Reason::Driving, "a counted tick is a whole tick");
+            assert!(
+                matches!(commands.reason, Reason::Driving | Reason::ObstacleStop),
+                "a counted tick is a whole tick"
+            );
             if instructions > worst {
                 worst = instructions;
                 deepest = deepest.max(guest::memory::stack_bytes_of(|| {
