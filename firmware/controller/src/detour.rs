@@ -122,10 +122,10 @@ impl Detours {
         let vehicle = situation.vehicle;
         let body = Body { radius_m: vehicle.radius_m, aside_m: ASIDE_M };
         let length_m = vehicle.radius_m;
-        let near = situation.near;
-        let is_open = |direction: Vec2| near.leave_open(&body, length_m, direction);
+        let openings = situation.near.openings(&body, length_m);
+        let is_open = |direction: Vec2| openings.contain(direction);
         let ahead = wanted / length;
-        let is_ahead_open = near.is_empty() || is_open(ahead);
+        let is_ahead_open = is_open(ahead);
         self.advance(situation, is_ahead_open);
         let (chosen, rule) = match self.under_way {
             None if is_ahead_open => return (wanted, Rule::None),

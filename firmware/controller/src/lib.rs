@@ -142,6 +142,7 @@ pub mod stuck;
 use behave::Intent;
 use behaviour::Behaviours;
 use math::{Vec2, vector};
+use obstacles::Obstacles;
 use plan_format::Blob;
 use plan_format::parameters::Vehicle;
 use robot_io::{Checks, Commands, Percepts, Reason};
@@ -234,13 +235,17 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let position = sensed.position.ok();
     let intent = behave::behave(blob, &mut state.behaviours, &percepts, position, &mut report);
     let vehicle = intent.constrained(&blob.parameters().vehicle);
-    let decided = decide(blob, &vehicle, state, &percepts, &sensed, &intent);
+    let within_m = brake::within_m(&vehicle, sensed.ranges.age_s());
+    let near = Obstacles::near(&percepts.ranges, within_m, false);
+    let decided = decide(blob, &vehicle, state, &percepts, &sensed, &intent, &near);
     let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));
     let wanted = intent.with_outputs(wanted);
     let vehicle = state.arming.limited(&vehicle);
-    let limited = limit::limit(&vehicle, &percepts, &sensed.ranges, &mut state.motion, wanted);
+    let now = state.motion.now(&percepts, sensed.ranges.age_s());
+    let limited = limit::limit(&vehicle, &percepts, &near, &now, wanted);
     let commands = state.arming.explained(limited, &wanted, &percepts);
     state.track.commanded(&commands);
+    state.motion.commanded(percepts.time_us, &commands);
     state.stuck.update(&sensed, &commands, blob.parameters());
     Explanation { commands, sensed, report, blend }
 }
@@ -254,6 +259,7 @@ fn decide(
     percepts: &Percepts,
     sensed: &sense::Sensed,
     intent: &Intent,
+    near: &Obstacles,
 ) -> Result<(Commands, Option<Blend>), Reason> {
     use plan_format::parameters::Blend::{Paper, Route};
     let parameters = blob.parameters();
@@ -303,7 +309,7 @@ fn decide(
             goal: guidance.goal,
             way_m: guidance.way_m,
             vehicle,
-            readings: &percepts.ranges,
+            near,
             patience_us: schema.detour_after_us,
         };
         state.detours.choose(&situation, ahead)

@@ -5,10 +5,9 @@ use plan_format::parameters::{Steering, Vehicle};
 use robot_io::{Commands, Percepts, Reason};
 use serde::{Deserialize, Serialize};
 
-use crate::brake::{Moving, brake, within_m};
+use crate::brake::{Moving, brake};
 use crate::drive::Twist;
 use crate::obstacles::Obstacles;
-use crate::ranges::RangeTrust;
 
 /// After a longer pause between ticks the robot has braked no longer than this, microseconds.
 const LONGEST_STEP_US: u64 = 200_000;
@@ -22,19 +21,21 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// The present motion: measured, or else as commanded.
-    fn now(&self, percepts: &Percepts, trust: &RangeTrust) -> Moving {
-        let seconds = |us: u64| us as u32 as f32 * 1e-6;
-        let elapsed_us = percepts.time_us.saturating_sub(self.time_us);
+    /// The present motion: measured, or else as commanded. `age_s` is that of the range readings,
+    /// seconds.
+    pub fn now(&self, percepts: &Percepts, age_s: f32) -> Moving {
+        let elapsed_us = percepts.time_us.saturating_sub(self.time_us).min(LONGEST_STEP_US);
         let twist = Twist {
             speed_mps: percepts.speed_mps.unwrap_or(self.speed_mps),
             turn_rate_radps: percepts.turn_rate_radps.unwrap_or(self.turn_rate_radps),
         };
-        let age_s = match trust {
-            RangeTrust::Fresh { age_us } => seconds(u64::from(*age_us)),
-            _ => 0.0,
-        };
-        Moving { twist, elapsed_s: seconds(elapsed_us.min(LONGEST_STEP_US)), age_s }
+        Moving { twist, elapsed_s: elapsed_us as u32 as f32 * 1e-6, age_s }
+    }
+
+    /// Remembers the commands that leave a tick.
+    pub fn commanded(&mut self, time_us: u64, commands: &Commands) {
+        let Commands { speed_mps, turn_rate_radps, .. } = *commands;
+        *self = Self { time_us, speed_mps, turn_rate_radps };
     }
 }
 
@@ -49,39 +50,28 @@ impl Motion {
 ///
 /// ```
 /// use controller::limit::{Motion, limit};
-/// use controller::ranges::RangeTrust;
+/// use controller::obstacles::Obstacles;
 /// use robot_io::{Commands, Operator, Percepts, RangeReading, Reason};
 /// let vehicle = plan_format::Parameters::default().vehicle;
 /// let wanted = Commands { speed_mps: 1.0, ..Commands::stop(Reason::Driving) };
 /// let operator = Operator { is_armed: true, ..Operator::default() };
-/// let mut percepts = Percepts { operator, ..Percepts::default() };
+/// let percepts = Percepts { operator, ..Percepts::default() };
+/// let now = Motion::default().now(&percepts, 0.0);
 /// // The body has a radius of 0.3 m, brakes with 2 m/s^2 and stops 2 cm before an obstacle.
 /// for (distance_m, low, high) in [(0.8, 1.0, 1.0), (0.5, 0.4, 0.8), (0.32, 0.0, 0.0)] {
 ///     let obstacle = RangeReading { bearing_rad: 0.0, distance_m };
-///     percepts.ranges = [obstacle].into_iter().collect();
-///     let (mut motion, trust) = (Motion::default(), RangeTrust::Fresh { age_us: 0 });
-///     let speed_mps = limit(&vehicle, &percepts, &trust, &mut motion, wanted).speed_mps;
+///     let near = Obstacles::near(&[obstacle], 5.0, false);
+///     let speed_mps = limit(&vehicle, &percepts, &near, &now, wanted).speed_mps;
 ///     assert!((low..=high).contains(&speed_mps), "{distance_m}: {speed_mps}");
 /// }
 /// ```
 pub fn limit(
     vehicle: &Vehicle,
     percepts: &Percepts,
-    trust: &RangeTrust,
-    motion: &mut Motion,
+    near: &Obstacles,
+    now: &Moving,
     wanted: Commands,
 ) -> Commands {
-    let moving = motion.now(percepts, trust);
-    let commands = limited(vehicle, percepts, &moving, wanted);
-    *motion = Motion {
-        time_us: percepts.time_us,
-        speed_mps: commands.speed_mps,
-        turn_rate_radps: commands.turn_rate_radps,
-    };
-    commands
-}
-
-fn limited(vehicle: &Vehicle, percepts: &Percepts, moving: &Moving, wanted: Commands) -> Commands {
     let operator = &percepts.operator;
     if operator.is_emergency_stop {
         return Commands::stop(Reason::EmergencyStop);
@@ -100,7 +90,8 @@ fn limited(vehicle: &Vehicle, percepts: &Percepts, moving: &Moving, wanted: Comm
     }
     let wanted = bounded(vehicle, wanted);
     let Commands { speed_mps, turn_rate_radps, .. } = wanted;
-    let braked = brake(vehicle, &percepts.ranges, moving, Twist { speed_mps, turn_rate_radps });
+    let twist = Twist { speed_mps, turn_rate_radps };
+    let braked = brake(vehicle, &percepts.ranges, near, now, twist);
     let limited = match braked {
         Some(Twist { speed_mps, turn_rate_radps }) => {
             Commands { speed_mps, turn_rate_radps, ..wanted }
@@ -133,6 +124,7 @@ mod tests {
     extern crate std;
 
     use super::*;
+    use crate::brake::within_m;
     use plan_format::Parameters;
     use robot_io::{Manual, Operator, RangeReading};
     use std::format;
@@ -152,8 +144,8 @@ mod tests {
 
     /// Limits the commands of a robot that has just begun to drive them.
     fn limit(vehicle: &Vehicle, percepts: &Percepts, wanted: Commands) -> Commands {
-        let trust = RangeTrust::Fresh { age_us: 0 };
-        super::limit(vehicle, percepts, &trust, &mut Motion::default(), wanted)
+        let near = Obstacles::near(&percepts.ranges, within_m(vehicle, 0.0), false);
+        super::limit(vehicle, percepts, &near, &Motion::default().now(percepts, 0.0), wanted)
     }
 
     /// The body has a radius of 0.3 m, the stop distance is 0.3 m.

@@ -63,6 +63,23 @@ pub enum Kind {
     Hidden,
 }
 
+/// The directions that obstacles leave open.
+#[derive(Clone, Copy, Debug)]
+pub struct Openings {
+    /// Directions to obstacles, of length 1, each with the cosine of the angle that it closes to
+    /// either side.
+    closed: [(Vec2, f32); MAX_RANGES],
+    count: usize,
+}
+
+impl Openings {
+    /// Whether a direction of length 1 is open.
+    pub fn contain(&self, direction: Vec2) -> bool {
+        let closed = self.closed.get(..self.count).unwrap_or_default();
+        closed.iter().all(|(obstacle, cosine)| obstacle.dot(&direction) <= *cosine)
+    }
+}
+
 /// A round body and the distance that it keeps from what it passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
@@ -94,8 +111,11 @@ impl Obstacles {
         let close = readings.iter().filter(|reading| reading.distance_m < within_m);
         for (point, reading) in near.points.iter_mut().zip(close) {
             let distance_m = reading.distance_m.max(LEAST_DISTANCE_M);
-            let turned_rad = if is_astern { scalar::PI } else { 0.0 };
-            let bearing_rad = scalar::wrap_angle(reading.bearing_rad + turned_rad);
+            let bearing_rad = if is_astern {
+                scalar::wrap_angle(reading.bearing_rad + scalar::PI)
+            } else {
+                reading.bearing_rad
+            };
             let sector = (bearing_rad.abs() / SECTOR_RAD + 0.5) as usize;
             let edge = EDGES.get(sector).copied().unwrap_or_default();
             let aside = if bearing_rad < 0.0 { -edge.y } else { edge.y };
@@ -122,20 +142,26 @@ impl Obstacles {
         })
     }
 
-    /// Whether a body that drives `length_m` straight in a direction of length 1 touches nothing
-    /// that was read.
-    pub fn leave_open(&self, body: &Body, length_m: f32, direction: Vec2) -> bool {
+    /// The directions in which a body can drive `length_m` without touching what was read.
+    pub fn openings(&self, body: &Body, length_m: f32) -> Openings {
+        let mut closed = [(Vec2::zeros(), 0.0); MAX_RANGES];
+        let mut count = 0;
         let nearest_m = length_m + body.radius_m + body.aside_m;
-        self.points(Kind::Seen).all(|(point, distance_m)| {
-            let along_m = point.dot(&direction);
-            if along_m <= 0.0 || distance_m >= nearest_m {
-                return true;
-            }
-            let aside_m = point.x * direction.y - point.y * direction.x;
-            let beyond_m = (along_m - length_m).max(0.0);
+        let close = self.points(Kind::Seen).filter(|(_, distance_m)| *distance_m < nearest_m);
+        for (slot, (point, distance_m)) in closed.iter_mut().zip(close) {
             let reach_m = body.reach_m(distance_m);
-            aside_m * aside_m + beyond_m * beyond_m >= reach_m * reach_m
-        })
+            // The body comes nearest to the point beside it, or at the end of its way.
+            let along_m = scalar::sqrt(distance_m * distance_m - reach_m * reach_m);
+            let cosine = if along_m <= length_m {
+                along_m / distance_m
+            } else {
+                let (far, end) = (distance_m * distance_m, length_m * length_m);
+                (far + end - reach_m * reach_m) / (2.0 * distance_m * length_m)
+            };
+            *slot = (point / distance_m, cosine);
+            count += 1;
+        }
+        Openings { closed, count }
     }
 
     /// Whether a body that drives `length_m` ahead touches nothing on an arc of this curvature,

@@ -32,6 +32,14 @@ pub enum RangeTrust {
 }
 
 impl RangeTrust {
+    /// Age of the readings, seconds; 0 where there are none to trust.
+    pub const fn age_s(self) -> f32 {
+        match self {
+            Self::Fresh { age_us } => age_us as f32 * 1e-6,
+            Self::Absent | Self::Silent | Self::Faulty => 0.0,
+        }
+    }
+
     /// The reason to stand still; `None` if the robot may drive.
     pub const fn reason(self) -> Option<Reason> {
         match self {
