@@ -10,6 +10,7 @@
 pub(crate) mod brakes;
 pub(crate) mod follow;
 mod given;
+mod key;
 pub mod keys;
 mod masks;
 mod place;
