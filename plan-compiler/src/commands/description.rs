@@ -19,13 +19,13 @@ pub(super) struct Description<'b> {
     raw_bytes: u64,
     /// Width that the robot needs between obstacles.
     needed_width_m: f64,
-    drive: Drive,
+    drive: Driving,
     plans: Vec<Parallel<'b>>,
 }
 
 /// How the robot drives, and what would follow from its body.
 #[derive(Serialize)]
-struct Drive {
+struct Driving {
     blend: &'static str,
     radius_m: f64,
     max_speed_mps: f64,
@@ -49,11 +49,11 @@ struct Following {
     look_ahead_m: f64,
 }
 
-fn drive(parameters: &Parameters) -> Drive {
+fn driving(parameters: &Parameters) -> Driving {
     let (vehicle, schemas) = (&parameters.vehicle, &parameters.schemas);
     let number = |value: f32| rounded(f64::from(value));
     let derived = Derived::of(vehicle);
-    Drive {
+    Driving {
         blend: match parameters.blend {
             Blend::Route => "route",
             Blend::Paper => "paper",
@@ -201,7 +201,7 @@ pub(super) fn describe<'b>(
         origin,
         raw_bytes: raw_bytes(grid) * layers as u64,
         needed_width_m: rounded(need.width_m),
-        drive: drive(blob.parameters()),
+        drive: driving(blob.parameters()),
         plans,
     }
 }
