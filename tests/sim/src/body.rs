@@ -111,9 +111,9 @@ pub struct Body {
 pub struct StepResult {
     /// Distance driven, metres.
     pub distance_m: f64,
-    /// Whether the body touched an obstacle, another body or a disc while it moved.
+    /// Whether the body touched an obstacle, another body or a disc by its own motion.
     pub touched: bool,
-    /// Whether another body or a disc ran into it while it stood still.
+    /// Whether another body or a disc ran into it, which it did not move towards.
     pub struck: bool,
     /// Smallest gap to anything on the way, metres; infinite if none was near.
     pub closest_m: f64,
@@ -352,6 +352,24 @@ mod tests {
         assert!((north_m - 4.0).abs() < 0.1, "{north_m}");
         body.step(&Commands::stop(Reason::EmergencyStop), &world, 0.05);
         assert!(body.turn_rate_radps <= body.speed_mps / 2.0 + 1e-12, "{body:?}");
+    }
+
+    /// The wheels stay on their circle, so the turn rate falls with the speed at once.
+    #[test]
+    fn a_car_that_brakes_hard_stays_on_its_circle() {
+        let world = World::new([]);
+        let chassis = Chassis {
+            steering: Steering::Ackermann,
+            min_turn_radius_m: 0.3,
+            braking_mps2: 10.0,
+            max_turn_rate_radps: 3.0,
+            ..Chassis::default()
+        };
+        let mut body = Body::new(chassis, [0.0, 0.0], 0.0);
+        (body.speed_mps, body.turn_rate_radps) = (0.9, 3.0);
+        body.step(&ahead(0.0, 3.0), &world, 0.05);
+        assert!((body.speed_mps - 0.4).abs() < 1e-9, "{body:?}");
+        assert!((body.turn_rate_radps - 0.4 / 0.3).abs() < 1e-9, "{body:?}");
     }
 
     #[test]

@@ -110,3 +110,83 @@ impl Conditions {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Fault;
+
+    #[test]
+    fn conditions_change_what_they_name_and_nothing_else() {
+        let usual = (SensorSettings::USUAL, Chassis::default());
+        let none = Conditions::default();
+        assert_eq!((none.sensors(usual.0), none.chassis(usual.1)), usual);
+
+        let pose = PoseSettings { rate_hz: 5.0, sigma_m: 0.1, heading_sigma_rad: None };
+        let lost =
+            PlannedFault { channel: Channel::Link, fault: Fault::Freeze, window_s: 1.0..2.0 };
+        let all = Conditions {
+            gps: GpsChanges {
+                sigma_m: Some(0.5),
+                rate_hz: Some(2.0),
+                delay_s: Some(0.3),
+                correlation_s: Some(9.0),
+                multipath_m: Some(4.0),
+            },
+            compass: CompassChanges { sigma_rad: Some(0.1), offset_rad: Some(-0.2) },
+            ranges: RangeChanges {
+                sectors: Some(8),
+                beams: Some(3),
+                reach_m: Some(4.0),
+                sigma_m: Some(0.1),
+            },
+            pose: Some(pose),
+            unequal_radps: 0.03,
+            slip: 0.1,
+            acceleration_mps2: Some(0.5),
+            turn_acceleration_radps2: Some(2.0),
+            discs: Vec::new(),
+            faults: vec![lost],
+        };
+        let gps = ReceiverSettings {
+            sigma_m: 0.5,
+            rate_hz: 2.0,
+            delay_s: 0.3,
+            correlation_s: 9.0,
+            multipath_m: 4.0,
+            ..ReceiverSettings::ONE_METRE
+        };
+        let ring = RingSettings { sectors: 8, beams: 3, range_m: 4.0, sigma_m: 0.1 };
+        let sensors = SensorSettings {
+            gps: Some(gps),
+            compass_sigma_rad: Some(0.1),
+            compass_offset_rad: -0.2,
+            ring: Some(ring),
+            pose: Some(pose),
+            has_link: true,
+            ..usual.0
+        };
+        assert_eq!(all.sensors(usual.0), sensors);
+        let chassis = Chassis {
+            drift_radps: 0.03,
+            slip: 0.1,
+            acceleration_mps2: 0.5,
+            turn_acceleration_radps2: 2.0,
+            ..usual.1
+        };
+        assert_eq!(all.chassis(usual.1), chassis);
+
+        let gps = ReceiverSettings { rate_hz: 2.0, ..ReceiverSettings::PERFECT };
+        let exact = SensorSettings {
+            gps: Some(gps),
+            ring: Some(RingSettings { sigma_m: 0.0, ..ring }),
+            pose: Some(PoseSettings { sigma_m: 0.0, ..pose }),
+            has_link: true,
+            ..SensorSettings::PERFECT
+        };
+        assert_eq!(sensors.without_error(), exact);
+        let blind = RangeChanges { sectors: Some(0), ..RangeChanges::default() };
+        let blind = Conditions { ranges: blind, ..Conditions::default() };
+        assert_eq!(blind.sensors(usual.0).ring, None);
+    }
+}

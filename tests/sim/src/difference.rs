@@ -373,6 +373,22 @@ mod tests {
         assert!(!worlds.truth.is_inside([5.0, 0.0]));
     }
 
+    /// The shares of the map and of the truth are drawn apart.
+    #[test]
+    fn obstacles_of_the_truth_are_removed() {
+        let mut other = posts();
+        other.features.truncate(3);
+        let difference = Difference {
+            truth: Some(Box::new(other)),
+            unmapped: 0.5,
+            removed: 1.0,
+            ..Difference::default()
+        };
+        let worlds = difference.apply(&posts(), 1);
+        assert_eq!((count(&worlds.known), worlds.absent.len()), (10, 10));
+        assert!(worlds.unmapped.is_empty() && worlds.truth.bounds().is_none());
+    }
+
     /// A quarter turn about (1, 0), then 3 m north, at twice the size.
     #[test]
     fn the_world_is_turned_scaled_and_shifted() {

@@ -432,6 +432,34 @@ mod tests {
         }
     }
 
+    /// In each tick the clock shows the right time, or what it showed the tick before.
+    #[test]
+    fn a_clock_that_loses_ticks_catches_up() {
+        let world = World::new([]);
+        let body = Body::new(Chassis::default(), [0.0; 2], 0.0);
+        let drop = Fault::Drop { chance: 0.5 };
+        let mut sensors = Faulty::new(Counter(0), drop, Channel::Clock, 0.0..9e9, 1);
+        let mut shown = Vec::new();
+        for tick in 0..100_u64 {
+            let record = sensors.sense(&Scene {
+                world: &world,
+                others: &[],
+                body,
+                antenna: [0.0; 2],
+                mode: Mode::Autonomous,
+                inputs: [None; 8],
+                time_us: tick * 50_000,
+                tick_us: 50_000,
+            });
+            let clock_us = record.clock_us.expect("it fails");
+            let is_right = clock_us == (tick + 1) * 50_000;
+            assert!(is_right || shown.last().is_none_or(|&(last, _)| last == clock_us), "{tick}");
+            shown.push((clock_us, is_right));
+        }
+        let right = shown.iter().filter(|(_, is_right)| *is_right).count();
+        assert!((30..70).contains(&right), "{right}");
+    }
+
     #[test]
     fn a_jump_moves_the_antenna_and_not_the_body() {
         let world = World::new([]);

@@ -90,9 +90,9 @@ pub struct Outcome {
     /// Smallest gap between the body and an obstacle, another body or a disc, metres; infinite if
     /// none came within 10 m.
     pub closest_m: f64,
-    /// How often the robot began to touch an obstacle, another body or a disc as it moved.
+    /// How often the robot began to touch an obstacle, another body or a disc by its own motion.
     pub touches: u32,
-    /// How often another body or a disc began to touch the robot while it stood still.
+    /// How often another body or a disc ran into the robot, which stood or moved away from it.
     pub strikes: u32,
     /// The route, a point for every half metre.
     pub route: Vec<Point>,

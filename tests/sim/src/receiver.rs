@@ -253,6 +253,25 @@ mod tests {
     }
 
     #[test]
+    fn multipath_has_the_stated_spread_at_a_wall_and_none_in_the_open() {
+        let settings = ReceiverSettings { multipath_m: 3.0, ..ReceiverSettings::PERFECT };
+        let mut receiver = Receiver::new(settings, &reference(), 5);
+        let exact = receiver.solve(0, [5.0, 6.0], [0.0; 2]).place;
+        assert_eq!(receiver.solve(0, [5.0, 6.0], [0.0; 2]).place, exact);
+        receiver.near_walls(0.5);
+        let mut squares = 0.0;
+        for _ in 0..20_000 {
+            let place = receiver.solve(0, [5.0, 6.0], [0.0; 2]).place;
+            // A ten-millionth of a degree of latitude is 11.1 mm.
+            let north_m = f64::from(place.lat_e7 - exact.lat_e7) * 0.01109;
+            squares += north_m * north_m;
+        }
+        let sigma = wide::sqrt(squares / 20_000.0);
+        // The error is correlated over 100 solutions, so the sample is a small one.
+        assert!((sigma - 1.5).abs() < 0.3, "{sigma}");
+    }
+
+    #[test]
     fn errors_have_the_stated_spread_and_the_same_seed_the_same_bytes() {
         for correlation_s in [0.0, 2.0] {
             let settings = ReceiverSettings { correlation_s, ..ReceiverSettings::ONE_METRE };

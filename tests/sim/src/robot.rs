@@ -13,6 +13,9 @@ use robot_io::{CommandRecord, Commands, Reason, SensorRecord};
 
 /// Distance between two points of the recorded route, metres.
 const ROUTE_STEP_M: f64 = 0.5;
+/// A strike this many ticks after the last one, or sooner, is the same: what pushes from behind waits and
+/// comes again.
+const STRIKE_TICKS: u64 = 20;
 /// Length of a tick, seconds.
 const TICK_S: f64 = TICK_US as f64 * 1e-6;
 
@@ -27,7 +30,8 @@ pub struct Robot<S, P> {
     commands: Commands,
     outcome: Outcome,
     is_touching: bool,
-    is_struck: bool,
+    /// The tick in which the robot was struck last.
+    struck_at: Option<u64>,
     /// The point that the robot has stayed near, and the tick since when.
     spot: (Point, u64),
     /// Why the robot stands still, and the tick since when; `None` while it moves.
@@ -49,7 +53,7 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
             commands: Commands::stop(Reason::Idle),
             outcome: Outcome { closest_m: f64::INFINITY, route, ..Outcome::default() },
             is_touching: false,
-            is_struck: false,
+            struck_at: None,
             spot: (body.position, 0),
             standing: None,
             has_worked: false,
@@ -131,9 +135,12 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         outcome.touches += u32::from(result.touched && !self.is_touching);
         outcome.trace_hash = answer.trace_hash;
         outcome.most_instructions = outcome.most_instructions.max(answer.instructions);
-        outcome.strikes += u32::from(result.struck && !self.is_struck);
+        if result.struck {
+            let is_new = self.struck_at.is_none_or(|at| outcome.ticks - at > STRIKE_TICKS);
+            outcome.strikes += u32::from(is_new);
+            self.struck_at = Some(outcome.ticks);
+        }
         self.is_touching = result.touched;
-        self.is_struck = result.struck;
         outcome.closest_m = outcome.closest_m.min(result.closest_m);
         self.note(answer.commands.reason);
         self.judge(&answer.commands);

@@ -291,3 +291,70 @@ impl Sensors for SensorSuite {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Chassis;
+    use maps::Shape;
+    use math::GeoPoint;
+
+    /// The records of ten seconds at a distance from a long wall.
+    fn records(settings: SensorSettings, distance_m: f64) -> Vec<SensorRecord> {
+        let wall = Shape::Polyline(vec![[-500.0, 0.0], [500.0, 0.0]]);
+        let world = World::new([&wall]);
+        let place = GeoPoint::from_degrees(1.0, 2.0).expect("on the globe");
+        let reference = Reference { place, at: [0.0, 0.0], heading_rad: 0.0 };
+        let mut suite = SensorSuite::new(settings, &reference, 1);
+        let body = Body::new(Chassis::default(), [0.0, distance_m], 1.0);
+        let ticks = 0..200_u64;
+        ticks
+            .map(|tick| {
+                suite.sense(&Scene {
+                    world: &world,
+                    others: &[],
+                    body,
+                    antenna: body.position,
+                    mode: Mode::Autonomous,
+                    inputs: [None; MAX_CHANNELS],
+                    time_us: tick * 50_000,
+                    tick_us: 50_000,
+                })
+            })
+            .collect()
+    }
+
+    #[test]
+    fn walls_disturb_a_receiver_with_multipath_only() {
+        let gps = ReceiverSettings { multipath_m: 3.0, ..ReceiverSettings::PERFECT };
+        let disturbed = SensorSettings { gps: Some(gps), ..SensorSettings::PERFECT };
+        let far = 20.0;
+        assert_eq!(records(disturbed, far), records(SensorSettings::PERFECT, far));
+        assert_ne!(records(disturbed, 1.0), records(SensorSettings::PERFECT, 1.0));
+    }
+
+    #[test]
+    fn packets_and_poses_come_at_their_rates() {
+        let quiet = records(SensorSettings::PERFECT, 3.0);
+        assert!(quiet.iter().all(|record| record.radio.is_none() && record.pose.is_none()));
+        let pose = PoseSettings { rate_hz: 2.0, sigma_m: 0.1, heading_sigma_rad: Some(0.0) };
+        let settings =
+            SensorSettings { pose: Some(pose), has_link: true, ..SensorSettings::PERFECT };
+        let records = records(settings, 3.0);
+        let packets = records.iter().filter(|record| record.radio.is_some()).count();
+        assert_eq!(packets, 50);
+        let poses: Vec<Pose> = records.iter().filter_map(|record| record.pose).collect();
+        assert_eq!(poses.len(), 20);
+        for pose in poses {
+            let [x, y] = pose.position_m;
+            assert!(x.abs() < 0.5 && (y - 3.0).abs() < 0.5, "{pose:?}");
+            assert_eq!((pose.heading_rad, pose.accuracy_mm), (Some(1.0), 100));
+        }
+    }
+
+    #[test]
+    fn a_compass_with_an_offset_is_wrong_by_it() {
+        let settings = SensorSettings { compass_offset_rad: 0.25, ..SensorSettings::PERFECT };
+        assert!(records(settings, 3.0).iter().all(|record| record.heading_rad == Some(1.25)));
+    }
+}

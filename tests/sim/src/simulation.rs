@@ -102,7 +102,7 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
             after.push((body, result));
         }
         movers.extend(self.discs.iter().map(|moving| moving.mover(seconds)));
-        let has_clashed = keep_apart(&mut movers);
+        let contacts = keep_apart(&mut movers);
         for (index, (robot, (body, result))) in self.robots.iter_mut().zip(after).enumerate() {
             let mover = movers[index];
             let gaps = (0..movers.len()).filter(|&other| other != index);
@@ -111,10 +111,11 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
             let mut result = result;
             result.closest_m = closest_m.fold(result.closest_m, f64::min);
             let mut body = body;
-            if has_clashed[index] {
-                // A robot that stood still did not cause the contact.
-                result.touched |= result.distance_m > 0.0;
-                result.struck = result.distance_m == 0.0;
+            let Contact { has_touched, was_struck } = contacts[index];
+            result.touched |= has_touched;
+            // A robot that moves towards one and is struck by another has touched.
+            result.struck = was_struck && !has_touched;
+            if has_touched || was_struck {
                 result.closest_m = 0.0;
             }
             if mover.after != body.position {
@@ -196,12 +197,20 @@ impl Mover {
     }
 }
 
+/// What happened between a mover and the others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Contact {
+    /// It moved towards what it touched.
+    has_touched: bool,
+    /// Something touched it that it did not move towards.
+    was_struck: bool,
+}
+
 /// Puts robots and discs that would overlap back to where they were before the tick, and returns
-/// for each mover whether it clashed. Of two that clash, those go back that move towards the
-/// other: none has precedence. A mover that goes back may block another one, which then goes back
-/// too.
-fn keep_apart(movers: &mut [Mover]) -> Vec<bool> {
-    let mut has_clashed = vec![false; movers.len()];
+/// the contacts of each mover. Of two that clash, those go back that move towards the other: none
+/// has precedence. A mover that goes back may block another one, which then goes back too.
+fn keep_apart(movers: &mut [Mover]) -> Vec<Contact> {
+    let mut contacts = vec![Contact::default(); movers.len()];
     loop {
         let seen: Vec<Mover> = movers.to_vec();
         let mut is_changed = false;
@@ -209,15 +218,17 @@ fn keep_apart(movers: &mut [Mover]) -> Vec<bool> {
             let others = seen.iter().enumerate().filter(|&(other, _)| other != index);
             let clashing = others.filter(|(_, other)| seen[index].clashes(other));
             for (_, other) in clashing {
-                has_clashed[index] = true;
                 if seen[index].approaches(other) {
+                    contacts[index].has_touched = true;
                     mover.after = mover.before;
                     is_changed = true;
+                } else {
+                    contacts[index].was_struck = true;
                 }
             }
         }
         if !is_changed {
-            return has_clashed;
+            return contacts;
         }
     }
 }
@@ -322,7 +333,11 @@ mod tests {
             is_disc: false,
         };
         let mut movers = [robot(0.0, 0.0), robot(0.7, 0.5), robot(1.4, 1.2), robot(2.5, 2.4)];
-        assert_eq!(keep_apart(&mut movers), [true, true, true, false]);
+        let touched = Contact { has_touched: true, was_struck: false };
+        let struck = Contact { has_touched: false, was_struck: true };
+        let contacts = keep_apart(&mut movers);
+        assert_eq!((contacts[0], contacts[3]), (struck, Contact::default()));
+        assert!(contacts[1].has_touched && contacts[2] == touched, "{contacts:?}");
         assert_eq!(movers.map(|mover| mover.after[0]), [0.0, 0.7, 1.4, 2.4]);
     }
 
@@ -336,7 +351,7 @@ mod tests {
             is_disc: false,
         };
         let mut movers = [robot(0.0, 0.4), robot(0.4, 0.0)];
-        assert_eq!(keep_apart(&mut movers), [true, true]);
+        assert!(keep_apart(&mut movers).iter().all(|contact| contact.has_touched));
         assert_eq!(movers.map(|mover| mover.after[0]), [0.0, 0.4]);
     }
 
@@ -381,6 +396,57 @@ mod tests {
             assert!(geometry::distance(at, disc) >= 0.5 - 1e-9, "{at:?} {disc:?}");
         }
         (simulation.robots()[0].outcome().clone(), simulation.discs()[0])
+    }
+
+    /// A disc from behind pushes nothing: the robot drives on, and the disc waits behind it.
+    #[test]
+    fn a_robot_drives_away_from_a_faster_disc() {
+        let (world, sensors) = (World::new([]), Blind);
+        let limits = Limits { time_s: 20.0, ..Limits::to_goal([99.0, 99.0]) };
+        let body = Body::new(Chassis::default(), [0.0, 0.0], 0.0);
+        let robot = Robot::new(body, sensors, Steady(1.0), limits);
+        let disc = Disc {
+            radius_m: 0.2,
+            path: vec![[-3.0, 0.0], [90.0, 0.0]],
+            speed_mps: 1.5,
+            repeat: crate::Repeat::Once,
+            start_m: 0.0,
+        };
+        let outcomes = Simulation::new(&world, [robot]).with_discs(&[disc]).finish();
+        let outcome = &outcomes.expect("these pilots always answer")[0];
+        assert_eq!((outcome.touches, outcome.strikes), (0, 1), "{outcome:?}");
+        assert!((outcome.distance_m - 19.67).abs() < 0.05, "{outcome:?}");
+    }
+
+    /// Reports nothing.
+    struct Blind;
+
+    impl Sensors for Blind {
+        fn sense(&mut self, _: &crate::Scene<'_>) -> SensorRecord {
+            SensorRecord::default()
+        }
+    }
+
+    #[test]
+    fn range_sensors_see_discs() {
+        let world = World::new([]);
+        let place = GeoPoint::from_degrees(1.0, 2.0).expect("on the globe");
+        let reference = Reference { place, at: [0.0, 0.0], heading_rad: 0.0 };
+        let sensors = SensorSuite::new(SensorSettings::PERFECT, &reference, 1);
+        let limits = Limits { time_s: 20.0, ..Limits::to_goal([99.0, 99.0]) };
+        let body = Body::new(Chassis::default(), [0.0, 0.0], 0.0);
+        let robot = Robot::new(body, sensors, TurnsAway { distance_m: 2.0, hash: 0 }, limits);
+        let disc = Disc {
+            radius_m: 0.2,
+            path: vec![[6.0, 0.0]],
+            speed_mps: 0.0,
+            repeat: crate::Repeat::Once,
+            start_m: 0.0,
+        };
+        let outcomes = Simulation::new(&world, [robot]).with_discs(&[disc]).finish();
+        let outcome = &outcomes.expect("these pilots always answer")[0];
+        assert!(outcome.touches == 0 && outcome.turn_rad > 0.3, "{outcome:?}");
+        assert!((0.1..2.0).contains(&outcome.closest_m), "{outcome:?}");
     }
 
     #[test]

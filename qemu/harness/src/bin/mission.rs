@@ -243,7 +243,7 @@ fn write_outcome(
     writeln!(text, "distance    {:.1} m", outcome.distance_m)?;
     writeln!(text, "closest     {:.2} m, {} contacts", outcome.closest_m, outcome.touches)?;
     if outcome.strikes > 0 {
-        writeln!(text, "struck      {} times while it stood still", outcome.strikes)?;
+        writeln!(text, "struck      {} times by something that moves", outcome.strikes)?;
     }
     for line in outcome.surroundings.iter().flat_map(|surroundings| surroundings.summary()) {
         writeln!(text, "work        {line}")?;

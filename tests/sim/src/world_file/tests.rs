@@ -307,4 +307,12 @@ fn missing_obstacles_must_be_on_the_map() {
         ["no obstacle is called `kisok`", "no obstacle is within 0.4 m of (3, 4)"]
     );
     assert_eq!(problems[0].help.as_deref(), Some("did you mean `kiosk`?"));
+
+    // The truth decides, if there is one.
+    let mut file = file;
+    file.difference.truth =
+        Some(Box::new(Map::empty(maps::Extent { corner: [0.0; 2], size: [9.0; 2] })));
+    problems.clear();
+    file.check(&map, &mut problems);
+    assert_eq!(problems.len(), 4);
 }
