@@ -111,6 +111,12 @@ fn without_gps_the_robot_stands_and_does_not_spin() {
     assert_eq!(never.distance_m, 0.0);
 }
 
+/// A robot indoors gets its pose from cameras (ArduPilot pull request 12414 simulates them).
+#[test]
+fn poses_replace_a_silent_receiver() {
+    arrives(&run("[gps]\nrate = 0\n[pose]\nrate = 10\nheading_sigma = 0.01\n"), "poses alone");
+}
+
 /// Wheels slip (PX4/PX4-SITL_gazebo-classic pull request 1030), are unequal, and the body turns and
 /// speeds up slowly.
 #[test]
