@@ -66,16 +66,18 @@ impl Arming {
         self.watch_battery(percepts, parameters.safety.battery_low, sensed.elapsed_s);
         let candidate = home(percepts, sensed, &parameters.fixes);
         let radius_m = parameters.safety.fence_radius_m;
-        self.is_outside =
-            radius_m > 0.0 && self.home.is_some_and(|home| home.is_beyond(candidate, radius_m));
-        self.checks = failing(blob, percepts, sensed)
+        let checks = failing(blob, percepts, sensed)
             .with(Checks::BATTERY, self.low_s > 0.0)
-            .with(Checks::FENCE, radius_m > 0.0 && candidate.is_none() || self.is_outside);
+            .with(Checks::FENCE, radius_m > 0.0 && candidate.is_none());
         let needed = if percepts.operator.manual.is_some() { FOR_MANUAL } else { Checks::all() };
-        let passes = parameters.safety.checks == ArmingChecks::None || !self.checks.has(needed);
+        let passes = parameters.safety.checks == ArmingChecks::None || !checks.has(needed);
         if percepts.operator.is_armed && !self.is_armed && passes {
             (self.is_armed, self.home) = (true, candidate);
         }
+        // Armed without checks and without a place, the robot has no fence to be inside of.
+        let is_beyond = |home: Home| home.is_beyond(candidate, radius_m);
+        self.is_outside = radius_m > 0.0 && self.is_armed && self.home.is_none_or(is_beyond);
+        self.checks = checks.with(Checks::FENCE, self.is_outside);
     }
 
     fn watch_battery(&mut self, percepts: &Percepts, low: f32, elapsed_s: f32) {

@@ -7,4 +7,5 @@ mod bench;
 mod doubt;
 mod reasons;
 mod replay;
+mod reported;
 mod sensing;
