@@ -58,6 +58,8 @@ pub struct Sensed {
     pub accuracy_m: f32,
     /// Heading in radians counter-clockwise from the map's x axis; `None` while unknown.
     pub heading_rad: Option<f32>,
+    /// The compass is wrong, so its readings do not count.
+    pub is_compass_wrong: bool,
     /// The compass is wrong and nothing else shows the heading.
     pub is_heading_wrong: bool,
     /// The robot may creep to find its heading.
@@ -345,6 +347,7 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
         position: track.position(blob, percepts.receiver),
         accuracy_m: track.accuracy_m,
         heading_rad: track.heading_rad,
+        is_compass_wrong: track.compass.is_wrong(),
         is_heading_wrong: track.compass.is_wrong() && !gives_course(percepts),
         may_creep: track.crept_s < LONGEST_CREEP_S,
         ranges,

@@ -4,6 +4,7 @@
 use super::{Failure, print_text};
 use crate::cli::Explain;
 use behaviour::{Behaviours, Phase};
+use controller::ranges::RangeTrust;
 use controller::{Blend, Explanation, State};
 use maps::problem::Problem;
 use maps::source;
@@ -100,6 +101,7 @@ fn write_all(
         Some(heading_rad) => writeln!(text, ", heading {heading_rad:.2} rad")?,
         None => writeln!(text, ", heading unknown")?,
     }
+    write_sensors(text, state, percepts, explanation)?;
     let mission = blob.mission();
     if !mission.behaviours().is_empty() {
         write_behaviours(text, &mission, &state.behaviours, explanation)?;
@@ -112,6 +114,39 @@ fn write_all(
     }
     for range in &percepts.ranges {
         writeln!(text, "range      {:.2} m at {:.2} rad", range.distance_m, range.bearing_rad)?;
+    }
+    Ok(())
+}
+
+/// State of the receiver and the range finder, and what is wrong.
+fn write_sensors(
+    text: &mut String,
+    state: &State,
+    percepts: &Percepts,
+    explanation: &Explanation,
+) -> std::fmt::Result {
+    let sensed = &explanation.sensed;
+    write!(text, "sensors    receiver {:?}", percepts.receiver)?;
+    match sensed.ranges {
+        RangeTrust::Absent => write!(text, ", no range finder")?,
+        RangeTrust::Fresh { age_us } => write!(text, ", ranges {} ms old", age_us / 1_000)?,
+        RangeTrust::Silent => write!(text, ", ranges silent")?,
+        RangeTrust::Faulty => write!(text, ", ranges faulty")?,
+    }
+    let troubles = [
+        (sensed.is_compass_wrong, "compass wrong"),
+        (sensed.is_clock_stopped, "clock stopped"),
+        (sensed.is_stuck, "stuck"),
+        (state.stuck.is_none(), "no progress"),
+        (percepts.is_link_lost, "link lost"),
+    ];
+    for (_, trouble) in troubles.into_iter().filter(|(is_so, _)| *is_so) {
+        write!(text, ", {trouble}")?;
+    }
+    text.push('\n');
+    let failing: Vec<&str> = state.checks().names().collect();
+    if !failing.is_empty() {
+        writeln!(text, "checks     failing: {}", failing.join(", "))?;
     }
     Ok(())
 }
