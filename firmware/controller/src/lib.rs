@@ -62,6 +62,8 @@
 //!   `plans.bin`.
 //! - **cell grid**: the map's cells, with their size and south-west corner. Example: 250 by 250
 //!   cells of 1 m from (0, 0).
+//! - **check**: a condition that must hold before the robot may be armed. Example: the battery is
+//!   above 10.5 V.
 //! - **commands**: the result of a tick: speed, turn rate, outputs, signal and the reason.
 //!   Example: 1.4 m/s, 0.2 rad/s, `Driving`.
 //! - **component**: a part of a live plan. Example: the second strip of the field.
@@ -70,6 +72,8 @@
 //! - **drive**: to turn a vector into speed and turn rate. Example: a vector 0.5 rad to the left
 //!   gives 1 rad/s.
 //! - **errand**: the part of an intent that concerns the motors. Example: follow the plan `gate`.
+//! - **fence**: a circle around the place where the robot was armed, which it may not leave.
+//!   Example: 50 m.
 //! - **fix**: one solution of the GPS receiver. Example: 51.4779 N, 0.0015 W, to 1.5 m.
 //! - **gain**: the weight of a schema, or of a group of schemas, in the blend. Example: 0.66 for
 //!   the advice.
@@ -98,6 +102,8 @@
 //!   operator and time.
 //! - **place**: a point on the globe. A *position* is in map metres. Example: 51.4779 N, 0.0015 W.
 //! - **plan frame**: a task that one of its productions replaces. Example: `Strip`.
+//! - **pose**: position and heading from another source than the GPS receiver. Example: (4.1, 7.3),
+//!   0.2 rad, to 2 cm.
 //! - **production**: a graph of components that can replace a plan frame. Example: lower the
 //!   plough, drive, lift it.
 //! - **protection interval**: the part of a plan during which a fact must hold. Example: the
