@@ -19,6 +19,8 @@ use crate::setup::root;
 
 /// Time of a run that does not arrive even without a fault, seconds.
 const UNKNOWN_S: f64 = 120.0;
+/// A robot slower than this stands still, m/s and rad/s.
+const STILL: f32 = 0.01;
 /// A robot that is commanded to stand for this long stands still, seconds.
 const STANDS_S: f64 = 30.0;
 /// The same in a run that the simulator ends, because it ends stranded robots sooner.
@@ -100,6 +102,8 @@ pub struct Run {
     pub has_left: bool,
     /// It touched an obstacle; all are mapped.
     pub has_touched: bool,
+    /// The reason of its last tick.
+    pub last: Reason,
     /// How to repeat it.
     pub journey: Case,
 }
@@ -276,9 +280,10 @@ impl<'m> Journey<'m> {
             let (outcome, commands, body) = (robot.outcome(), robot.commands(), robot.body());
             let at = body.position.map(|x| x as f32);
             has_left |= plan.cell_at(math::Vec2::new(at[0], at[1])).is_none();
-            let is_still = commands.speed_mps == 0.0 && commands.turn_rate_radps == 0.0;
+            let rates = [commands.speed_mps, commands.turn_rate_radps, body.speed_mps as f32];
+            let is_still = rates.iter().all(|rate| rate.abs() < STILL);
             standing = match standing {
-                _ if !is_still || body.speed_mps.abs() > 1e-3 => None,
+                _ if !is_still => None,
                 Some(since) => Some(since),
                 None => Some(outcome.ticks),
             };
@@ -299,6 +304,7 @@ impl<'m> Journey<'m> {
                 stood: since.map(|since| (commands.reason, after_s(since))),
                 has_left,
                 has_touched: outcome.touches > 0,
+                last: commands.reason,
                 journey: Case {
                     map: self.map,
                     seed: start.seed,
@@ -350,6 +356,7 @@ mod tests {
             stood: None,
             has_left: false,
             has_touched: false,
+            last: Reason::Driving,
             journey: Case::default(),
         };
         let stood = |reason| Run { is_reached: false, stood: Some((reason, 3.0)), ..reached };

@@ -115,7 +115,7 @@ fn failures(filled: &Filled) -> String {
             Run { has_touched: true, .. } => "touched an obstacle".to_owned(),
             Run { has_left: true, .. } => "left the map".to_owned(),
             Run { stood: Some((reason, _)), .. } => format!("stands: {reason:?}"),
-            _ => "neither arrived nor stands".to_owned(),
+            _ => format!("neither arrived nor stands; at the end {:?}", run.last),
         };
         format!(
             "{} {}: {map} --seed {seed}, start = [{x:.3}, {y:.3}], heading = {heading_rad:.3}, from = \
