@@ -53,7 +53,9 @@ impl Behaviours {
     fn handle_conflicts(&mut self, owner: Owner, context: &mut Context<'_>) {
         // Further conflicts are still there in the next tick.
         let evident = self.plans.grid.evident(owner, self.facts());
-        let signals: Vec<Signal, MAX_DEPTH> = evident.take(MAX_DEPTH).collect();
+        let mut signals: Vec<Signal, MAX_DEPTH> = Vec::new();
+        // Collecting has a panic path. Pushing the first that is too many fails and ends the loop.
+        let _ = evident.map(|signal| signals.push(signal)).find(Result::is_err);
         // By reference: the drop of a `heapless::Vec` iterator has a panic path.
         for &signal in &signals {
             context.report.note(Decision::Conflict(signal));

@@ -31,9 +31,6 @@ mod counts {
     const BEHAVING_TICKS: u64 = 2_000;
     /// Obstacles in each counted tick, all near enough to repel.
     const OBSTACLES: usize = 8;
-    /// Speed and turn rate of the robot in counted ticks.
-    const SPEED_MPS: f32 = 1.4;
-    const TURN_RATE_RADPS: f32 = 2.0;
     /// Time between two ticks, microseconds.
     const PERIOD_US: u64 = runtime::TICK_PERIOD_US;
 
