@@ -1,8 +1,8 @@
 //! Boots the QEMU guest and exchanges records with it in lockstep.
 //!
 //! The crate installs missing tools ([`setup`]), starts QEMU ([`machine`]) and connects a simulation
-//! to the robot in the guest ([`QemuPilot`]). The commands `demo`, `mission`, `instructions` and
-//! `fault-table` use it, and so do the QEMU tests.
+//! to the robot in the guest ([`QemuPilot`]). The commands `demo`, `mission`, `instructions`,
+//! `fault-table` and `drive-bench` use it, and so do the QEMU tests.
 //!
 //! Invariants: a guest never outlives its owner; a panic, a fault or a hang of the guest becomes an
 //! error with the guest's console output within [`machine::PATIENCE`]; only [`setup`] downloads or
@@ -11,6 +11,7 @@
 //! Deliberately absent: the simulation itself (see `sim`), and Windows: the guest uses Unix pipes.
 
 pub mod counts;
+pub mod drive_bench;
 pub mod fault_table;
 pub mod machine;
 pub mod mission;

@@ -66,6 +66,12 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         self
     }
 
+    /// Ends the run after this time, seconds.
+    pub fn within_time(mut self, time_s: f64) -> Self {
+        self.limits.time_s = time_s;
+        self
+    }
+
     /// Adds surroundings that the robot's work changes. The run ends when that work is done.
     pub fn within(mut self, surroundings: Surroundings) -> Self {
         self.limits.time_s = surroundings.time_limit;

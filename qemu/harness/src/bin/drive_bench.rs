@@ -1,0 +1,142 @@
+//! `cargo drive-bench`: drives suites of courses with default parameters and prints a table.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+use harness::drive_bench::{self, Plan, Run, Suite, is_worse, rows, table};
+use harness::picture;
+use harness::setup::root;
+use indicatif::{ProgressBar, ProgressStyle};
+use plan_compiler::trace::story::Story;
+
+const AFTER: &str = "\
+The robot gets what a user measures: radius, top speed and cell size. The suite barn uses the worlds
+of the BARN challenge where they lie in ../shared/data/barn or --barn names their folder, and seeded
+fields of the same kind elsewhere. Success is arrival without contact; score is the challenge's, at
+most 0.5. The numbers are the same on every machine.
+
+Exit status: 0 done, 1 a run touched something, 2 the command line is wrong, 3 a file is missing or
+wrong.";
+
+/// Drives suites of courses with default parameters and prints a table.
+#[derive(Parser)]
+#[command(name = "cargo drive-bench", after_help = AFTER)]
+struct Arguments {
+    /// Only these suites: barn, doors, corridors, courtyards, city, campus
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = suite)]
+    suites: Vec<Suite>,
+    /// Courses of each generated suite
+    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    count: u32,
+    /// Seed of the first generated course; each further one uses the next
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Folder with the worlds of the BARN challenge as overlays, and optimal_times.tsv
+    #[arg(long, value_name = "FOLDER")]
+    barn: Option<PathBuf>,
+    /// Drive only every COUNT-th run, from number INDEX on; --merge puts the parts together
+    #[arg(long, value_name = "INDEX/COUNT", value_parser = shard, default_value = "0/1")]
+    shard: (usize, usize),
+    /// Drive nothing: print the table of these files that --json wrote
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["shard", "suites"])]
+    merge: Vec<PathBuf>,
+    /// Draw the worst runs to this folder
+    #[arg(long, value_name = "FOLDER")]
+    gallery: Option<PathBuf>,
+    /// Print one JSON object with every run
+    #[arg(long)]
+    json: bool,
+}
+
+fn suite(name: &str) -> Result<Suite, String> {
+    let names = || Suite::ALL.map(Suite::name).join(", ");
+    Suite::named(name).ok_or_else(|| format!("not a suite; the suites are {}", names()))
+}
+
+fn shard(text: &str) -> Result<(usize, usize), String> {
+    let parsed = text.split_once('/').and_then(|(index, count)| {
+        Some((index.parse::<usize>().ok()?, count.parse::<usize>().ok()?))
+    });
+    let fitting = parsed.filter(|(index, count)| index < count);
+    fitting.ok_or_else(|| "write INDEX/COUNT with INDEX below COUNT, for example 0/4".to_owned())
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let runs = if arguments.merge.is_empty() { drive(&arguments) } else { merge(&arguments.merge) };
+    let runs = match runs {
+        Ok(runs) => runs,
+        Err(message) => {
+            eprintln!("{}", message.trim_end());
+            return ExitCode::from(3);
+        }
+    };
+    let text = if arguments.json { table::json(&runs) } else { table::text(&runs) };
+    // A closed pipe does not change the exit status.
+    let _ = std::io::stdout().write_all(text.as_bytes());
+    ExitCode::from(u8::from(runs.iter().any(|run| run.contacts > 0)))
+}
+
+fn drive(arguments: &Arguments) -> Result<Vec<Run>, String> {
+    let suites =
+        if arguments.suites.is_empty() { Suite::ALL.to_vec() } else { arguments.suites.clone() };
+    let beside = root().join("../shared/data/barn");
+    let barn = arguments.barn.clone().or_else(|| Some(beside).filter(|path| path.is_dir()));
+    if barn.is_none() && suites.contains(&Suite::Barn) {
+        eprintln!("the worlds of the BARN challenge are not here; seeded fields replace them");
+    }
+    let courses =
+        drive_bench::courses(&suites, barn.as_deref(), arguments.count as usize, arguments.seed)?;
+    let plan = Plan { courses, rows: (0..rows().len()).collect(), shard: arguments.shard };
+    let style = ProgressStyle::with_template("{bar:40} {pos} of {len} runs, {eta} left");
+    let bar = ProgressBar::new(plan.count() as u64);
+    bar.set_style(style.expect("the template is well-formed"));
+    let runs = plan.drive(&|| bar.inc(1))?;
+    bar.finish_and_clear();
+    if let Some(folder) = &arguments.gallery {
+        gallery(folder, &plan, &runs)?;
+    }
+    Ok(runs)
+}
+
+fn merge(paths: &[PathBuf]) -> Result<Vec<Run>, String> {
+    let mut runs = Vec::new();
+    for path in paths {
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| format!("{}: {error}", path.display()))?;
+        let read = table::read_runs(&text);
+        runs.extend(read.ok_or_else(|| {
+            format!("{}: not an object that cargo drive-bench --json wrote", path.display())
+        })?);
+    }
+    runs.sort_by_key(|run| run.number);
+    if let Some(pair) = runs.windows(2).find(|pair| pair[0].number == pair[1].number) {
+        return Err(format!("run {} ({}) is in two files", pair[0].number, pair[0].course));
+    }
+    Ok(runs)
+}
+
+/// Pictures of the worst runs.
+const GALLERY: usize = 12;
+
+fn gallery(folder: &Path, plan: &Plan, runs: &[Run]) -> Result<(), String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut worst: Vec<&Run> = runs.iter().filter(|run| run.has_route).collect();
+    worst.sort_by(|a, b| is_worse(b, a).cmp(&is_worse(a, b)));
+    for run in worst.into_iter().take(GALLERY) {
+        let all = rows();
+        let row = all[run.row];
+        let is_it =
+            |course: &&drive_bench::Course| course.suite == row.suite && course.name == run.course;
+        let Some(course) = plan.courses.iter().find(is_it) else { continue };
+        let driven = drive_bench::drive(run.row, &row.setting, course)?;
+        let file = format!("{:04} {}.svg", run.number, run.course).replace([' ', ','], "-");
+        let route = &driven.outcome.route;
+        let story = Story { turns: Vec::new(), engaged: vec![0; route.len()] };
+        let path = folder.join(file);
+        picture::draw(&driven.scenario, &driven.start, route, &story, &driven.outcome, &path)?;
+    }
+    Ok(())
+}

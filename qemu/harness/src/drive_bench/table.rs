@@ -1,0 +1,232 @@
+//! The benchmark's numbers as a table and as JSON.
+
+use super::{Row, Run, Setting, rows};
+use math::scalar::wide;
+use std::fmt::Write as _;
+
+/// The numbers of one row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Numbers {
+    /// Runs with a route.
+    pub runs: usize,
+    /// Courses without a route in the plan; they are not driven.
+    pub without_route: usize,
+    /// Share of runs that arrived without contact.
+    pub success: f64,
+    /// Its 95 % interval.
+    pub interval: [f64; 2],
+    /// Share of runs with a contact.
+    pub contacts: f64,
+    /// Mean time of the successful runs, seconds.
+    pub time_s: f64,
+    /// Mean of time over the time of the shortest path at top speed, over the successful runs.
+    pub stretch: f64,
+    /// Mean turn per metre of the successful runs, rad/m.
+    pub turn_per_m: f64,
+    /// Smallest gap to an obstacle in any run, metres; infinite if none came near.
+    pub closest_m: f64,
+    /// Mean score of the BARN challenge.
+    pub score: f64,
+}
+
+impl Numbers {
+    /// The numbers of these runs.
+    pub fn of(runs: &[&Run]) -> Self {
+        let driven: Vec<&&Run> = runs.iter().filter(|run| run.has_route).collect();
+        let count = |is: &dyn Fn(&Run) -> bool| driven.iter().filter(|run| is(run)).count();
+        let successes: Vec<&&&Run> = driven.iter().filter(|run| run.is_success()).collect();
+        let mean = |value: &dyn Fn(&Run) -> f64| {
+            let sum: f64 = successes.iter().map(|run| value(run)).sum();
+            sum / successes.len() as f64
+        };
+        let share = |part: usize| part as f64 / driven.len() as f64;
+        let score: f64 = driven.iter().map(|run| run.score()).sum();
+        Self {
+            runs: driven.len(),
+            without_route: runs.len() - driven.len(),
+            success: share(successes.len()),
+            interval: wilson(successes.len(), driven.len()),
+            contacts: share(count(&|run| run.contacts > 0)),
+            time_s: mean(&|run| run.time_s),
+            stretch: mean(&|run| run.time_s / run.optimal_s),
+            turn_per_m: mean(&|run| run.turn_rad / run.distance_m),
+            closest_m: driven.iter().filter_map(|run| run.closest_m).fold(f64::INFINITY, f64::min),
+            score: score / driven.len() as f64,
+        }
+    }
+}
+
+/// The 95 % interval of a share (Wilson 1927), which holds for shares of 0 and 1 too.
+pub fn wilson(part: usize, whole: usize) -> [f64; 2] {
+    const Z: f64 = 1.959_964;
+    if whole == 0 {
+        return [0.0, 1.0];
+    }
+    let (n, p) = (whole as f64, part as f64 / whole as f64);
+    let middle = p + Z * Z / (2.0 * n);
+    let half = Z * wide::sqrt(p * (1.0 - p) / n + Z * Z / (4.0 * n * n));
+    let scale = 1.0 + Z * Z / n;
+    [((middle - half) / scale).max(0.0), ((middle + half) / scale).min(1.0)]
+}
+
+/// What a row differs in, for people.
+fn name(setting: &Setting) -> String {
+    let mut name = match setting.unmapped_percent {
+        0 => "mapped".to_owned(),
+        100 => "unmapped".to_owned(),
+        percent => format!("{percent} % unmapped"),
+    };
+    if setting.has_discs {
+        name += ", discs";
+    }
+    if setting.has_usual_sensors {
+        name += ", usual sensors";
+    }
+    name
+}
+
+/// The rows of the runs, in order, each with its runs.
+fn grouped(runs: &[Run]) -> Vec<(Row, Vec<&Run>)> {
+    let of = |number: usize| runs.iter().filter(|run| run.row == number).collect::<Vec<_>>();
+    let all = rows().into_iter().enumerate().map(|(number, row)| (row, of(number)));
+    all.filter(|(_, runs)| !runs.is_empty()).collect()
+}
+
+/// The table for people, with the row of ROS's DWA on the challenge's worlds.
+pub fn text(runs: &[Run]) -> String {
+    let mut text = String::from(
+        "suite       setting                 vehicle       runs  success (95 %)      contacts  \
+         time s  x shortest  turn/m  closest m  score\n",
+    );
+    for (row, runs) in grouped(runs) {
+        let numbers = Numbers::of(&runs);
+        let [low, high] = numbers.interval;
+        let closest = if numbers.closest_m.is_finite() {
+            format!("{:.3}", numbers.closest_m)
+        } else {
+            "-".to_owned()
+        };
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            text,
+            "{:<10}  {:<22}  {:<12}  {:>4}  {:.3} ({:.3}-{:.3})  {:>8.3}  {:>6.1}  {:>10.2}  \
+             {:>6.2}  {closest:>9}  {:.3}",
+            row.suite.name(),
+            name(&row.setting),
+            row.setting.vehicle.name(),
+            numbers.runs,
+            numbers.success,
+            low,
+            high,
+            numbers.contacts,
+            numbers.time_s,
+            numbers.stretch,
+            numbers.turn_per_m,
+            numbers.score,
+        );
+        if numbers.without_route > 0 {
+            let _ = writeln!(text, "            {} more without a route", numbers.without_route);
+        }
+    }
+    text + "For comparison, 500 runs of ROS's DWA on the challenge's worlds without a map: success \
+            0.850, contacts 0.056, time 33.1 s, score 0.159.\n"
+}
+
+/// The object of `--json`. Programs rely on its names; `--merge` reads its runs.
+pub fn json(runs: &[Run]) -> String {
+    let rows = grouped(runs).into_iter().map(|(row, runs)| {
+        let numbers = Numbers::of(&runs);
+        serde_json::json!({
+            "suite": row.suite,
+            "unmapped_percent": row.setting.unmapped_percent,
+            "discs": row.setting.has_discs,
+            "usual_sensors": row.setting.has_usual_sensors,
+            "vehicle": row.setting.vehicle,
+            "runs": numbers.runs,
+            "without_route": numbers.without_route,
+            "success": numbers.success,
+            "success_interval": numbers.interval,
+            "contacts": numbers.contacts,
+            "time_s": numbers.time_s,
+            "stretch": numbers.stretch,
+            "turn_per_m": numbers.turn_per_m,
+            "closest_m": numbers.closest_m.is_finite().then_some(numbers.closest_m),
+            "score": numbers.score,
+        })
+    });
+    let rows: Vec<serde_json::Value> = rows.collect();
+    serde_json::json!({ "rows": rows, "runs": runs }).to_string() + "\n"
+}
+
+/// The runs of an object that [`json`] wrote; `None` if it is not one.
+pub fn read_runs(text: &str) -> Option<Vec<Run>> {
+    let object: serde_json::Value = serde_json::from_str(text).ok()?;
+    serde_json::from_value(object.get("runs")?.clone()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(number: usize, is_reached: bool, contacts: u32, time_s: f64) -> Run {
+        Run {
+            number,
+            row: 0,
+            course: format!("course {number}"),
+            has_route: number != 9,
+            is_reached,
+            contacts,
+            time_s,
+            optimal_s: 5.0,
+            distance_m: 10.0,
+            turn_rad: 4.0,
+            closest_m: Some(0.1 + number as f64),
+            trace_hash: u64::MAX,
+        }
+    }
+
+    #[test]
+    fn the_score_is_that_of_the_challenge() {
+        for (is_reached, contacts, time_s, score) in [
+            (true, 0, 5.0, 0.5),
+            (true, 0, 10.0, 0.5),
+            (true, 0, 20.0, 0.25),
+            (true, 0, 100.0, 0.125),
+            (true, 1, 10.0, 0.0),
+            (false, 0, 10.0, 0.0),
+        ] {
+            assert_eq!(run(0, is_reached, contacts, time_s).score(), score, "{time_s}");
+        }
+    }
+
+    #[test]
+    fn a_row_counts_what_was_driven() {
+        let runs = [
+            run(0, true, 0, 10.0),
+            run(1, true, 2, 8.0),
+            run(2, false, 0, 99.0),
+            run(9, false, 0, 0.0),
+        ];
+        let numbers = Numbers::of(&runs.iter().collect::<Vec<_>>());
+        assert_eq!((numbers.runs, numbers.without_route), (3, 1));
+        assert!((numbers.success - 1.0 / 3.0).abs() < 1e-12);
+        assert!((numbers.contacts - 1.0 / 3.0).abs() < 1e-12);
+        assert_eq!((numbers.time_s, numbers.stretch, numbers.turn_per_m), (10.0, 2.0, 0.4));
+        assert_eq!(numbers.closest_m, 0.1);
+        assert!((numbers.score - 0.5 / 3.0).abs() < 1e-12);
+        assert_eq!(read_runs(&json(&runs)).as_deref(), Some(&runs[..]));
+    }
+
+    /// Values of the published formula.
+    #[test]
+    fn the_interval_is_wilsons() {
+        for (part, whole, expected) in
+            [(50, 50, [0.9287, 1.0]), (0, 50, [0.0, 0.0713]), (5, 10, [0.2366, 0.7634])]
+        {
+            let interval = wilson(part, whole);
+            for (bound, wanted) in interval.iter().zip(expected) {
+                assert!((bound - wanted).abs() < 1e-4, "{part} of {whole}: {interval:?}");
+            }
+        }
+    }
+}
