@@ -14,7 +14,7 @@
 //! touches nothing, whatever the gains. Turning on the spot moves nothing outside the body's circle
 //! and stays allowed.
 
-use plan_format::parameters::Vehicle;
+use plan_format::parameters::{Steering, Vehicle};
 use robot_io::RangeReading;
 
 use crate::drive::Twist;
@@ -27,6 +27,10 @@ const TRIES: usize = 4;
 const ASIDE_M: f32 = 0.01;
 /// What this distance grows by for each m/s: a fast robot follows its arc less exactly.
 const ASIDE_PER_SPEED_S: f32 = 0.03;
+
+/// How far a boat drifts to the outside of a turn before its hull stops it: this times speed and
+/// turn rate, s^2. The square of the time constant of a hull's drag, 0.5 s.
+const DRIFT_S2: f32 = 0.25;
 
 /// Below this speed the robot turns on the spot, m/s.
 const SPOT_MPS: f32 = 1e-3;
@@ -49,7 +53,11 @@ pub struct Moving {
 pub fn within_m(vehicle: &Vehicle, age_s: f32) -> f32 {
     let top_mps = vehicle.max_speed_mps;
     let stopping_m = vehicle.stopping_distance_m(top_mps) + top_mps * age_s;
-    let aside_m = ASIDE_M + ASIDE_PER_SPEED_S * top_mps;
+    let drift_m = match vehicle.steering {
+        Steering::Boat => DRIFT_S2 * top_mps * vehicle.max_turn_rate_radps,
+        Steering::Differential | Steering::Ackermann => 0.0,
+    };
+    let aside_m = ASIDE_M + ASIDE_PER_SPEED_S * top_mps + drift_m;
     vehicle.radius_m.max(vehicle.stop_distance_m) + aside_m + vehicle.stop_distance_m + stopping_m
 }
 
@@ -90,13 +98,17 @@ pub fn brake(
         return Some(wanted);
     }
     let bare = Body { radius_m, aside_m: 0.0 };
+    let drift_s2 = if vehicle.steering == Steering::Boat { DRIFT_S2 } else { 0.0 };
     let is_free = |kind: Kind, speed_mps: f32, turn_rate_radps: f32| {
         let curvature = turn_rate_radps / speed_mps.max(SPOT_MPS);
         let length_m = stopping_m(speed_mps);
         match kind {
             Kind::Hidden => near.leave_free(kind, &bare, length_m, curvature),
             Kind::Seen => {
-                let body = Body { aside_m: aside_m(speed_mps), ..bare };
+                // The drift of the present turn goes on into the next.
+                let turn_radps = turn_rate_radps.abs().max(now.turn_rate_radps.abs());
+                let drift_m = drift_s2 * speed_mps.max(least_mps) * turn_radps;
+                let body = Body { aside_m: aside_m(speed_mps) + drift_m, ..bare };
                 near.leave_free(kind, &body, length_m + vehicle.stop_distance_m, curvature)
             }
         }

@@ -108,10 +108,14 @@ fn bounded(vehicle: &Vehicle, commands: Commands) -> Commands {
         if value.is_finite() { scalar::clamp(value, -most, most) + 0.0 } else { 0.0 }
     };
     let speed_mps = within(commands.speed_mps, vehicle.max_speed_mps);
-    let turns_on_circles =
-        vehicle.steering == Steering::Ackermann && vehicle.min_turn_radius_m > 0.0;
-    let most_radps = if turns_on_circles {
-        vehicle.max_turn_rate_radps.min(speed_mps.abs() / vehicle.min_turn_radius_m)
+    // A boat does not turn on the spot: its circle has at least the radius of its hull.
+    let circle_m = match vehicle.steering {
+        Steering::Differential => 0.0,
+        Steering::Ackermann => vehicle.min_turn_radius_m,
+        Steering::Boat => vehicle.radius_m,
+    };
+    let most_radps = if circle_m > 0.0 {
+        vehicle.max_turn_rate_radps.min(speed_mps.abs() / circle_m)
     } else {
         vehicle.max_turn_rate_radps
     };
