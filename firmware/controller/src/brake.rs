@@ -32,6 +32,9 @@ const ASIDE_PER_SPEED_S: f32 = 0.03;
 /// turn rate, s^2. The square of the time constant of a hull's drag, 0.5 s.
 const DRIFT_S2: f32 = 0.25;
 
+/// The robot counts on braking for this time at least, seconds: its clock may stand.
+const SHORTEST_TICK_S: f32 = 0.05;
+
 /// Below this speed the robot turns on the spot, m/s.
 const SPOT_MPS: f32 = 1e-3;
 
@@ -49,7 +52,7 @@ pub struct Moving {
     pub age_s: f32,
 }
 
-/// Readings farther away than this limit no motion, metres.
+/// Readings farther away than this do not limit the speed, metres.
 pub fn within_m(vehicle: &Vehicle, age_s: f32) -> f32 {
     let top_mps = vehicle.max_speed_mps;
     let stopping_m = vehicle.stopping_distance_m(top_mps) + top_mps * age_s;
@@ -61,7 +64,8 @@ pub fn within_m(vehicle: &Vehicle, age_s: f32) -> f32 {
     vehicle.radius_m.max(vehicle.stop_distance_m) + aside_m + vehicle.stop_distance_m + stopping_m
 }
 
-/// Limits `wanted`. `ahead` are the readings nearer than [`within_m`]. `None` if obstacles leave no motion but turning on the spot.
+/// Limits `wanted`. `ahead` are the readings nearer than [`within_m`]. `None` if obstacles leave
+/// nothing but turning on the spot.
 pub fn brake(
     vehicle: &Vehicle,
     readings: &[RangeReading],
@@ -79,7 +83,8 @@ pub fn brake(
     let want_mps = wanted.speed_mps * sign;
     // Against the present motion, a robot stops first.
     let present_mps = (now.speed_mps * sign).max(0.0);
-    let least_mps = (present_mps - vehicle.braking_mps2 * moving.elapsed_s).max(0.0);
+    let least_mps =
+        (present_mps - vehicle.braking_mps2 * moving.elapsed_s.max(SHORTEST_TICK_S)).max(0.0);
     let top_mps = want_mps.max(least_mps);
 
     let stopping_m =
@@ -135,7 +140,7 @@ pub fn brake(
         let speed_mps = sign * safe_mps.min(want_mps.max(0.0));
         return (safe_mps > 0.0 || want_mps <= 0.0).then_some(Twist { speed_mps, ..wanted });
     }
-    let share = if present_mps > 0.0 { least_mps / present_mps } else { 0.0 };
-    let turn_rate_radps = now.turn_rate_radps * share;
+    // `present_mps` is above `least_mps`, which is above 0.
+    let turn_rate_radps = now.turn_rate_radps * (least_mps / present_mps);
     Some(Twist { speed_mps: sign * safe_mps, turn_rate_radps })
 }

@@ -165,8 +165,8 @@ pub struct State {
     pub progress: guidance::Progress,
     /// The noise schema.
     pub noise: Noise,
-    /// The motion that the last tick commanded.
-    pub motion: limit::Motion,
+    /// Speed and turn rate that the last tick commanded.
+    pub commanded: limit::Commanded,
     /// Progress towards the goal, and detours.
     pub detours: detour::Detours,
     /// What the robot needs before it may drive.
@@ -186,7 +186,7 @@ impl State {
             behaviours: Behaviours::new(&blob.mission()),
             progress: guidance::Progress::default(),
             noise: Noise::new(blob.parameters().seed),
-            motion: limit::Motion::default(),
+            commanded: limit::Commanded::default(),
             detours: detour::Detours::default(),
             arming: arming::Arming::default(),
             stuck: stuck::Progress::default(),
@@ -247,11 +247,11 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));
     let wanted = intent.with_outputs(wanted);
     let vehicle = state.arming.limited(&vehicle);
-    let now = state.motion.now(&percepts, sensed.ranges.age_s());
+    let now = state.commanded.now(&percepts, sensed.ranges.age_s());
     let limited = limit::limit(&vehicle, &percepts, &near, &now, wanted);
     let commands = state.arming.explained(limited, &wanted, &percepts);
     state.track.commanded(&commands);
-    state.motion.commanded(percepts.time_us, &commands);
+    state.commanded.commanded(percepts.time_us, &commands);
     state.stuck.update(&sensed, &commands, blob.parameters());
     Explanation { commands, sensed, report, blend }
 }

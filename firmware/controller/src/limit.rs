@@ -12,16 +12,16 @@ use crate::obstacles::Obstacles;
 /// After a longer pause between ticks the robot has braked no longer than this, microseconds.
 const LONGEST_STEP_US: u64 = 200_000;
 
-/// The motion that the last tick commanded. Part of the controller's state.
+/// Speed and turn rate that the last tick commanded. Part of the controller's state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Motion {
+pub struct Commanded {
     time_us: u64,
     speed_mps: f32,
     turn_rate_radps: f32,
 }
 
-impl Motion {
-    /// The present motion: measured, or else as commanded. `age_s` is that of the range readings,
+impl Commanded {
+    /// Present speed and turn rate: measured, or else as commanded. `age_s` is that of the range readings,
     /// seconds.
     pub fn now(&self, percepts: &Percepts, age_s: f32) -> Moving {
         let elapsed_us = percepts.time_us.saturating_sub(self.time_us).min(LONGEST_STEP_US);
@@ -49,14 +49,14 @@ impl Motion {
 /// whatever the gains. A vehicle that can turn on the spot still turns.
 ///
 /// ```
-/// use controller::limit::{Motion, limit};
+/// use controller::limit::{Commanded, limit};
 /// use controller::obstacles::Obstacles;
 /// use robot_io::{Commands, Operator, Percepts, RangeReading, Reason};
 /// let vehicle = plan_format::Parameters::default().vehicle;
 /// let wanted = Commands { speed_mps: 1.0, ..Commands::stop(Reason::Driving) };
 /// let operator = Operator { is_armed: true, ..Operator::default() };
 /// let percepts = Percepts { operator, ..Percepts::default() };
-/// let now = Motion::default().now(&percepts, 0.0);
+/// let now = Commanded::default().now(&percepts, 0.0);
 /// // The body has a radius of 0.3 m, brakes with 2 m/s^2 and stops 2 cm before an obstacle.
 /// for (distance_m, low, high) in [(0.8, 1.0, 1.0), (0.5, 0.4, 0.8), (0.32, 0.0, 0.0)] {
 ///     let obstacle = RangeReading { bearing_rad: 0.0, distance_m };
@@ -149,7 +149,7 @@ mod tests {
     /// Limits the commands of a robot that has just begun to drive them.
     fn limit(vehicle: &Vehicle, percepts: &Percepts, wanted: Commands) -> Commands {
         let near = Obstacles::near(&percepts.ranges, within_m(vehicle, 0.0), false);
-        super::limit(vehicle, percepts, &near, &Motion::default().now(percepts, 0.0), wanted)
+        super::limit(vehicle, percepts, &near, &Commanded::default().now(percepts, 0.0), wanted)
     }
 
     /// The body has a radius of 0.3 m, the stop distance is 0.3 m.

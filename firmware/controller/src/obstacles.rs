@@ -25,14 +25,14 @@ const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
 /// Directions of the edges of the sectors 0 to 8 that are nearer to straight ahead, on the left.
 const EDGES: [Vec2; MAX_RANGES / 2 + 1] = [
     Vec2::new(1.0, 0.0),
-    Vec2::new(0.98078528, 0.19509032),
-    Vec2::new(0.83146961, 0.55557023),
-    Vec2::new(0.55557023, 0.83146961),
-    Vec2::new(0.19509032, 0.98078528),
-    Vec2::new(-0.19509032, 0.98078528),
-    Vec2::new(-0.55557023, 0.83146961),
-    Vec2::new(-0.83146961, 0.55557023),
-    Vec2::new(-0.98078528, 0.19509032),
+    Vec2::new(0.9807852, 0.1950903),
+    Vec2::new(0.8314696, 0.5555702),
+    Vec2::new(0.5555702, 0.8314696),
+    Vec2::new(0.1950903, 0.9807852),
+    Vec2::new(-0.1950903, 0.9807852),
+    Vec2::new(-0.5555702, 0.8314696),
+    Vec2::new(-0.8314696, 0.5555702),
+    Vec2::new(-0.9807852, 0.1950903),
 ];
 
 /// What limits the motion of a tick.
