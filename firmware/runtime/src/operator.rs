@@ -51,10 +51,10 @@ pub struct RadioOrders {
 
 /// Decides who may arm and who may stop the robot: its own buttons, or the operator over the link.
 ///
-/// Anybody may stop it: an emergency stop counts from either side. The link outranks the buttons in
+/// Both may stop it: an emergency stop counts from either side. The link outranks the buttons in
 /// arming and in manual driving, from its first packet on. But a change at the arm button, or any
 /// other change of the buttons' order to arm, disarms an armed robot at once, whatever the link
-/// says. It stays disarmed until the link has taken back its own order to arm: who stands beside
+/// says. It stays disarmed until the link has taken back its own order to arm: a person beside
 /// the robot must not be overruled by the next packet.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Authority {
@@ -127,7 +127,7 @@ mod tests {
 
     /// Each row is a tick: order of the buttons, order of the link, whether the robot is armed.
     #[test]
-    fn whoever_stands_beside_the_robot_may_disarm_it() {
+    fn a_person_beside_the_robot_may_disarm_it() {
         let table = [
             (false, None, false),
             (true, None, true),

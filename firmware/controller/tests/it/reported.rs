@@ -110,7 +110,7 @@ fn a_fence_around_a_wrong_first_fix_stops_the_robot() {
 }
 
 /// Mowglinext 694: the receiver's driver repeated one position with new time stamps for minutes,
-/// at rest and on the move. At rest that is no fault.
+/// at rest and on the move. At rest that is not a fault.
 #[test]
 fn a_position_that_stays_the_same_at_rest_is_not_frozen() {
     let blob = field(Parameters::default());
