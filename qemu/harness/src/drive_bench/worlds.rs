@@ -219,7 +219,7 @@ fn doors(seed: u64) -> Vec<Course> {
             Shape::Polygon(vec![vec![[-0.1, from], [0.1, from], [0.1, to], [-0.1, to]]])
         };
         let shapes = vec![wall(-9.9, -width_m / 2.0), wall(width_m / 2.0, 9.9)];
-        let side = if number % 2 == 0 { -1.0 } else { 1.0 };
+        let side = if number.is_multiple_of(2) { -1.0 } else { 1.0 };
         let start = [side * random.between(1.5, 9.0), random.between(-8.0, 8.0)];
         rover(
             Suite::Doors,
@@ -251,9 +251,11 @@ fn corridors(seed: u64) -> Vec<Course> {
         let map = map([-3.0, -3.0], [18.0, 12.0], shapes);
         let (start, goal) = ([-1.0, 0.0], [13.0, 6.0]);
         let (start, goal, heading_rad) =
-            if number % 2 == 0 { (start, goal, 0.0) } else { (goal, start, PI) };
-        let name =
-            format!("corridor {width_m:.1} m, {}", if number % 2 == 0 { "there" } else { "back" });
+            if number.is_multiple_of(2) { (start, goal, 0.0) } else { (goal, start, PI) };
+        let name = format!(
+            "corridor {width_m:.1} m, {}",
+            if number.is_multiple_of(2) { "there" } else { "back" }
+        );
         rover(Suite::Corridors, name, map, (start, heading_rad), goal, seed.wrapping_add(number))
     };
     widths.into_iter().flat_map(|width| [(width, 0), (width, 1)]).map(course).collect()
