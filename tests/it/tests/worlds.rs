@@ -3,6 +3,7 @@
 //! map without a place on the globe, so the simulator gives it one.
 
 use harness::mission::{self, Changes};
+use math::scalar::wide;
 use robot_io::Reason;
 use sim::{Ending, HostPilot, Outcome, Robot, Scenario, Sensors, Start};
 
@@ -95,7 +96,7 @@ fn obstacles_that_only_the_world_or_only_the_map_has_are_passed() {
     let gone = run("[[missing]]\nat = [20, 6]\nwithin = 0.5\n");
     arrives(&gone, "the obstacle in the middle is gone");
     // The plan still leads around it.
-    assert!(gone.route.iter().all(|at| (at[0] - 20.0).hypot(at[1] - 6.0) > 1.0));
+    assert!(gone.route.iter().all(|at| wide::hypot(at[0] - 20.0, at[1] - 6.0) > 1.0));
     arrives(&run("removed = 1"), "nothing is there");
 }
 

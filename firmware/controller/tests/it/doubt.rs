@@ -161,7 +161,8 @@ fn disarming_ends_the_stop_for_want_of_progress() {
 fn a_wrong_compass_is_found_by_course_and_turn_rate() {
     let offset = |by: f32| move |_: f32, heading: f32| heading + by;
     let frozen = |first: f32, _: f32| first;
-    let cases: [(&str, &dyn Fn(f32, f32) -> f32); 5] = [
+    type Compass<'a> = &'a dyn Fn(f32, f32) -> f32;
+    let cases: [(&str, Compass<'_>); 5] = [
         ("frozen", &frozen),
         ("0.8 rad to the left", &offset(0.8)),
         ("0.8 rad to the right", &offset(-0.8)),

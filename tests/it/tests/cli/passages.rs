@@ -3,13 +3,14 @@
 
 use super::{Ended, Run};
 use insta::assert_snapshot;
+use math::scalar::wide;
 use serde_json::Value;
 use std::fs;
 
 /// A room of 12 m by 8 m with a wall across it and a door of a width, `turned` about its middle,
 /// degrees.
 fn door(width_m: f64, turned: f64, shift_m: f64) -> String {
-    let (sine, cosine) = turned.to_radians().sin_cos();
+    let (sine, cosine) = (wide::sin(turned.to_radians()), wide::cos(turned.to_radians()));
     let at = |along: f64, across: f64| {
         let (x, y) =
             (6.0 + shift_m + across * cosine - along * sine, 4.0 + across * sine + along * cosine);
@@ -113,7 +114,7 @@ fn the_stated_width_contains_the_true_one() {
             (least - slack..=most + slack).contains(&width) && most - least < 3.0 * resolution,
             "{width} m turned by {turned} in cells of {resolution}: {found:?}"
         );
-        let off = (x - 6.0 - shift).hypot(y - 4.0);
+        let off = wide::hypot(x - 6.0 - shift, y - 4.0);
         assert!(off < 2.0 * resolution + 0.1, "{found:?}");
     }
 }
