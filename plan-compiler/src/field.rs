@@ -3,7 +3,7 @@
 //! Arrays are row-major, row 0 in the south, `columns` cells a row. A cell's code says what
 //! its look-up answers; its cost is [`UNREACHED`] unless the code is a move or the goal.
 
-use plan_format::Direction;
+use plan_format::{Answer, Cell, Direction, Grid, Layer};
 
 /// The cost of a cell without a route: blocked, or cut off from the goal.
 pub const UNREACHED: u32 = u32::MAX;
@@ -45,4 +45,27 @@ pub const fn advised(code: u8) -> Option<Direction> {
 /// The escape direction of a blocked cell; `None` if it has none or the cell is free.
 pub const fn escape(code: u8) -> Option<Direction> {
     if code >= ESCAPE { Some(Direction::from_code(code - ESCAPE)) } else { None }
+}
+
+/// All cells of a grid, row by row from the south.
+pub(crate) fn cells(grid: &Grid) -> impl Iterator<Item = Cell> + use<> {
+    let columns = grid.columns;
+    (0..grid.rows).flat_map(move |row| (0..columns).map(move |column| Cell::new(column, row)))
+}
+
+/// Decodes a layer into arrays.
+pub(crate) fn decode(grid: &Grid, layer: &Layer<'_>) -> Field {
+    let (mut cost, mut code) = (Vec::with_capacity(grid.cells()), Vec::with_capacity(grid.cells()));
+    for cell in cells(grid) {
+        let (cell_cost, cell_code) = match layer.look_up(cell) {
+            Answer::Move { direction, cost } => (cost, direction.code()),
+            Answer::Goal => (0, GOAL),
+            Answer::NoRoute => (UNREACHED, NO_ROUTE),
+            Answer::Blocked { escape: Some(direction) } => (UNREACHED, ESCAPE + direction.code()),
+            Answer::Blocked { escape: None } | Answer::OffMap => (UNREACHED, NO_ESCAPE),
+        };
+        cost.push(cell_cost);
+        code.push(cell_code);
+    }
+    Field { columns: grid.columns, rows: grid.rows, cost, code }
 }

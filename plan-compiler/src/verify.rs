@@ -20,8 +20,8 @@
 //! Deliberately absent: the compiler's search.
 
 use crate::compile::Progress;
-use crate::field::{ESCAPE, Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
-use crate::field::{advised, escape, is_blocked};
+use crate::field::{Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
+use crate::field::{advised, cells, decode, escape, is_blocked};
 use crate::layers::Stack;
 use crate::search::Corners;
 use crate::terrain::Terrain;
@@ -134,28 +134,6 @@ impl Findings<'_> {
             self.report.violations.push(Violation { layer, cell, at, what });
         }
     }
-}
-
-fn cells(grid: &Grid) -> impl Iterator<Item = Cell> + use<> {
-    let columns = grid.columns;
-    (0..grid.rows).flat_map(move |row| (0..columns).map(move |column| Cell::new(column, row)))
-}
-
-/// Decodes a layer into arrays.
-pub(crate) fn decode(grid: &Grid, layer: &Layer<'_>) -> Field {
-    let (mut cost, mut code) = (Vec::with_capacity(grid.cells()), Vec::with_capacity(grid.cells()));
-    for cell in cells(grid) {
-        let (cell_cost, cell_code) = match layer.look_up(cell) {
-            Answer::Move { direction, cost } => (cost, direction.code()),
-            Answer::Goal => (0, GOAL),
-            Answer::NoRoute => (UNREACHED, NO_ROUTE),
-            Answer::Blocked { escape: Some(direction) } => (UNREACHED, ESCAPE + direction.code()),
-            Answer::Blocked { escape: None } | Answer::OffMap => (UNREACHED, NO_ESCAPE),
-        };
-        cost.push(cell_cost);
-        code.push(cell_code);
-    }
-    Field { columns: grid.columns, rows: grid.rows, cost, code }
 }
 
 fn terrain(field: &Field) -> Terrain {
@@ -323,6 +301,7 @@ impl Proof<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::ESCAPE;
     use crate::search::{Query, solve};
 
     /// What the proof says of a field.

@@ -21,10 +21,9 @@
 mod gap;
 mod routes;
 
-use crate::field::{Field, advised, is_blocked};
+use crate::field::{Field, advised, decode, is_blocked};
 use crate::mission::PHYSICAL;
 use crate::recipe;
-use crate::verify::decode;
 use gap::{Gap, across};
 use maps::numbers::{metres, pair};
 use maps::{Bitmap, Point, Problem};

@@ -65,7 +65,7 @@ pub fn within_m(vehicle: &Vehicle, age_s: f32) -> f32 {
 }
 
 /// Limits `wanted`. `ahead` are the readings nearer than [`within_m`]. `None` if obstacles leave
-/// nothing but turning on the spot.
+/// only turning on the spot.
 pub fn brake(
     vehicle: &Vehicle,
     readings: &[RangeReading],

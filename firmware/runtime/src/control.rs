@@ -5,10 +5,8 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use plan_format::Blob;
 use robot_io::{CommandRecord, Commands, Percepts, TraceHash};
 
-use crate::gps::FixSlot;
-use crate::link::Telemetry;
-use crate::operator::{Authority, OperatorSlot};
-use crate::pose::PoseSlot;
+use crate::operator::Authority;
+use crate::slots::Slots;
 
 /// Time from tick to tick, microseconds: 20 Hz.
 pub const TICK_PERIOD_US: u64 = 50_000;
@@ -50,36 +48,6 @@ pub trait Observer {
 }
 
 impl Observer for () {}
-
-/// What the tasks of one robot share. In each slot the newest value replaces the last.
-pub struct Slots<M: RawMutex> {
-    /// Fixes, from the GPS task to the control task.
-    pub fixes: FixSlot<M>,
-    /// Orders, from the operator task to the control task.
-    pub operator: OperatorSlot<M>,
-    /// Poses, from the operator task to the control task.
-    pub poses: PoseSlot<M>,
-    /// Records, from the control task to the telemetry task.
-    pub telemetry: Telemetry<M>,
-}
-
-impl<M: RawMutex> Default for Slots<M> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<M: RawMutex> Slots<M> {
-    /// Empty slots.
-    pub const fn new() -> Self {
-        Self {
-            fixes: FixSlot::new(),
-            operator: OperatorSlot::new(),
-            poses: PoseSlot::new(),
-            telemetry: Telemetry::new(),
-        }
-    }
-}
 
 /// Drives `robot` by `blob` until [`Robot::wait`] returns `None`; `observer` watches each tick.
 ///

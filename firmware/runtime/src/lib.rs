@@ -49,14 +49,16 @@ pub mod mixer;
 pub mod operator;
 pub mod pose;
 pub mod silence;
+pub mod slots;
 #[cfg(target_os = "none")]
 pub mod time;
 
 #[cfg(target_os = "none")]
 pub use blob::plan_region;
 pub use blob::{Fallback, Loaded, load, load_paced};
-pub use control::{Observer, Robot, Slots, TICK_PERIOD_US, control_task};
+pub use control::{Observer, Robot, TICK_PERIOD_US, control_task};
 pub use gps::{FixSlot, gps_task};
-pub use link::{Telemetry, operator_task, telemetry_task};
+pub use link::{operator_task, telemetry_task};
 pub use operator::{ArmButton, Authority, OperatorSlot, RadioOrders};
 pub use pose::PoseSlot;
+pub use slots::{Slots, Telemetry};

@@ -6,15 +6,10 @@
 
 use embassy_futures::yield_now;
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use embassy_sync::signal::Signal;
 use embedded_io_async::{Read, Write};
-use robot_io::CommandRecord;
 use robot_io::packet::{self, Decoder, Downlink, Uplink};
 
-use crate::control::Slots;
-
-/// The newest unsent record.
-pub type Telemetry<M> = Signal<M, CommandRecord>;
+use crate::slots::{Slots, Telemetry};
 
 /// Reads packets from `reader` into the slots of orders and poses until the reader ends.
 pub async fn operator_task<M: RawMutex>(
@@ -64,7 +59,7 @@ mod tests {
     use embassy_sync::blocking_mutex::raw::NoopRawMutex;
     use embassy_sync::pipe::Pipe;
     use plan_format::Parameters;
-    use robot_io::{Checks, Commands, Manual, Operator, Pose, Reason, Receiver};
+    use robot_io::{Checks, CommandRecord, Commands, Manual, Operator, Pose, Reason, Receiver};
 
     const BY_HAND: Operator = Operator {
         is_armed: true,

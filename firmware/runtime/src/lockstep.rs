@@ -24,8 +24,9 @@ use plan_format::Blob;
 use robot_io::limits::MAX_GPS_BYTES;
 use robot_io::{CommandRecord, Commands, Percepts, SensorRecord};
 
-use crate::control::{Observer, Robot, Slots, TICK_PERIOD_US, control_task};
+use crate::control::{Observer, Robot, TICK_PERIOD_US, control_task};
 use crate::gps::gps_task;
+use crate::slots::Slots;
 
 /// Carries records to and from a world: simulated, recorded or behind a pipe.
 pub trait Transport {

@@ -171,7 +171,7 @@ pub struct Driven {
 
 /// What to drive.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct Drives {
     /// The courses of all suites.
     pub courses: Vec<Course>,
     /// Only these rows, by their number in [`rows`].
@@ -180,7 +180,7 @@ pub struct Plan {
     pub shard: (usize, usize),
 }
 
-impl Plan {
+impl Drives {
     /// All runs of the plan: row and course.
     fn runs(&self) -> Vec<(usize, usize, &Course)> {
         let all = rows();

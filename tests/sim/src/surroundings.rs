@@ -1,14 +1,14 @@
 //! The surroundings that the robot's work changes: tanks that it drains and fills, and fields that
 //! it works strip by strip. Each is an input of the robot's percepts.
 //!
-//! A world file describes them, see [`WorldFile`].
+//! A world file describes them, see `world_file`.
 //!
 //! A strip is done when the robot has followed it from its start to its end without leaving it. A
 //! run with work ends when all strips are done and the robot has given the signal, or, if the file
 //! asks for no signal, has nothing left to do.
 
+use crate::Point;
 use crate::geometry::distance;
-use crate::{Point, WorldFile};
 use robot_io::limits::MAX_CHANNELS;
 use robot_io::{Commands, Reason};
 use std::collections::BTreeMap;
@@ -146,15 +146,6 @@ impl Surroundings {
             )
         });
         tanks.chain(fields).collect()
-    }
-}
-
-impl std::str::FromStr for Surroundings {
-    type Err = String;
-
-    /// Reads the text of a world file and keeps the part that the robot's work changes.
-    fn from_str(text: &str) -> Result<Self, String> {
-        text.parse::<WorldFile>().map(|file| file.surroundings)
     }
 }
 

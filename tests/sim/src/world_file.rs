@@ -175,5 +175,14 @@ impl Reader<'_> {
     }
 }
 
+impl std::str::FromStr for Surroundings {
+    type Err = String;
+
+    /// Reads the text of a world file and keeps the part that the robot's work changes.
+    fn from_str(text: &str) -> Result<Self, String> {
+        text.parse::<WorldFile>().map(|file| file.surroundings)
+    }
+}
+
 #[cfg(test)]
 mod tests;

@@ -7,8 +7,8 @@ use robot_io::{Operator, Percepts};
 use soak::{KINDS, fixtures, soak};
 
 #[test]
-fn a_hundred_thousand_ticks() {
-    let summary = soak(1, 100_000, &mut |_| {}).unwrap_or_else(|failure| panic!("{failure}"));
+fn three_hundred_thousand_ticks() {
+    let summary = soak(1, 300_000, &mut |_| {}).unwrap_or_else(|failure| panic!("{failure}"));
     assert!(summary.refused > 0);
     let missing: Vec<_> =
         KINDS.iter().filter(|kind| !summary.decisions.contains_key(*kind)).collect();

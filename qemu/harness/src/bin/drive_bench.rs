@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use harness::drive_bench::{self, Plan, Run, Suite, is_worse, rows, table};
+use harness::drive_bench::{self, Drives, Run, Suite, is_worse, rows, table};
 use harness::picture;
 use harness::setup::root;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -89,7 +89,7 @@ fn drive(arguments: &Arguments) -> Result<Vec<Run>, String> {
     }
     let courses =
         drive_bench::courses(&suites, barn.as_deref(), arguments.count as usize, arguments.seed)?;
-    let plan = Plan { courses, rows: (0..rows().len()).collect(), shard: arguments.shard };
+    let plan = Drives { courses, rows: (0..rows().len()).collect(), shard: arguments.shard };
     let style = ProgressStyle::with_template("{bar:40} {pos} of {len} runs, {eta} left");
     let bar = ProgressBar::new(plan.count() as u64);
     bar.set_style(style.expect("the template is well-formed"));
@@ -121,7 +121,7 @@ fn merge(paths: &[PathBuf]) -> Result<Vec<Run>, String> {
 /// Pictures of the worst runs.
 const GALLERY: usize = 12;
 
-fn gallery(folder: &Path, plan: &Plan, runs: &[Run]) -> Result<(), String> {
+fn gallery(folder: &Path, plan: &Drives, runs: &[Run]) -> Result<(), String> {
     std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut worst: Vec<&Run> = runs.iter().filter(|run| run.has_route).collect();
     worst.sort_by(|a, b| is_worse(b, a).cmp(&is_worse(a, b)));
