@@ -132,7 +132,7 @@ fn gallery(folder: &Path, plan: &Drives, runs: &[Run]) -> Result<(), String> {
             |course: &&drive_bench::Course| course.suite == row.suite && course.name == run.course;
         let Some(course) = plan.courses.iter().find(is_it) else { continue };
         let driven = drive_bench::drive(run.row, &row.setting, course)?;
-        let file = format!("{:04} {}.svg", run.number, run.course).replace([' ', ','], "-");
+        let file = format!("{:04} {}.png", run.number, run.course).replace([' ', ','], "-");
         let route = &driven.outcome.route;
         let story = Story { turns: Vec::new(), engaged: vec![0; route.len()] };
         let path = folder.join(file);

@@ -1,0 +1,153 @@
+//! Robots with default parameters in tight worlds: they arrive, and they touch nothing.
+
+use harness::drive_bench::table::Numbers;
+use harness::drive_bench::{Drives, Row, Run, Suite, VehicleKind, courses, rows};
+use harness::mission;
+use harness::setup::root;
+use math::scalar::wide;
+use sim::{Difference, HostPilot, Random, SensorSettings, Start, Stream};
+
+/// The runs of the suite's courses under the settings that are wanted.
+fn driven(drives: &Drives, is_wanted: impl Fn(&Row) -> bool) -> Vec<(usize, Vec<Run>)> {
+    let all = rows();
+    let wanted = (0..all.len()).filter(|&number| is_wanted(&all[number]));
+    let drives = Drives { rows: wanted.collect(), ..drives.clone() };
+    let runs = drives.drive(&|| ()).expect("the courses are sound");
+    let of = |row: usize| runs.iter().filter(|run| run.row == row).cloned().collect();
+    drives.rows.iter().map(|&row| (row, of(row))).collect()
+}
+
+fn numbers(runs: &[Run]) -> Numbers {
+    Numbers::of(&runs.iter().collect::<Vec<_>>())
+}
+
+fn of_suite(suite: Suite, count: usize) -> Drives {
+    let courses = courses(&[suite], None, count, 1).expect("seeded courses need no files");
+    Drives { courses, rows: Vec::new(), shard: (0, 1) }
+}
+
+/// A rover, without discs.
+fn is_plain(row: &Row) -> bool {
+    row.setting.vehicle == VehicleKind::Differential && !row.setting.has_discs
+}
+
+/// Fields of posts as in the BARN challenge: mapped, in part mapped, not mapped, with perfect and
+/// with usual sensors.
+#[test]
+fn a_field_of_posts_is_passed_untouched() {
+    let is_wanted = |row: &Row| row.suite == Suite::Barn && is_plain(row);
+    for (row, runs) in driven(&of_suite(Suite::Barn, 8), is_wanted) {
+        let setting = rows()[row].setting;
+        let found = numbers(&runs);
+        assert_eq!(found.contacts, 0.0, "{setting:?}: {runs:?}");
+        if setting.unmapped_percent <= 10 {
+            assert_eq!(found.success, 1.0, "{setting:?}: {runs:?}");
+        }
+    }
+}
+
+/// The challenge's own 50 worlds, where they lie beside the project.
+#[test]
+fn the_worlds_of_the_challenge_are_passed_untouched() {
+    let folder = root().join("../shared/data/barn");
+    if !folder.is_dir() {
+        println!("{} is not here; nothing was driven", folder.display());
+        return;
+    }
+    let courses = courses(&[Suite::Barn], Some(&folder), 0, 1).expect("the worlds are sound");
+    let drives = Drives { courses, rows: Vec::new(), shard: (0, 1) };
+    let is_wanted = |row: &Row| row.suite == Suite::Barn && is_plain(row);
+    for (row, runs) in driven(&drives, is_wanted) {
+        let setting = rows()[row].setting;
+        let found = numbers(&runs);
+        assert_eq!((found.runs, found.contacts), (50, 0.0), "{setting:?}");
+        let (success, score) = match (setting.unmapped_percent, setting.has_usual_sensors) {
+            (0, false) => (1.0, 0.45),
+            (0, true) => (0.98, 0.45),
+            (100, _) => (0.85, 0.25),
+            _ => (0.96, 0.42),
+        };
+        assert!(found.success >= success && found.score >= score, "{setting:?}: {found:?}");
+    }
+}
+
+/// A door 0.3 m wider than the body, and wider ones, from both sides.
+#[test]
+fn mapped_doors_are_passed() {
+    let mut drives = of_suite(Suite::Doors, 0);
+    drives.courses.retain(|course| !course.name.starts_with("door 0.8"));
+    let is_wanted =
+        |row: &Row| row.suite == Suite::Doors && is_plain(row) && !row.setting.has_usual_sensors;
+    for (row, runs) in driven(&drives, is_wanted) {
+        let failed: Vec<&Run> = runs.iter().filter(|run| !run.is_success()).collect();
+        assert!(failed.is_empty(), "{:?}: {failed:?}", rows()[row].setting);
+        assert_eq!(runs.len(), 100);
+    }
+}
+
+#[test]
+fn mapped_courtyards_are_left() {
+    let is_wanted = |row: &Row| row.suite == Suite::Courtyards && is_plain(row);
+    for (row, runs) in driven(&of_suite(Suite::Courtyards, 6), is_wanted) {
+        assert!(runs.iter().all(Run::is_success), "{:?}: {runs:?}", rows()[row].setting);
+    }
+}
+
+#[test]
+fn shards_add_up_to_the_whole() {
+    let is_wanted = |row: &Row| row.suite == Suite::Corridors && is_plain(row);
+    let whole = of_suite(Suite::Corridors, 0);
+    let parts = [0, 1, 2].map(|index| {
+        let shard = Drives { shard: (index, 3), ..whole.clone() };
+        driven(&shard, is_wanted).into_iter().flat_map(|(_, runs)| runs).collect::<Vec<_>>()
+    });
+    let mut merged = parts.concat();
+    merged.sort_by_key(|run| run.number);
+    let all: Vec<Run> = driven(&whole, is_wanted).into_iter().flat_map(|(_, runs)| runs).collect();
+    assert_eq!(merged, all);
+    assert!(parts.iter().all(|part| !part.is_empty() && part.len() < all.len()));
+}
+
+/// Bodies, limits and gains at random, in worlds that the map does not show: whatever pulls, the
+/// brakes keep the robot from everything that it sees. Fast robots see posts too late, because
+/// beams miss them (see `sim::RingSettings`); so the speed is one from which the robot stops within
+/// 1.2 m.
+#[test]
+fn whatever_the_body_and_the_gains_nothing_is_touched() {
+    let posts = of_suite(Suite::Barn, 12).courses;
+    let mut random = Random::new(7, Stream::Start);
+    let presets = ["route", "100:0", "66:34", "34:66", "0:100"];
+    for number in 0..60 {
+        let course = &posts[number % posts.len()];
+        let radius_m = random.between(0.1, 0.4);
+        let braking = random.between(0.7, 4.0);
+        let fastest = braking * (wide::sqrt(0.01 + 2.4 / braking) - 0.1);
+        let speed = random.between(0.3, 1.0) * fastest.min(3.0);
+        let turn = random.between(0.5, 6.0);
+        let preset = presets[number % presets.len()];
+        let unmapped = [0.0, 0.5, 1.0][number % 3];
+        let steering = if number % 4 == 3 { "ackermann" } else { "differential" };
+        let circle = if number % 4 == 3 { "min_turn_radius = 0.4\n" } else { "" };
+        let mission = format!(
+            "resolution = 0.05\nrobot_radius = {radius_m}\n[goals]\ngoal = [3.75, 14]\n\
+             [gains]\npreset = \"{preset}\"\n[vehicle]\nsteering = \"{steering}\"\n{circle}\
+             radius = {radius_m}\nmax_speed = {speed}\nbraking = {braking}\nmax_turn_rate = {turn}\n"
+        );
+        let difference = Difference { unmapped, ..Difference::default() };
+        let scenario = mission::of_map(&course.map, &mission, &difference, number as u64);
+        let scenario = scenario.unwrap_or_else(|message| panic!("{mission}\n{message}"));
+        let start = Start {
+            position: course.start,
+            heading_rad: random.between(-3.0, 3.0),
+            seed: number as u64,
+            sensors: SensorSettings::PERFECT,
+        };
+        let pilot = HostPilot::new(scenario.plan());
+        let robot = scenario.robot(&start, pilot).expect("the start is clear").within_time(60.0);
+        let outcome = scenario.run(robot).expect("the robot answers");
+        assert_eq!(
+            outcome.touches, 0,
+            "number {number}, {unmapped} unmapped:\n{mission}{outcome:?}"
+        );
+    }
+}
