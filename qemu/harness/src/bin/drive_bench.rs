@@ -34,8 +34,11 @@ struct Arguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Folder with the worlds of the BARN challenge as overlays, and optimal_times.tsv
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", conflicts_with = "seeded")]
     barn: Option<PathBuf>,
+    /// Use seeded fields of posts although the worlds of the challenge are here
+    #[arg(long)]
+    seeded: bool,
     /// Drive only every COUNT-th run, from number INDEX on; --merge puts the parts together
     #[arg(long, value_name = "INDEX/COUNT", value_parser = shard, default_value = "0/1")]
     shard: (usize, usize),
@@ -83,8 +86,11 @@ fn drive(arguments: &Arguments) -> Result<Vec<Run>, String> {
     let suites =
         if arguments.suites.is_empty() { Suite::ALL.to_vec() } else { arguments.suites.clone() };
     let beside = root().join("../shared/data/barn");
-    let barn = arguments.barn.clone().or_else(|| Some(beside).filter(|path| path.is_dir()));
-    if barn.is_none() && suites.contains(&Suite::Barn) {
+    let barn = arguments
+        .barn
+        .clone()
+        .or_else(|| Some(beside).filter(|path| path.is_dir() && !arguments.seeded));
+    if barn.is_none() && !arguments.seeded && suites.contains(&Suite::Barn) {
         eprintln!("the worlds of the BARN challenge are not here; seeded fields replace them");
     }
     let courses =
