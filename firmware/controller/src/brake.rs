@@ -24,7 +24,7 @@ use crate::obstacles::{Body, Kind, Obstacles};
 const TRIES: usize = 4;
 
 /// Least distance from what the body passes, metres.
-const ASIDE_M: f32 = 0.01;
+const ASIDE_M: f32 = 0.015;
 /// What this distance grows by for each m/s: a fast robot follows its arc less exactly.
 const ASIDE_PER_SPEED_S: f32 = 0.03;
 
@@ -120,9 +120,11 @@ pub fn brake(
     };
     let is_steady = (now.turn_rate_radps - wanted.turn_rate_radps).abs() < STEADY_RADPS;
     let is_safe = |speed_mps: f32| {
-        is_free(Kind::Seen, speed_mps, wanted.turn_rate_radps)
-            && is_free(Kind::Hidden, speed_mps, wanted.turn_rate_radps)
-            && (is_steady || is_free(Kind::Seen, speed_mps, now.turn_rate_radps))
+        let is_clear = |turn_rate_radps: f32| {
+            is_free(Kind::Seen, speed_mps, turn_rate_radps)
+                && is_free(Kind::Hidden, speed_mps, turn_rate_radps)
+        };
+        is_clear(wanted.turn_rate_radps) && (is_steady || is_clear(now.turn_rate_radps))
     };
     if is_safe(top_mps) {
         return Some(wanted);

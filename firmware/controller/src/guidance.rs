@@ -156,7 +156,7 @@ fn ahead(blob: &Blob<'_>, plan: &ParallelPlan<'_>, advice: &Advice, position: Ve
     let one_step = schemas::follow_plan(advice.direction);
     let parameters = blob.parameters();
     let layer = advice.layer.and_then(|index| plan.layer(usize::from(index)));
-    let (Some(start), Some(layer), Kind::Move, Blend::Route) =
+    let (Some(start), Some(layer), Kind::Move | Kind::Escape, Blend::Route) =
         (blob.cell_at(position), layer, advice.kind, parameters.blend)
     else {
         return one_step;
@@ -176,6 +176,8 @@ fn ahead(blob: &Blob<'_>, plan: &ParallelPlan<'_>, advice: &Advice, position: Ve
         }
         next = match layer.step(cell) {
             Step::Move(direction) => Some(direction),
+            // A robot that leaves an obstacle looks past the free cell where its route begins.
+            Step::Blocked { escape } => escape,
             _ => None,
         };
     }

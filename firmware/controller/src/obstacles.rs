@@ -12,7 +12,7 @@ const LEAST_DISTANCE_M: f32 = 0.01;
 const KEPT: f32 = 0.98;
 
 /// Nearer to a point than this, the body does not approach it at all, metres.
-const TOUCH_M: f32 = 0.005;
+const TOUCH_M: f32 = 0.01;
 
 /// A way that turns by less than this is straight, radians: its end is off by less than the
 /// length times half of this.
