@@ -10,9 +10,10 @@
 //! - A robot that is too fast for the wanted arc brakes as hard as it can, and stays on the arc that
 //!   the last tick found safe.
 //!
-//! Invariant: if the robot obeys and no obstacle appears nearer than it could have been seen, it
-//! touches nothing, whatever the gains. Turning on the spot moves nothing outside the body's circle
-//! and stays allowed.
+//! Invariant: if the robot obeys, and obstacles stand still and appear no nearer than its stopping
+//! distance, it touches nothing, whatever the gains. Turning on the spot moves nothing outside the
+//! body's circle and stays allowed. A boat's drift is an estimate, so the invariant does not cover
+//! boats.
 
 use plan_format::parameters::{Steering, Vehicle};
 use robot_io::RangeReading;

@@ -30,7 +30,6 @@ const READERS: &[(&str, &str)] = &[
     ("shared/plan-format/src/blob.rs", "blob"),
     ("shared/robot-io/src/packet.rs", "link"),
     ("shared/robot-io/src/record.rs", "lockstep"),
-    ("tests/sim/src/surroundings.rs", "world"),
     ("tests/sim/src/world_file.rs", "world"),
 ];
 

@@ -101,16 +101,19 @@ pub fn text(runs: &[Run]) -> String {
     for (row, runs) in grouped(runs) {
         let numbers = Numbers::of(&runs);
         let [low, high] = numbers.interval;
-        let closest = if numbers.closest_m.is_finite() {
-            format!("{:.3}", numbers.closest_m)
-        } else {
-            "-".to_owned()
+        // A row may have no success, and no obstacle near.
+        let or_dash = |number: f64, decimals: usize| match number.is_finite() {
+            true => format!("{number:.decimals$}"),
+            false => "-".to_owned(),
         };
+        let closest = or_dash(numbers.closest_m, 3);
+        let (time_s, stretch) = (or_dash(numbers.time_s, 1), or_dash(numbers.stretch, 2));
+        let turn_per_m = or_dash(numbers.turn_per_m, 2);
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
-            "{:<10}  {:<22}  {:<12}  {:>4}  {:.3} ({:.3}-{:.3})  {:>8.3}  {:>6.1}  {:>10.2}  \
-             {:>6.2}  {closest:>9}  {:.3}",
+            "{:<10}  {:<22}  {:<12}  {:>4}  {:.3} ({:.3}-{:.3})  {:>8.3}  {time_s:>6}  \
+             {stretch:>10}  {turn_per_m:>6}  {closest:>9}  {:.3}",
             row.suite.name(),
             name(&row.setting),
             row.setting.vehicle.name(),
@@ -119,9 +122,6 @@ pub fn text(runs: &[Run]) -> String {
             low,
             high,
             numbers.contacts,
-            numbers.time_s,
-            numbers.stretch,
-            numbers.turn_per_m,
             numbers.score,
         );
         if numbers.without_route > 0 {
