@@ -8,7 +8,7 @@ use plan_compiler::compile::compile;
 use plan_compiler::input::{Input, Options};
 use plan_compiler::mission::{Goal, Named, parse};
 use plan_compiler::project::{self, Request};
-use plan_format::parameters::Gains;
+use plan_format::parameters::{Blend, Gains};
 use sim::scenario::place_on_globe;
 use sim::{Conditions, Difference, Scenario, WorldFile, Worlds};
 
@@ -90,7 +90,10 @@ fn read_and_compile(
     if let Some(name) = &changes.plan {
         mission.plan = Some(from_command_line(name));
     }
-    mission.parameters.gains = changes.gains.unwrap_or(mission.parameters.gains);
+    if let Some(gains) = changes.gains {
+        // As in a mission file: a mix of the paper goes with the paper's blend.
+        (mission.parameters.gains, mission.parameters.blend) = (gains, Blend::Paper);
+    }
     let note = place_on_globe(&mut project.map);
     let blob = compile(&project.input(), &|_, _| (), problems)?;
     let (surroundings, conditions) = match world {
