@@ -1,8 +1,8 @@
 //! What the robot needs before it may drive: checks before arming, the fence, the battery.
 //!
-//! The operator orders the robot to be armed; it is armed once the checks pass that its way of
-//! driving needs. Driving by plan needs all of them, manual driving only clock, battery and fence:
-//! the driver sees for himself. Each check has a bit in [`Checks`], which telemetry carries. An
+//! The operator orders the robot to be armed; it is armed once it passes the checks for its way of
+//! driving. Driving by plan needs all of them, manual driving only clock, battery and fence: the
+//! driver sees the rest. Each check has a bit in [`Checks`], which telemetry carries. An
 //! armed robot stays armed until the order ends; later trouble stops it with its own reason.
 //!
 //! The fence is a circle around the place where the robot was armed. It is judged by the fixes as

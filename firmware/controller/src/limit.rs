@@ -9,7 +9,7 @@ use crate::brake::{Moving, brake};
 use crate::drive::Twist;
 use crate::obstacles::Obstacles;
 
-/// After a longer pause between ticks the robot has braked no longer than this, microseconds.
+/// Braking counts for at most this time between two ticks, microseconds.
 const LONGEST_STEP_US: u64 = 200_000;
 
 /// Speed and turn rate that the last tick commanded. Part of the controller's state.
@@ -21,8 +21,8 @@ pub struct Commanded {
 }
 
 impl Commanded {
-    /// Present speed and turn rate: measured, or else as commanded. `age_s` is that of the range readings,
-    /// seconds.
+    /// Present speed and turn rate: measured, or else as commanded. `age_s` is the age of the range
+    /// readings, seconds.
     pub fn now(&self, percepts: &Percepts, age_s: f32) -> Moving {
         let elapsed_us = percepts.time_us.saturating_sub(self.time_us).min(LONGEST_STEP_US);
         let twist = Twist {

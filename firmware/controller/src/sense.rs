@@ -1,8 +1,8 @@
 //! Estimates position and heading: judges their sources and dead-reckons in between.
 //!
 //! Position: a good pose or fix, unchanged; between them, speed and heading carry it on. While good
-//! poses arrive they win over the fixes: who adds a source of poses has it because fixes are not
-//! good enough there, and a mixture of both would leap by the offset between them. The position is
+//! poses arrive they win over the fixes: a robot has a source of poses because fixes are not good
+//! enough where it drives, and a mixture of both would leap by their offset. The position is
 //! unknown once neither has arrived for the stale time. [`crate::source`] judges each of the two,
 //! [`crate::slip`] whether positions follow the motion.
 //!
@@ -170,7 +170,7 @@ impl Track {
         let step = vector::from_angle(heading_rad + 0.5 * turned_rad)
             * (twist.speed_mps * twist.elapsed_s);
         self.position_m = (Vec2::from(self.position_m) + step).into();
-        // A robot that shall stand is not expected to move, even if its odometry is frozen.
+        // A robot that is commanded to stand is not expected to move, even if its odometry is frozen.
         if self.speed_mps != 0.0 {
             self.slip.carry(step, twist.speed_mps * twist.elapsed_s);
         }
