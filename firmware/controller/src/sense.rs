@@ -170,7 +170,7 @@ impl Track {
         let step = vector::from_angle(heading_rad + 0.5 * turned_rad)
             * (twist.speed_mps * twist.elapsed_s);
         self.position_m = (Vec2::from(self.position_m) + step).into();
-        // A robot that is commanded to stand is not expected to move, even if its odometry is frozen.
+        // A robot that is commanded to stand is not expected to move, even with frozen odometry.
         if self.speed_mps != 0.0 {
             self.slip.carry(step, twist.speed_mps * twist.elapsed_s);
         }
