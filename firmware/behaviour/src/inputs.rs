@@ -1,5 +1,6 @@
 //! From observations to aspects of interest, facts and criticalities.
 
+use crate::mates::{self, Mate};
 use crate::{Behaviours, Context, fact_bit};
 use math::{Vec2, vector};
 use plan_format::limits::{MAX_CHANNELS, MAX_INPUTS, MAX_RULE_BASES};
@@ -26,6 +27,10 @@ pub struct Observations<'a> {
     pub position: Option<Vec2>,
     /// Input channels (battery, fuel, link, custom).
     pub channels: &'a [Option<f32>; MAX_CHANNELS],
+    /// What is known of the mates that were ever heard.
+    pub mates: &'a [Mate],
+    /// The numbers of all mates, one bit each.
+    pub team: u8,
     /// What the map and the parallel plans give for that position.
     pub world: &'a dyn World,
 }
@@ -172,6 +177,12 @@ impl Behaviours {
                     let anchor = anchors.next().copied().flatten();
                     anchor.is_some_and(|(_, since)| is_over(since, within_ms, self.now_us))
                 }
+                FactKind::Linked(_)
+                | FactKind::MateNear { .. }
+                | FactKind::MateAt { .. }
+                | FactKind::MateSignals { .. } => {
+                    mates::holds(fact.kind, seen.mates, seen.position) == Some(true)
+                }
             };
             sensed |= if holds { bit } else { 0 };
         }
@@ -193,6 +204,10 @@ impl Behaviours {
                 let bit = 1_u16.checked_shl(u32::from(output)).unwrap_or(0);
                 Some(if self.outputs & bit == 0 { 0.0 } else { 1.0 })
             }
+            Source::MatesLinked => Some(mates::linked(seen.mates)),
+            Source::OldestNews => mates::oldest_news_s(seen.mates, seen.team),
+            Source::DistanceToMate(robots) => mates::distance_m(seen.mates, robots, seen.position),
+            Source::LinkToMate(robot) => Some(mates::quality(seen.mates, robot)),
             Source::Rules(_) => None,
         };
         let slot = self.senses.last.get_mut(index);

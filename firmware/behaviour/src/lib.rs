@@ -40,7 +40,9 @@
 //! let mut action_at = |time_us, fuel| {
 //!     let mut channels = [None; 8];
 //!     channels[0] = Some(fuel);
-//!     let seen = Observations { time_us, position: None, channels: &channels, world: &NoMap };
+//!     let seen = Observations {
+//!         time_us, position: None, channels: &channels, mates: &[], team: 0, world: &NoMap,
+//!     };
 //!     let running = behaviours.step(&mission, &seen, &mut Report::default());
 //!     mission.name(mission.actions().get(running[0].action.into()).unwrap().name)
 //! };
@@ -94,6 +96,7 @@
 
 mod choose;
 mod inputs;
+mod mates;
 mod report;
 mod run;
 mod switch;
@@ -101,6 +104,7 @@ mod watch;
 
 pub use grammar::Choice;
 pub use inputs::{MAX_PROGRESS_FACTS, Observations, World};
+pub use mates::Mate;
 pub use report::{Decision, MAX_DECISIONS, Refusal, Report};
 pub use run::{MAX_RUNNING, Running, RunningAction};
 

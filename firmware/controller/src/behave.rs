@@ -63,6 +63,7 @@ pub fn behave(
     behaviours: &mut Behaviours,
     percepts: &Percepts,
     position: Option<Vec2>,
+    mates: &[behaviour::Mate],
     report: &mut Report,
 ) -> Intent {
     let parameters = blob.parameters();
@@ -87,6 +88,8 @@ pub fn behave(
         time_us: percepts.time_us,
         position,
         channels: &percepts.inputs,
+        mates,
+        team: parameters.team.mates(),
         world: &Surroundings { blob, position },
     };
     let running = behaviours.step(&mission, &seen, report);

@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | sense | [`sense`] | judges the sensors, estimates position and heading |
 //! | monitor, criticalities, switch, decompose | [`behave`] | lets the behaviours decide what to do |
+//! | listen | [`team`] | notes the news of mates, tracks the links to them |
 //! | arming | [`arming`] | checks what the robot needs before it may drive |
 //! | advise | [`guidance`] | looks up the plan, detects arrival and trouble |
 //! | schemas, blend | `schemas` | computes vectors and sums them by their gains |
@@ -144,6 +145,7 @@ pub mod sense;
 mod slip;
 mod source;
 pub mod stuck;
+pub mod team;
 
 use behave::Intent;
 use behaviour::Behaviours;
@@ -173,6 +175,8 @@ pub struct State {
     pub arming: arming::Arming,
     /// Whether the robot gets on.
     pub stuck: stuck::Progress,
+    /// Links to mates, and the last signal for them.
+    pub team: team::Team,
 }
 
 /// Boards keep the state in static memory; its budget is 8 KB.
@@ -190,6 +194,7 @@ impl State {
             detours: detour::Detours::default(),
             arming: arming::Arming::default(),
             stuck: stuck::Progress::default(),
+            team: team::Team::default(),
         }
     }
 
@@ -239,11 +244,13 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     state.arming.update(blob, &percepts, &sensed);
     let mut report = behaviour::Report::default();
     let position = sensed.position.ok();
-    let intent = behave::behave(blob, &mut state.behaviours, &percepts, position, &mut report);
+    let mates = state.team.listen(&blob.parameters().team, &percepts);
+    let intent =
+        behave::behave(blob, &mut state.behaviours, &percepts, position, &mates, &mut report);
     let vehicle = intent.constrained(&blob.parameters().vehicle);
     let within_m = brake::within_m(&vehicle, sensed.ranges.age_s());
     let near = Obstacles::near(&percepts.ranges, within_m, false);
-    let decided = decide(blob, &vehicle, state, &percepts, &sensed, &intent, &near);
+    let decided = decide(blob, &vehicle, state, &percepts, &sensed, &intent, &near, &mates);
     let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));
     let wanted = intent.with_outputs(wanted);
     let vehicle = state.arming.limited(&vehicle);
@@ -253,6 +260,7 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     state.track.commanded(&commands);
     state.commanded.commanded(percepts.time_us, &commands);
     state.stuck.update(&sensed, &commands, blob.parameters());
+    state.team.speak(&blob.parameters().team, position, &commands);
     Explanation { commands, sensed, report, blend }
 }
 
@@ -266,6 +274,7 @@ fn decide(
     sensed: &sense::Sensed,
     intent: &Intent,
     near: &Obstacles,
+    mates: &team::Mates,
 ) -> Result<(Commands, Option<Blend>), Reason> {
     use plan_format::parameters::Blend::{Paper, Route};
     let parameters = blob.parameters();
@@ -304,6 +313,7 @@ fn decide(
             Vec2::zeros()
         },
         avoid: vector::rotated(repulsion.vector, heading_rad),
+        robots: team::steer(blob.parameters(), mates, position),
         advice: guidance.ahead,
         noise: state.noise.next(schema.noise_persistence_ticks),
     };

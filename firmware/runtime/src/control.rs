@@ -21,7 +21,7 @@ pub trait Robot {
     /// Fills in heading, odometry, inputs and, on a robot with buttons, the operator's orders. A
     /// robot with a range finder fills in the ranges of its last complete scan and that scan's
     /// time, an empty scan included. [`Authority`] decides between the buttons and the link. Time,
-    /// fix, state of the receiver and the pose that the link brought are already set; a robot with
+    /// fix, state of the receiver, and the pose and the mates' news that the link brought are set; a robot with
     /// its own source of poses replaces the pose.
     async fn sense(&mut self, percepts: &mut Percepts);
 
@@ -65,7 +65,8 @@ pub async fn control_task<M: RawMutex>(
         let receiver = slots.fixes.receiver(time_us);
         let fix = slots.fixes.latest();
         let pose = slots.poses.latest();
-        let mut percepts = Percepts { time_us, fix, receiver, pose, ..Percepts::default() };
+        let mates = slots.mates.latest();
+        let mut percepts = Percepts { time_us, fix, receiver, pose, mates, ..Percepts::default() };
         robot.sense(&mut percepts).await;
         let radio = slots.operator.at(time_us, &blob.parameters().link);
         percepts.operator = authority.decide(percepts.operator, radio);
@@ -79,8 +80,9 @@ pub async fn control_task<M: RawMutex>(
         trace.record(&percepts, &commands);
         let trace_hash = trace.get();
         let checks = state.checks();
+        let news = state.team.news(&blob.parameters().team);
         let record =
-            CommandRecord { time_us, commands, trace_hash, instructions, receiver, checks };
+            CommandRecord { time_us, commands, trace_hash, instructions, receiver, checks, news };
         robot.act(&record).await;
         slots.telemetry.signal(record);
         robot.feed_watchdog();

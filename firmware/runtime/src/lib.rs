@@ -12,8 +12,9 @@
 //!
 //! A board implements [`Robot`] and spawns these tasks, which share [`Slots`]. [`link`] has the
 //! protocol of the link, [`operator`] the operator's latest orders, [`silence`] what link loss does
-//! to them, and [`pose`] the latest pose that arrived over it. [`lockstep`] is a robot that runs on records instead of hardware, so a simulation
-//! runs exactly this code. An [`Observer`] watches the ticks.
+//! to them, [`pose`] the latest pose that arrived over it, and [`mates`] the latest news of each
+//! mate. [`lockstep`] is a robot that runs on records instead of hardware, so a simulation runs
+//! exactly this code. An [`Observer`] watches the ticks.
 //!
 //! ```
 //! use plan_format::{Blob, Parameters};
@@ -45,6 +46,7 @@ pub mod control;
 pub mod gps;
 pub mod link;
 pub mod lockstep;
+pub mod mates;
 pub mod mixer;
 pub mod operator;
 pub mod pose;

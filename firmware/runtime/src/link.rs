@@ -1,13 +1,16 @@
 //! The link's protocol: telemetry down, the operator's orders up, one packet each.
 //!
 //! [`crate::operator`] keeps the orders, [`crate::silence`] decides what link loss does. The
-//! operator must repeat the packets at least four times within the timeout. Telemetry never
+//! operator must repeat the packets at least four times within the timeout. Robots of a team that
+//! share a channel send each other their news, at 5 Hz. Telemetry never
 //! delays a tick: the newest record replaces an unsent one.
 
 use embassy_futures::yield_now;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embedded_io_async::{Read, Write};
-use robot_io::packet::{self, Decoder, Downlink, Uplink};
+use heapless::Vec;
+use robot_io::Heard;
+use robot_io::packet::{self, Decoder, Downlink, MAX_PACKET_BYTES, Uplink};
 
 use crate::slots::{Slots, Telemetry};
 
@@ -27,6 +30,10 @@ pub async fn operator_task<M: RawMutex>(
                     match decoder.push(byte) {
                         Some(Uplink::Operator(heard)) => slots.operator.hear(clock_us(), heard),
                         Some(Uplink::Pose(pose)) => slots.poses.hear(clock_us(), pose),
+                        Some(Uplink::News(news)) => {
+                            // A serial radio does not report the quality of a packet.
+                            slots.mates.hear(clock_us(), Heard { news, quality: 1.0 });
+                        }
                         None => {}
                     }
                 }
@@ -40,14 +47,27 @@ pub async fn operator_task<M: RawMutex>(
     }
 }
 
-/// Sends the newest record whenever there is one. Never returns.
+/// Shortest time between two packets with news for mates, microseconds.
+pub const NEWS_PERIOD_US: u64 = 200_000;
+
+/// Sends the newest record whenever there is one, and the news for mates. Never returns.
 pub async fn telemetry_task<M: RawMutex>(mut writer: impl Write, telemetry: &Telemetry<M>) {
+    let mut last_news_us = None;
     loop {
         let record = telemetry.wait().await;
-        let Some(bytes) = packet::encode(&Downlink::Telemetry(record)) else { continue };
-        if writer.write_all(&bytes).await.is_err() || writer.flush().await.is_err() {
-            warn!("link: record not sent");
+        send(&mut writer, packet::encode(&Downlink::Telemetry(record))).await;
+        let is_due = |last_us| record.time_us.saturating_sub(last_us) >= NEWS_PERIOD_US;
+        if let Some(news) = record.news.filter(|_| last_news_us.is_none_or(is_due)) {
+            last_news_us = Some(record.time_us);
+            send(&mut writer, packet::encode(&Uplink::News(news))).await;
         }
+    }
+}
+
+async fn send(writer: &mut impl Write, packet: Option<Vec<u8, MAX_PACKET_BYTES>>) {
+    let Some(bytes) = packet else { return };
+    if writer.write_all(&bytes).await.is_err() || writer.flush().await.is_err() {
+        warn!("link: record not sent");
     }
 }
 
@@ -59,7 +79,9 @@ mod tests {
     use embassy_sync::blocking_mutex::raw::NoopRawMutex;
     use embassy_sync::pipe::Pipe;
     use plan_format::Parameters;
-    use robot_io::{Checks, CommandRecord, Commands, Manual, Operator, Pose, Reason, Receiver};
+    use robot_io::{
+        Checks, CommandRecord, Commands, Manual, News, Operator, Pose, Reason, Receiver,
+    };
 
     const BY_HAND: Operator = Operator {
         is_armed: true,
@@ -76,6 +98,7 @@ mod tests {
             instructions: 2,
             receiver: Receiver::Silent,
             checks: Checks::PLAN,
+            news: None,
         };
         let telemetry = Telemetry::<NoopRawMutex>::new();
         let wire = Pipe::<NoopRawMutex, 512>::new();
@@ -109,5 +132,40 @@ mod tests {
         let heard = slots.operator.at(7, &Parameters::default().link).map(|orders| orders.operator);
         assert_eq!(heard, Some(BY_HAND));
         assert_eq!(slots.poses.latest(), Some(Pose { time_us: 7, ..pose }), "it arrived at 7 us");
+    }
+
+    /// What one robot sends, a mate hears: news at 5 Hz among the telemetry of 20 Hz.
+    #[test]
+    fn news_for_mates_are_sent_at_5_hz_and_heard() {
+        let telemetry = Telemetry::<NoopRawMutex>::new();
+        let air = Pipe::<NoopRawMutex, 4096>::new();
+        let robot = async {
+            for tick in 0..20_u64 {
+                telemetry.signal(CommandRecord {
+                    time_us: tick * 50_000,
+                    commands: Commands::stop(Reason::Driving),
+                    trace_hash: 1,
+                    instructions: 2,
+                    receiver: Receiver::Sound,
+                    checks: Checks::default(),
+                    news: Some(News {
+                        robot: 2,
+                        position_m: Some([1.0, 2.0]),
+                        signal: tick as u16,
+                    }),
+                });
+                yield_now().await;
+            }
+        };
+        block_on(select(telemetry_task(&air, &telemetry), robot));
+        let mut bytes = [0; 4096];
+        let count = air.try_read(&mut bytes).unwrap();
+        let mut decoder = Decoder::default();
+        let uplinks = bytes[..count].iter().filter_map(|&byte| decoder.push::<Uplink>(byte));
+        assert_eq!(uplinks.count(), 5, "at 0, 0.2, 0.4, 0.6 and 0.8 s");
+        let slots = Slots::<NoopRawMutex>::new();
+        block_on(operator_task(&bytes[..count], &slots, || 9));
+        let news = slots.mates.latest()[0].heard.news;
+        assert_eq!(news, News { robot: 2, position_m: Some([1.0, 2.0]), signal: 16 });
     }
 }

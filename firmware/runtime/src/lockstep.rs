@@ -91,6 +91,9 @@ impl<T> LockstepRobot<'_, T> {
         if let Some(pose) = record.pose {
             self.slots.poses.hear(now_us, pose);
         }
+        for &heard in &record.heard {
+            self.slots.mates.hear(now_us, heard);
+        }
         if record.ranges.is_some() {
             self.scan_us = Some(now_us);
         }

@@ -5,6 +5,7 @@ use embassy_sync::signal::Signal;
 use robot_io::CommandRecord;
 
 use crate::gps::FixSlot;
+use crate::mates::MateSlot;
 use crate::operator::OperatorSlot;
 use crate::pose::PoseSlot;
 
@@ -19,6 +20,8 @@ pub struct Slots<M: RawMutex> {
     pub operator: OperatorSlot<M>,
     /// Poses, from the operator task to the control task.
     pub poses: PoseSlot<M>,
+    /// News of mates, from the operator task to the control task.
+    pub mates: MateSlot<M>,
     /// Records, from the control task to the telemetry task.
     pub telemetry: Telemetry<M>,
 }
@@ -36,6 +39,7 @@ impl<M: RawMutex> Slots<M> {
             fixes: FixSlot::new(),
             operator: OperatorSlot::new(),
             poses: PoseSlot::new(),
+            mates: MateSlot::new(),
             telemetry: Telemetry::new(),
         }
     }

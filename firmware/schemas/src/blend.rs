@@ -10,18 +10,21 @@ pub struct Vectors {
     pub goal: Vec2,
     /// Vector of avoid-static-obstacle.
     pub avoid: Vec2,
+    /// Vectors of avoid-robot and tether together, with their gains.
+    pub robots: Vec2,
     /// Vector of follow-plan.
     pub advice: Vec2,
     /// Vector of noise.
     pub noise: Vec2,
 }
 
-/// `r (goal gain x goal + avoid gain x avoid) + p advice + n noise`.
+/// `r (goal gain x goal + avoid gain x avoid + robots) + p advice + n noise`.
 ///
 /// With a gain of 0 a schema has no effect, to the bit. Source: W, section 4, where r and p are
 /// 1:0, 0.66:0.34, 0.34:0.66 and 0:1 and n is 0.11.
 pub fn blend(gains: &Gains, schemas: &SchemaParameters, vectors: &Vectors) -> Vec2 {
     let reactive = vectors.goal * schemas.goal_gain + vectors.avoid * schemas.avoid_gain;
+    let reactive = reactive + vectors.robots;
     reactive * gains.reactive + vectors.advice * gains.plan + vectors.noise * gains.noise
 }
 
@@ -35,6 +38,7 @@ mod tests {
     const VECTORS: Vectors = Vectors {
         goal: Vec2::new(0.0, 1.0),
         avoid: Vec2::new(-0.5, 0.0),
+        robots: Vec2::new(0.0, 0.0),
         advice: Vec2::new(1.0, 0.0),
         noise: Vec2::new(0.0, -1.0),
     };
@@ -66,8 +70,13 @@ mod tests {
             for avoid_gain in [1.0, 0.5, 0.03, 0.01] {
                 let schemas = SchemaParameters { avoid_gain, ..Parameters::default().schemas };
                 let east = Vec2::new(1.0, 0.0);
-                let vectors =
-                    Vectors { goal: east, avoid: -east * SATURATED, advice: east, noise: east };
+                let vectors = Vectors {
+                    goal: east,
+                    avoid: -east * SATURATED,
+                    advice: east,
+                    noise: east,
+                    ..VECTORS
+                };
                 let blended = blend(&gains, &schemas, &vectors);
                 assert!(blended.x < 0.0, "{gains:?} {avoid_gain}: {blended:?}");
             }
@@ -85,8 +94,10 @@ mod tests {
         fn vector()(x in -1.0_f32..1.0, y in -1.0_f32..1.0) -> Vec2 { Vec2::new(x, y) }
     }
     prop_compose! {
-        fn vectors()(goal in vector(), avoid in vector(), advice in vector(), noise in vector())
-            -> Vectors { Vectors { goal, avoid, advice, noise } }
+        fn vectors()(
+            goal in vector(), avoid in vector(), robots in vector(), advice in vector(),
+            noise in vector(),
+        ) -> Vectors { Vectors { goal, avoid, robots, advice, noise } }
     }
     prop_compose! {
         fn gains()(reactive in 0.0_f32..1.0, plan in 0.0_f32..1.0, noise in 0.0_f32..1.0)

@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`move_to_goal()`] | unit vector to the goal; zero within the tolerance |
 //! | [`avoid_static_obstacle()`] | away from the nearest point of each surface |
+//! | [`avoid_robot()`] | away from each mate |
+//! | [`tether()`] | towards a mate that is too far away |
 //! | [`Noise`] | unit vector of random heading, constant for some ticks |
 //! | [`follow_plan()`] | unit vector of the plan's advice |
 //!
@@ -18,6 +20,7 @@
 //! let vectors = Vectors {
 //!     goal: move_to_goal(Vec2::zeros(), Vec2::new(9.0, 0.0), 1.0),
 //!     avoid: Vec2::zeros(),
+//!     robots: Vec2::zeros(),
 //!     advice: follow_plan(Some(Direction::N)),
 //!     noise: Vec2::zeros(),
 //! };
@@ -39,9 +42,11 @@ pub mod blend;
 pub mod follow_plan;
 pub mod move_to_goal;
 pub mod noise;
+pub mod robots;
 
 pub use avoid_static_obstacle::{Repulsion, avoid_static_obstacle};
 pub use blend::{Vectors, blend};
 pub use follow_plan::follow_plan;
 pub use move_to_goal::move_to_goal;
 pub use noise::Noise;
+pub use robots::{avoid_robot, tether};

@@ -65,6 +65,7 @@ pub mod parameters;
 mod plane;
 pub mod record;
 mod seal;
+mod team;
 mod words;
 mod work;
 #[cfg(feature = "std")]
@@ -78,6 +79,7 @@ pub use math::grid::{self, Cell, Direction, Grid};
 pub use names::is_name;
 pub use parameters::Parameters;
 pub use seal::{FORMAT_VERSION, MAGIC};
+pub use team::TeamPolicy;
 
 #[cfg(feature = "std")]
 pub use packed::{PackedLayer, PackedPlane, Superblock};

@@ -37,6 +37,8 @@ pub const MAX_STEPS: usize = 8;
 pub const MAX_INPUTS: usize = 32;
 /// Input channels in the percepts.
 pub const MAX_CHANNELS: usize = 8;
+/// Robots of a team.
+pub const MAX_ROBOTS: usize = 5;
 /// Digital outputs.
 pub const MAX_OUTPUTS: usize = 16;
 /// Rows of all rule bases together.

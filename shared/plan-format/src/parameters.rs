@@ -1,5 +1,6 @@
 //! What the mission file sets and the tick reads: gains, speeds, limits, policies.
 
+use crate::team::TeamPolicy;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +32,8 @@ pub struct Parameters {
     pub progress: ProgressPolicy,
     /// What the robot needs before it may drive, and where it may drive.
     pub safety: SafetyPolicy,
+    /// The robot's team, and when a link to a mate counts as up.
+    pub team: TeamPolicy,
     /// Seed of the noise schema.
     pub seed: u32,
 }
@@ -377,6 +380,7 @@ impl Default for Parameters {
                 fence_radius_m: 0.0,
                 battery_low: 0.0,
             },
+            team: TeamPolicy::default(),
             seed: 1,
         }
     }
@@ -464,6 +468,7 @@ impl Parameters {
             .into_iter()
             .find(|&(_, value, low, high)| !(low..=high).contains(&value))
             .map(|(name, _, low, high)| (name, low, high))
+            .or_else(|| self.team.check())
     }
 }
 

@@ -26,6 +26,7 @@
 pub mod checks;
 pub mod commands;
 pub mod limits;
+pub mod mates;
 pub mod packet;
 pub mod percepts;
 pub mod receiver;
@@ -34,6 +35,7 @@ pub mod trace;
 
 pub use checks::Checks;
 pub use commands::{Commands, Reason};
+pub use mates::{Heard, Mate, News};
 pub use percepts::{Fix, Manual, Operator, Percepts, Pose, RangeReading};
 pub use receiver::Receiver;
 pub use record::{CommandRecord, SensorRecord};

@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::limits::MAX_WIRE_BYTES;
-use crate::{CommandRecord, Operator, Pose};
+use crate::{CommandRecord, News, Operator, Pose};
 
 const CRC_BYTES: usize = 2;
 /// Bytes of the longest packet before stuffing.
@@ -38,6 +38,8 @@ pub enum Uplink {
     Operator(Operator),
     /// A pose from another source than the GPS receiver. Its arrival counts, not its `time_us`.
     Pose(Pose),
+    /// News of a mate. Robots send this kind to each other.
+    News(News),
 }
 
 /// The packet of `value`, with the closing 0; `None` if it is too long.
@@ -199,11 +201,32 @@ mod tests {
             instructions: u32::MAX,
             receiver: Receiver::NoVelocity,
             checks: Checks::HEADING,
+            news: Some(News::default()),
         };
         let packet = encode(&Downlink::Telemetry(record)).unwrap();
         let mut decoder = Decoder::default();
         let back = packet.iter().find_map(|&byte| decoder.push(byte));
         assert_eq!(back, Some(Downlink::Telemetry(record)));
+    }
+
+    /// Robots that share a channel hear each other's telemetry too.
+    #[test]
+    fn telemetry_of_a_mate_is_never_taken_for_an_order() {
+        for time_us in 0..3 {
+            for is_short in [false, true] {
+                let record = CommandRecord {
+                    time_us,
+                    commands: Commands::stop(Reason::Driving),
+                    trace_hash: if is_short { 0 } else { u64::MAX },
+                    instructions: 0,
+                    receiver: Receiver::default(),
+                    checks: Checks::default(),
+                    news: None,
+                };
+                let packet = encode(&Downlink::Telemetry(record)).unwrap();
+                assert_eq!(read_all(&packet), Vec::<Uplink, 8>::new());
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What the robot perceives at one tick.
 
-use crate::limits::{MAX_CHANNELS, MAX_RANGES, MOST_RANGE_M};
+use crate::limits::{MAX_CHANNELS, MAX_MATES, MAX_RANGES, MOST_RANGE_M};
+use crate::mates::Mate;
 use crate::receiver::Receiver;
 use heapless::Vec;
 use math::{GeoPoint, scalar};
@@ -40,6 +41,8 @@ pub struct Percepts {
     pub pose: Option<Pose>,
     /// The link is silent, and that disarmed the robot.
     pub is_link_lost: bool,
+    /// The latest news of each mate that was ever heard, one for each, in any order.
+    pub mates: Vec<Mate, MAX_MATES>,
 }
 
 /// Numbers of the input channels.
@@ -142,6 +145,11 @@ impl Percepts {
                 garbled_ranges = garbled_ranges.saturating_add(1);
             }
         }
+        let mut mates = Vec::new();
+        for mate in self.mates.iter().filter_map(|mate| mate.sanitised()) {
+            // Never full: both vectors have the same capacity.
+            let _ = mates.push(mate);
+        }
         let or_zero = |x: f32| if x.is_finite() { x } else { 0.0 };
         Self {
             time_us: self.time_us,
@@ -163,6 +171,7 @@ impl Percepts {
             garbled_ranges,
             pose: self.pose.and_then(Pose::sanitised),
             is_link_lost: self.is_link_lost,
+            mates,
         }
     }
 }

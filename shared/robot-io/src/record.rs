@@ -5,9 +5,9 @@
 //! write per tick, and no state that could lose synchronisation.
 
 use crate::limits::{
-    COMMAND_RECORD_BYTES, MAX_CHANNELS, MAX_GPS_BYTES, MAX_RANGES, SENSOR_RECORD_BYTES,
+    COMMAND_RECORD_BYTES, MAX_CHANNELS, MAX_GPS_BYTES, MAX_MATES, MAX_RANGES, SENSOR_RECORD_BYTES,
 };
-use crate::{Checks, Commands, Operator, Pose, RangeReading, Receiver};
+use crate::{Checks, Commands, Heard, News, Operator, Pose, RangeReading, Receiver};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +37,8 @@ pub struct SensorRecord {
     /// What the robot's clock shows at this tick, microseconds, if it has a fault; `None` for a
     /// sound clock.
     pub clock_us: Option<u64>,
+    /// News of mates that arrived since the last tick, at most one for each mate.
+    pub heard: Vec<Heard, MAX_MATES>,
 }
 
 /// What the robot sends to the world after a tick.
@@ -54,6 +56,8 @@ pub struct CommandRecord {
     pub receiver: Receiver,
     /// The checks before arming that fail in this tick.
     pub checks: Checks,
+    /// What the robot tells its mates; `None` without a team.
+    pub news: Option<News>,
 }
 
 impl SensorRecord {
@@ -100,6 +104,7 @@ mod tests {
             is_emergency_stop: true,
             manual: Some(Manual { speed_mps: 1.0, turn_rate_radps: 1.0 }),
         };
+        let news = News { robot: u8::MAX, position_m: Some([1.0; 2]), signal: u16::MAX };
         let sensors = SensorRecord {
             gps: repeat_n(0xb5, MAX_GPS_BYTES).collect(),
             heading_rad: Some(1.0),
@@ -116,6 +121,7 @@ mod tests {
                 accuracy_mm: u32::MAX,
             }),
             clock_us: Some(u64::MAX),
+            heard: repeat_n(Heard { news, quality: 1.0 }, MAX_MATES).collect(),
         };
         let bytes = sensors.to_bytes().unwrap();
         assert_eq!(SensorRecord::from_bytes(&bytes), Some(sensors));
@@ -134,6 +140,7 @@ mod tests {
             instructions: u32::MAX,
             receiver: Receiver::Sound,
             checks: Checks::all(),
+            news: Some(news),
         };
         assert_eq!(CommandRecord::from_bytes(&record.to_bytes().unwrap()), Some(record));
         assert_eq!(CommandRecord::from_bytes(&[0xff; COMMAND_RECORD_BYTES]), None);

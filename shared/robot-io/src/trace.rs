@@ -45,12 +45,14 @@ impl TraceHash {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Fix, Manual, Operator, Pose, RangeReading, Receiver};
+    use crate::{Fix, Heard, Manual, Mate, News, Operator, Pose, RangeReading, Receiver};
     use math::GeoPoint;
 
     #[test]
     fn the_largest_percepts_fit_the_wire_buffer() {
         let reading = RangeReading { bearing_rad: -3.0, distance_m: 1e9 };
+        let news = News { robot: u8::MAX, position_m: Some([1.0; 2]), signal: u16::MAX };
+        let mate = Mate { time_us: u64::MAX, heard: Heard { news, quality: 1.0 } };
         let percepts = Percepts {
             time_us: u64::MAX,
             fix: Some(Fix {
@@ -71,6 +73,7 @@ mod tests {
                 accuracy_mm: u32::MAX,
             }),
             is_link_lost: true,
+            mates: core::iter::repeat_n(mate, crate::limits::MAX_MATES).collect(),
             heading_rad: Some(1.0),
             speed_mps: Some(1.0),
             turn_rate_radps: Some(1.0),

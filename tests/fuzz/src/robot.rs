@@ -10,8 +10,8 @@ use plan_format::{Blob, Cell, Layer, Parameters, limits};
 use robot_io::limits::{COMMAND_RECORD_BYTES, SENSOR_RECORD_BYTES};
 use robot_io::packet::{self, Downlink, Uplink};
 use robot_io::{
-    CommandRecord, Commands, Fix, Manual, Operator, Percepts, Pose, RangeReading, Receiver,
-    SensorRecord,
+    CommandRecord, Commands, Fix, Heard, Manual, Mate, News, Operator, Percepts, Pose,
+    RangeReading, Receiver, SensorRecord,
 };
 use runtime::Slots;
 use std::sync::OnceLock;
@@ -157,9 +157,19 @@ fn percepts(blob: &Blob<'_>, time_us: u64, random: &mut Random) -> Percepts {
         scan_us: (random.below(3) > 0).then_some(time_us),
         pose: pose(time_us, random),
         is_link_lost: random.below(9) == 0,
+        mates: (0..random.below(5)).map(|_| mate(time_us, random)).collect(),
         garbled_ranges: 0,
         receiver: receivers[random.below(receivers.len())],
     }
+}
+
+/// A mate at random, at times with numbers that are not finite or not of a team.
+fn mate(time_us: u64, random: &mut Random) -> Mate {
+    let position_m =
+        (random.below(4) > 0).then(|| [random.unit() * 50.0, f32::from_bits(random.next() as u32)]);
+    let news = News { robot: random.below(7) as u8, position_m, signal: random.below(3) as u16 };
+    let quality = f32::from_bits(random.next() as u32);
+    Mate { time_us: random.below(2) as u64 * time_us, heard: Heard { news, quality } }
 }
 
 /// Poses at random, some of them not finite.

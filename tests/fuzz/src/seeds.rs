@@ -113,6 +113,7 @@ fn packets() -> Vec<u8> {
         instructions: 3_000,
         receiver: Receiver::Sound,
         checks: Checks::HEADING,
+        news: None,
     }));
     up.into_iter().chain([down]).flat_map(|packet| packet.expect("a packet fits")).collect()
 }

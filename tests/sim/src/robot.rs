@@ -236,6 +236,7 @@ mod tests {
                 instructions: 0,
                 receiver,
                 checks: robot_io::Checks::default(),
+                news: None,
             })
         }
     }
@@ -281,6 +282,7 @@ mod tests {
                 instructions: 0,
                 receiver,
                 checks,
+                news: None,
             })
         }
     }

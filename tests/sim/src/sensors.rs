@@ -288,6 +288,8 @@ impl Sensors for SensorSuite {
             radio: self.radio(scene),
             pose: self.pose(scene),
             clock_us: None,
+            // The simulated radio adds what mates have sent.
+            heard: Default::default(),
         }
     }
 }

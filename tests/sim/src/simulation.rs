@@ -268,6 +268,7 @@ mod tests {
                 instructions: 0,
                 receiver,
                 checks: robot_io::Checks::default(),
+                news: None,
             })
         }
     }
@@ -368,6 +369,7 @@ mod tests {
                 instructions: 0,
                 receiver: Receiver::Sound,
                 checks: robot_io::Checks::default(),
+                news: None,
             })
         }
     }

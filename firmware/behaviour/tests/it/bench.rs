@@ -138,6 +138,8 @@ impl<'a> Robot<'a> {
             time_us: self.time_us,
             position: self.position,
             channels: &self.channels,
+            mates: &[],
+            team: 0,
             world: &world,
         };
         let mut report = Report::default();

@@ -61,6 +61,7 @@ mod gate {
                     instructions: 0,
                     receiver: percepts.receiver,
                     checks: state.checks(),
+                    news: state.team.news(&blob.parameters().team),
                 };
                 black_box(encode(&Downlink::Telemetry(record)));
                 black_box(record.to_bytes());

@@ -93,6 +93,11 @@ fn below(number: u8, limit: usize) -> Checked {
     require(usize::from(number) < limit, MissionError::Number)
 }
 
+/// A set of robots of a team, one bit each, is not empty and names robots that can exist.
+fn team(robots: u8) -> Checked {
+    require(robots != 0 && usize::from(robots) < 1 << limits::MAX_ROBOTS, MissionError::Number)
+}
+
 /// The records that a table refers to, counted once for each reference, are within a limit.
 fn referred(counts: impl Iterator<Item = u8>, limit: usize) -> Checked {
     require(counts.map(usize::from).sum::<usize>() <= limit, MissionError::TooLarge)
@@ -146,8 +151,14 @@ fn inputs_and_rules(mission: &Mission<'_>) -> Checked {
             Source::Rules(index) => exists(mission.rule_bases(), index)?,
             Source::Channel(channel) => below(channel, limits::MAX_CHANNELS)?,
             Source::Output(output) => below(output, limits::MAX_OUTPUTS)?,
+            Source::DistanceToMate(robots) => team(robots)?,
+            Source::LinkToMate(robot) => below(robot, limits::MAX_ROBOTS)?,
             // The blob checks references to parallel plans and layers.
-            Source::Time | Source::CostToGoal { .. } | Source::PriceOfConstraint { .. } => {}
+            Source::Time
+            | Source::CostToGoal { .. }
+            | Source::PriceOfConstraint { .. }
+            | Source::MatesLinked
+            | Source::OldestNews => {}
         }
     }
     for rule in mission.rules().iter() {
@@ -184,6 +195,17 @@ fn facts_and_descriptions(mission: &Mission<'_>) -> Checked {
             FactKind::Inside { west_m, south_m, east_m, north_m } => {
                 finite(&[west_m, south_m, east_m, north_m])?;
                 require(west_m < east_m && south_m < north_m, MissionError::Number)?;
+            }
+            FactKind::Linked(mates) | FactKind::MateSignals { mates, .. } => team(mates.robots)?,
+            FactKind::MateNear { mates, radius_m } => {
+                team(mates.robots)?;
+                finite(&[radius_m])?;
+                require(radius_m > 0.0, MissionError::Number)?;
+            }
+            FactKind::MateAt { mates, x_m, y_m, radius_m } => {
+                team(mates.robots)?;
+                finite(&[x_m, y_m, radius_m])?;
+                require(radius_m > 0.0, MissionError::Number)?;
             }
             FactKind::NoProgress { distance_m, within_ms } => {
                 finite(&[distance_m])?;

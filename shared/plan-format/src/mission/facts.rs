@@ -39,6 +39,34 @@ impl Condition {
     }
 }
 
+/// Mates that a fact is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mates {
+    /// Their numbers in the team, one bit each; never 0.
+    pub robots: u8,
+    /// Whether the fact must hold for all of them; otherwise for any.
+    pub all: bool,
+    /// What counts for a mate without news over a link that is up.
+    pub missing: bool,
+}
+
+impl Mates {
+    fn bits(self) -> u32 {
+        u32::from(self.robots) | u32::from(self.all) << 8 | u32::from(self.missing) << 9
+    }
+
+    const fn of_bits(bits: u32) -> Self {
+        Self { robots: bits as u8, all: bits >> 8 & 1 == 1, missing: bits >> 9 & 1 == 1 }
+    }
+
+    /// Whether the fact holds, if `holds` is what is known of each mate by its number.
+    pub fn hold(self, holds: impl Fn(u8) -> Option<bool>) -> bool {
+        let robots = (0..u8::BITS as u8).filter(|robot| self.robots >> robot & 1 == 1);
+        let mut each = robots.map(|robot| holds(robot).unwrap_or(self.missing));
+        if self.all { each.all(|holds| holds) } else { each.any(|holds| holds) }
+    }
+}
+
 /// When a fact holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FactKind {
@@ -76,6 +104,33 @@ pub enum FactKind {
         /// Northern border, metres.
         north_m: f32,
     },
+    /// The links to mates are up.
+    Linked(Mates),
+    /// Mates are within a distance of the robot.
+    MateNear {
+        /// Which mates.
+        mates: Mates,
+        /// Distance, metres.
+        radius_m: f32,
+    },
+    /// Mates are within a distance of a point.
+    MateAt {
+        /// Which mates.
+        mates: Mates,
+        /// East, metres.
+        x_m: f32,
+        /// North, metres.
+        y_m: f32,
+        /// Distance, metres.
+        radius_m: f32,
+    },
+    /// The last signal of mates has a code.
+    MateSignals {
+        /// Which mates.
+        mates: Mates,
+        /// The code.
+        code: u16,
+    },
     /// The robot has not moved a distance for longer than a time.
     NoProgress {
         /// Distance, metres.
@@ -108,6 +163,10 @@ impl FactKind {
             2 => Self::Near { x_m: x, y_m: b, radius_m: c },
             3 => Self::Inside { west_m: x, south_m: b, east_m: c, north_m: d },
             4 => Self::NoProgress { within_ms: a, distance_m: b },
+            5 => Self::Linked(Mates::of_bits(a)),
+            6 => Self::MateNear { mates: Mates::of_bits(a), radius_m: b },
+            7 => Self::MateAt { mates: Mates::of_bits(a), x_m: b, y_m: c, radius_m: d },
+            8 => Self::MateSignals { mates: Mates::of_bits(a), code: (a >> 16) as u16 },
             _ => return None,
         })
     }
@@ -121,6 +180,12 @@ impl FactKind {
                 (3, west_m.to_bits(), [south_m, east_m, north_m])
             }
             Self::NoProgress { distance_m, within_ms } => (4, within_ms, [distance_m, 0.0, 0.0]),
+            Self::Linked(mates) => (5, mates.bits(), [0.0; 3]),
+            Self::MateNear { mates, radius_m } => (6, mates.bits(), [radius_m, 0.0, 0.0]),
+            Self::MateAt { mates, x_m, y_m, radius_m } => (7, mates.bits(), [x_m, y_m, radius_m]),
+            Self::MateSignals { mates, code } => {
+                (8, mates.bits() | u32::from(code) << 16, [0.0; 3])
+            }
         };
         FactBytes { tag, a, b: b.to_bits(), c: c.to_bits(), d: d.to_bits() }
     }

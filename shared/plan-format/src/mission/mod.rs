@@ -27,7 +27,7 @@ pub use check::MissionError;
 pub use components::{Action, ActionKind, Description, PlanFrame};
 #[cfg(feature = "std")]
 pub use draft::MissionDraft;
-pub use facts::{Condition, Fact, FactKind, Facts};
+pub use facts::{Condition, Fact, FactKind, Facts, Mates};
 pub use productions::{Edge, Interval, Production, Symbol};
 pub use rules::{Inference, Input, Label, Row, Rule, RuleBase, Source};
 

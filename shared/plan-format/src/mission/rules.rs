@@ -123,6 +123,15 @@ pub enum Source {
     Output(u8),
     /// The result of another rule base, 0 ..= 1; rule bases refer to earlier ones only.
     Rules(u16),
+    /// Number of mates to which the link is up.
+    MatesLinked,
+    /// Age of the oldest news of all mates, seconds; missing until each was heard.
+    OldestNews,
+    /// Distance to the nearest of these mates, one bit each, metres; missing without news over a
+    /// link that is up.
+    DistanceToMate(u8),
+    /// Quality of the link to a mate, by number: 0 while it is lost.
+    LinkToMate(u8),
 }
 
 record! {
@@ -149,6 +158,10 @@ impl Source {
             4 => Self::PriceOfConstraint { plan: index, layer: layer as u8 },
             5 => Self::Output(index as u8),
             6 => Self::Rules(index),
+            7 => Self::MatesLinked,
+            8 => Self::OldestNews,
+            9 => Self::DistanceToMate(index as u8),
+            10 => Self::LinkToMate(index as u8),
             _ => return None,
         })
     }
@@ -167,6 +180,10 @@ impl Source {
             }
             Self::Output(output) => SourceBytes { tag: 5, index: output.into(), ..none },
             Self::Rules(rules) => SourceBytes { tag: 6, index: rules, ..none },
+            Self::MatesLinked => SourceBytes { tag: 7, ..none },
+            Self::OldestNews => SourceBytes { tag: 8, ..none },
+            Self::DistanceToMate(robots) => SourceBytes { tag: 9, index: robots.into(), ..none },
+            Self::LinkToMate(robot) => SourceBytes { tag: 10, index: robot.into(), ..none },
         }
     }
 }

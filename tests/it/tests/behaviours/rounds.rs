@@ -72,6 +72,8 @@ fn run(fuel_per_m: f32, mut thirst: impl FnMut(&mut Point)) -> (Point, Log) {
             time_us: tick * 50_000,
             position: Some(point.at),
             channels: &channels,
+            mates: &[],
+            team: 0,
             world: &point,
         };
         let mut report = Report::default();

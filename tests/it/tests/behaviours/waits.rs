@@ -128,6 +128,8 @@ fn check(text: &str, count: usize) {
             time_us: tick * TICK_US,
             position: None,
             channels: &[0, 1, 2, 3, 4, 5, 6, 7].map(wave),
+            mates: &[],
+            team: 0,
             world: &Nowhere,
         };
         let mut report = Report::default();
