@@ -108,7 +108,11 @@ impl Compass {
     }
 
     fn compare_with_turns(&mut self, reading_rad: f32, evidence: &Evidence) {
-        let start_rad = *self.start_rad.get_or_insert(reading_rad);
+        let Some(start_rad) = self.start_rad else {
+            // The turn before the first reading shows nothing.
+            self.start_rad = Some(reading_rad);
+            return;
+        };
         if evidence.is_turn_measured && evidence.turn_rate_radps.abs() > TURNING_RADPS {
             self.turned_rad += evidence.turn_rate_radps * evidence.elapsed_s;
         }

@@ -140,13 +140,18 @@ impl Track {
         if now_us < self.now_us {
             // The clock ran backwards: earlier percepts belong to another history.
             let (fixes, poses) = (self.fixes.restarted(), self.poses.restarted());
-            *self = Self { fixes, poses, ..Self::default() };
+            *self = Self { fixes, poses, now_us, ..Self::default() };
+            return 0.0;
         }
         let stands = now_us == self.now_us;
         self.standing_ticks = if stands { self.standing_ticks.saturating_add(1) } else { 0 };
-        let step_us = now_us.saturating_sub(self.now_us).min(LONGEST_STEP_US);
+        let step_us = now_us.saturating_sub(self.now_us);
+        if step_us > LONGEST_STEP_US {
+            self.fixes.clock_was_set();
+            self.poses.clock_was_set();
+        }
         self.now_us = now_us;
-        step_us as u32 as f32 * 1e-6
+        step_us.min(LONGEST_STEP_US) as u32 as f32 * 1e-6
     }
 
     /// Speed and turn rate: measured ones if the vehicle can reach them, else the last commands.
@@ -337,6 +342,8 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
     if !percepts.operator.is_armed {
         // A new order to arm is a new attempt.
         track.compass.restart();
+        track.fixes.unprove();
+        track.poses.unprove();
     }
     if has_heading || !percepts.operator.is_armed {
         track.crept_s = 0.0;

@@ -3,11 +3,16 @@
 //! A position counts if it is accurate, fresh, not repeated and no jump. The anchor is the last
 //! one that counted. A position jumps if it is farther from the anchor than driving explains.
 //!
-//! A jump may be the truth: the first fix may have been wrong, or somebody carried the robot. So
-//! positions that jump to one place become a rival of the anchor, and the rival wins once it has
-//! been consistent for [`BELIEF_US`]. Until then the robot stands, because a jump that ends
-//! earlier, a reflection from a wall, would lead it into a mapped obstacle. A jump that lasts longer
-//! is believed: one source alone cannot show that it is wrong.
+//! A jump may be the truth: the first positions may have been wrong, or somebody carried the robot.
+//! So positions that jump to one place become a rival of the anchor. The rival wins once it has been
+//! consistent for [`BELIEF_US`], but never against an anchor that [`PROVED_COUNT`] positions have
+//! confirmed: one source alone cannot show which of the two is wrong, and a robot that follows the
+//! wrong one drives into mapped obstacles. It stands until the positions come back or until it is
+//! disarmed, which makes the anchor unproved again: then somebody is there.
+//!
+//! A source with a time of its own also shows how late its positions are: they are late by what they
+//! have taken longer than the fastest one. Late positions are refused, because they show where the
+//! robot was.
 
 use math::{Vec2, vector};
 use plan_format::parameters::FixPolicy;
@@ -23,6 +28,19 @@ const JUMP_DEVIATIONS: f32 = 3.0;
 const BELIEF_US: u64 = 10_000_000;
 /// A rival is believed after this many positions: two that are far apart in time prove little.
 const BELIEF_COUNT: u8 = 5;
+/// This many good positions in a row prove the anchor.
+const PROVED_COUNT: u8 = 5;
+/// While positions contradict each other, driving explains a distance from the estimate for this
+/// time at most, microseconds: the estimate knows how the robot has moved.
+const RETURN_US: u64 = 500_000;
+
+/// A position that is late by more than this is refused, microseconds. Serial lines and drivers
+/// delay by less.
+const LATE_US: u64 = 300_000;
+/// A position that seems to be later than this shows that one of the clocks was set, microseconds.
+const LATEST_US: u64 = 10_000_000;
+/// The fastest position counts as slower by one microsecond for this many, because clocks drift.
+const DRIFT_US: u64 = 4_096;
 
 /// A judged position, in map metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,6 +72,36 @@ pub(crate) struct Source {
     rival: Option<Rival>,
     /// Where the source froze: nothing counts until it reports another position.
     frozen_m: Option<[f32; 2]>,
+    /// Good positions in a row, up to [`PROVED_COUNT`].
+    confirmed: u8,
+    delay: Delay,
+}
+
+/// How late the positions of a source are, by its own time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Delay {
+    /// Arrival of the last position, and the source's time in it.
+    last: Option<(u64, u32)>,
+    /// By how much it was later than the fastest one, microseconds.
+    late_us: u64,
+}
+
+impl Delay {
+    /// Takes note of a position; returns by how much it is late, microseconds.
+    fn hear(&mut self, next: &Anchor) -> u64 {
+        let Some(source_ms) = next.source_ms else { return 0 };
+        let Some((last_us, last_ms)) = self.last.replace((next.time_us, source_ms)) else {
+            return 0;
+        };
+        let took_us = next.time_us.saturating_sub(last_us);
+        let advanced_us = u64::from(source_ms.saturating_sub(last_ms)) * 1_000;
+        let late_us =
+            (self.late_us + took_us).saturating_sub(advanced_us).saturating_sub(took_us / DRIFT_US);
+        // A time that does not advance was set back, or has only whole seconds.
+        let is_set = advanced_us == 0 || late_us > LATEST_US;
+        self.late_us = if is_set { 0 } else { late_us };
+        self.late_us
+    }
 }
 
 impl Source {
@@ -65,6 +113,17 @@ impl Source {
     /// Forgets everything except the time stamp of the last judged position.
     pub(crate) fn restarted(&self) -> Self {
         Self { judged_us: self.judged_us, ..Self::default() }
+    }
+
+    /// Nobody relies on the anchor: a jump may be believed.
+    pub(crate) fn unprove(&mut self) {
+        self.confirmed = 0;
+        self.delay = Delay::default();
+    }
+
+    /// The robot's clock was set: how late positions are is measured anew.
+    pub(crate) fn clock_was_set(&mut self) {
+        self.delay = Delay::default();
     }
 
     /// The reason for which the last position was refused.
@@ -94,13 +153,17 @@ impl Source {
         let judged = next.and_then(|next| {
             // A time stamp from the future would never become stale.
             let next = Anchor { time_us: next.time_us.min(now_us), ..next };
-            if is_stale(now_us, next.time_us, policy) {
+            let is_late = self.delay.hear(&next) > LATE_US;
+            if is_late || is_stale(now_us, next.time_us, policy) {
                 return Err(Reason::StaleFix);
             }
             self.believe(next, estimate, policy)
         });
         self.refusal = judged.err();
         self.anchor = judged.ok().or(self.anchor);
+        if judged.is_ok() {
+            self.confirmed = self.confirmed.saturating_add(1).min(PROVED_COUNT);
+        }
         judged.ok()
     }
 
@@ -126,8 +189,13 @@ impl Source {
                 && next.distance_m(rival.last.position_m.into()) < to_estimate
         });
         // Among contradictions, time alone does not explain more and more distant positions.
-        let most_us = self.rival.map_or(u32::MAX, |_| policy.stale_after_us);
-        if supported.is_none() && !next.jumps(&anchor, policy, most_us.into()) {
+        let is_explained = if self.rival.is_some() {
+            let expected = Anchor { position_m: estimate.into(), ..anchor };
+            !next.jumps(&expected, policy, RETURN_US)
+        } else {
+            !next.jumps(&anchor, policy, u64::from(u32::MAX))
+        };
+        if supported.is_none() && is_explained {
             self.rival = None;
             return Ok(next);
         }
@@ -136,8 +204,10 @@ impl Source {
                 Rival { last: next, count: rival.count.saturating_add(1), ..rival }
             });
         let age_us = next.time_us.saturating_sub(rival.since_us);
-        if age_us >= BELIEF_US && rival.count >= BELIEF_COUNT {
+        let is_proved = self.confirmed >= PROVED_COUNT;
+        if !is_proved && age_us >= BELIEF_US && rival.count >= BELIEF_COUNT {
             self.rival = None;
+            self.confirmed = 0;
             return Ok(next);
         }
         self.rival = Some(rival);

@@ -94,6 +94,110 @@ fn a_receiver_that_repeats_a_solution_is_found_by_its_own_time() {
     assert!(vector::length(robot.position - Vec2::new(90.5, 50.5)) < 1.5);
 }
 
+/// A receiver that is off by 30 m from tick 100 to tick 500.
+#[test]
+fn a_jump_is_never_believed_after_positions_that_were_proved() {
+    let blob = field(Parameters::default());
+    let (robot, reasons) = drive(&blob, 3_000, false, |index, percepts| {
+        if (100..700).contains(&index) {
+            percepts.fix.as_mut().expect("a fix").place.lat_e7 += 2_695;
+        }
+    });
+    let expected = [Reason::Driving, Reason::JumpedFix, Reason::Driving, Reason::AtGoal];
+    assert_eq!(story(reasons.clone()), expected, "thirty seconds are not enough");
+    assert_eq!(reasons.iter().position(|&reason| reason == Reason::JumpedFix), Some(140));
+    assert_eq!(reasons[699], Reason::JumpedFix);
+    assert!(vector::length(robot.position - Vec2::new(90.5, 50.5)) < 1.5);
+}
+
+/// The first fixes are off by 30 m, or the robot is carried that far and armed anew.
+#[test]
+fn a_jump_away_from_an_unproved_position_is_believed_after_ten_seconds() {
+    for (wrong, disarmed) in [(0..3, 9_999..9_999), (0..100, 100..101)] {
+        let blob = field(Parameters::default());
+        let (_, reasons) = drive(&blob, 400, false, |index, percepts| {
+            if wrong.contains(&index) {
+                percepts.fix.as_mut().expect("a fix").place.lat_e7 += 2_695;
+            }
+            percepts.operator.is_armed = !disarmed.contains(&index);
+        });
+        let mut expected = vec![Reason::Driving, Reason::JumpedFix, Reason::Driving];
+        if disarmed.start < 400 {
+            expected.splice(1..1, [Reason::Disarmed, Reason::Driving]);
+        }
+        assert_eq!(story(reasons.clone()), expected, "{wrong:?}");
+        let again = reasons.iter().rposition(|&reason| reason == Reason::JumpedFix).unwrap() + 1;
+        assert_eq!(again, wrong.end + 200, "{wrong:?}");
+    }
+}
+
+/// From tick 100 on, what the receiver sends arrives a second later.
+#[test]
+fn fixes_that_arrive_late_are_found_by_the_time_of_the_receiver() {
+    for (late_ticks, has_time, is_found) in [(20, true, true), (4, true, false), (20, false, false)]
+    {
+        let blob = field(Parameters::default());
+        let mut sent = Vec::new();
+        let (_, reasons) = drive(&blob, 300, false, |index, percepts| {
+            let fix = percepts.fix.as_mut().expect("a fix");
+            fix.receiver_ms = fix.receiver_ms.filter(|_| has_time);
+            let now_us = fix.time_us;
+            sent.push(*fix);
+            if index >= 100 {
+                let arrived = sent[index.saturating_sub(late_ticks).max(99)];
+                // The latest fix keeps the time when it arrived.
+                let time_us = if index < 100 + late_ticks { arrived.time_us } else { now_us };
+                *fix = robot_io::Fix { time_us, ..arrived };
+            }
+        });
+        let expected: &[Reason] =
+            if is_found { &[Reason::Driving, Reason::StaleFix] } else { &[Reason::Driving] };
+        assert_eq!(story(reasons), expected, "{late_ticks} {has_time}");
+    }
+}
+
+/// Leap seconds, receivers that learn the date, and clocks that leap do not make fixes late.
+#[test]
+fn a_receiver_that_sets_its_time_is_not_late() {
+    for (robot_leap_us, receiver_leap_ms) in
+        [(0, -2_000), (0, 2_000), (0, -86_000), (100_000_000, 0)]
+    {
+        let blob = field(Parameters::default());
+        let (_, reasons) = drive(&blob, 300, false, |index, percepts| {
+            let fix = percepts.fix.as_mut().expect("a fix");
+            let ms = 90_000 + fix.receiver_ms.expect("a time") as i32;
+            fix.receiver_ms = Some((ms + if index < 100 { 0 } else { receiver_leap_ms }) as u32);
+            if index >= 100 {
+                fix.time_us += robot_leap_us;
+                percepts.time_us += robot_leap_us;
+                percepts.scan_us = Some(percepts.time_us);
+            }
+        });
+        assert_eq!(story(reasons), [Reason::Driving], "{robot_leap_us} {receiver_leap_ms}");
+    }
+}
+
+/// The robot turns while its clock goes back by a second.
+#[test]
+fn a_clock_that_goes_back_does_not_make_the_compass_wrong() {
+    let blob = field(Parameters::default());
+    let blob = Blob::parse(&blob).expect("the blob is valid");
+    let mut robot = Robot::new(blob, START.0, START.1);
+    for tick in 0..60 {
+        robot.heading_rad += 0.05;
+        let mut percepts = Percepts { turn_rate_radps: Some(1.0), ..robot.percepts() };
+        if tick >= 40 {
+            percepts.time_us -= 1_000_000;
+            percepts.fix = None;
+        }
+        let blob = robot.blob;
+        let sensed = controller::explain(&blob, &mut robot.state, &percepts).sensed;
+        assert!(!sensed.is_compass_wrong, "{tick}");
+        assert_eq!(sensed.heading_rad, Some(robot.heading_rad), "{tick}");
+        robot.time_us += crate::bench::TICK_US;
+    }
+}
+
 /// Without a time of its own, a frozen receiver is found by the motion; so is one whose time goes
 /// on. A velocity of 0 says that the robot stands, and then the wheels turn in place.
 #[test]

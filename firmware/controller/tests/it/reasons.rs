@@ -163,7 +163,7 @@ fn w14_w23_every_reason_is_reached_and_defined() {
     let repeated = |_: usize, p: &mut Percepts| p.fix.as_mut().unwrap().receiver_ms = Some(7);
     let standing = |index: usize, p: &mut Percepts| {
         let fix = p.fix.as_mut().unwrap();
-        (fix.receiver_ms, fix.velocity_mmps) = (Some(index as u32), Some([0, 0]));
+        (fix.receiver_ms, fix.velocity_mmps) = (Some(50 * index as u32), Some([0, 0]));
     };
     let turning = |_: usize, p: &mut Percepts| p.turn_rate_radps = Some(1.0);
     let same_time = |_: usize, p: &mut Percepts| p.time_us = 1_000_000;
