@@ -20,6 +20,7 @@ pub mod recipe;
 pub mod render;
 pub mod route;
 pub mod search;
+pub mod team;
 pub mod terrain;
 pub mod toml;
 pub mod trace;

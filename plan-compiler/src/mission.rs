@@ -24,7 +24,8 @@ pub use place::{geo_uri, is_geo_uri, place_of};
 
 use crate::behaviours;
 use crate::search::Corners;
-use crate::toml::{Report, Span, key_span, number};
+use crate::team::{self, Team};
+use crate::toml::{Report, Span, Text, key_span, number};
 use keys::{KEYS, Key, Kind, SECTIONS};
 use maps::Point;
 use maps::formats::TagRules;
@@ -74,6 +75,8 @@ pub struct Mission {
     /// The keys that the file sets; `None` if the parameters are to be taken as they are, from a
     /// program instead of a file.
     pub given: Option<Given>,
+    /// The team, and the robot that the file was read for.
+    pub team: Team,
     /// Behaviours, their plans and their rules.
     pub behaviours: behaviours::Syntax,
 }
@@ -92,6 +95,8 @@ impl Mission {
             self.parameters.vehicle.radius_m = radius_m as f32;
         }
         follow::complete(&mut self.parameters, given);
+        self.parameters.team.robot = self.team.robot as u8;
+        self.parameters.team.robots = self.team.robots.len().max(1) as u8;
     }
 }
 
@@ -137,12 +142,20 @@ pub struct LayerRule {
     pub areas: Vec<Named>,
 }
 
-/// Reads the text of a mission file. The mission contains whatever was understood.
+/// Reads the text of a mission file without a team. The mission contains whatever was understood.
 pub fn parse(source: &Arc<Source>) -> (Mission, Vec<Problem>) {
+    parse_for(source, None)
+}
+
+/// Reads the text of a mission file for one robot of its team, by its name.
+pub fn parse_for(source: &Arc<Source>, robot: Option<&str>) -> (Mission, Vec<Problem>) {
     let mut problems = Vec::new();
     let mut report = Report { source, problems: &mut problems };
     let mission = match Document::parse(source.text.as_str()) {
-        Ok(document) => read(document.as_table(), report),
+        Ok(document) => {
+            let (file, team) = team::part(document.as_table(), robot, &mut report);
+            read(&file, team, report)
+        }
         Err(first) => {
             report.syntax(&first);
             Mission::default()
@@ -151,8 +164,8 @@ pub fn parse(source: &Arc<Source>) -> (Mission, Vec<Problem>) {
     (mission, problems)
 }
 
-fn read(file: &dyn TableLike, report: Report<'_>) -> Mission {
-    let mut reader = Reader { report, mission: Mission::of_no_file() };
+fn read(file: &dyn TableLike, team: Team, report: Report<'_>) -> Mission {
+    let mut reader = Reader { report, mission: Mission { team, ..Mission::of_no_file() } };
     reader.section("", file);
     reader.mission.complete();
     speeds::check(&mut reader.report, file, &reader.mission.parameters.vehicle);
@@ -161,7 +174,7 @@ fn read(file: &dyn TableLike, report: Report<'_>) -> Mission {
         reader.masks(masks);
     }
     let Reader { report, mut mission } = reader;
-    mission.behaviours = behaviours::read(report.source, file, report.problems);
+    mission.behaviours = behaviours::read(report.source, file, &mission.team, report.problems);
     mission
 }
 
@@ -209,6 +222,11 @@ impl Reader<'_> {
                 }
             } else if section.is_empty() && behaviours::TABLES.contains(&name) {
                 // `behaviours` reads these together, because they refer to each other.
+            } else if section == "team" && matches!(name, "robots" | "tether") {
+                // `robots` has been read; `tether` names one of them.
+                if name == "tether" {
+                    self.tether(item, span);
+                }
             } else if let Some(key) = KEYS.iter().find(|key| key.is(section, name)) {
                 self.value(key, item, span);
             } else {
@@ -287,6 +305,27 @@ impl Reader<'_> {
             self.mission.plan =
                 Some(Named { name: text.trim().into(), place: self.report.place(&span) });
         }
+    }
+
+    /// `team.tether`: the mate that the robot stays close to.
+    fn tether(&mut self, item: &Item, span: Span) {
+        let Some(name) = item.as_str() else {
+            let example = "tether = \"left\"";
+            return self.report.wrong_type(
+                "team.tether",
+                item,
+                &span,
+                "the name of a mate",
+                example,
+            );
+        };
+        let team = &self.mission.team;
+        let number = team.number(name.trim()).filter(|number| *number != team.robot);
+        if number.is_none() {
+            let name = Text { value: name.to_owned(), span };
+            self.report.unknown("mate", &name, team.mates(), "name another robot of the team");
+        }
+        self.mission.parameters.team.tether_to = number.map(|number| number as u8);
     }
 
     fn goal(&mut self, raw: &str, item: &Item, span: Span) -> Option<Goal> {
@@ -522,9 +561,17 @@ pub(crate) mod tests {
     fn every_documented_default_is_the_default() {
         let has_value = |key: &&Key| !key.default.is_empty() && !key.follows();
         for key in KEYS.iter().filter(has_value) {
-            let (mission, problems) = read(&key.example_with(key.default));
-            assert_eq!(problems, [""; 0], "{}", key.path());
-            assert_eq!(mission.parameters, Parameters::default(), "{}", key.path());
+            let mut text = key.example_with(key.default);
+            let mut expected = Parameters::default();
+            if key.section == "team" {
+                text.push_str("\nrobots = [\"a\", \"b\"]\n");
+                expected.team.robots = 2;
+            }
+            let robot = (key.section == "team").then_some("a");
+            let source = Arc::new(Source { name: "m".into(), text });
+            let (mission, problems) = parse_for(&source, robot);
+            assert!(problems.is_empty(), "{}: {problems:?}", key.path());
+            assert_eq!(mission.parameters, expected, "{}", key.path());
         }
     }
 

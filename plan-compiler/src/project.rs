@@ -73,7 +73,12 @@ pub fn load(request: Request, problems: &mut Vec<Problem>) -> Option<Project> {
         given.or_else(|| Some(path.with_extension("mission.toml")).filter(|path| path.is_file()))
     };
     let mission_bytes = if is_mission { bytes.take() } else { None };
-    let mission = mission_path.as_deref().map(|path| read_mission(path, mission_bytes, problems));
+    if options.robot.is_none() {
+        options.robot = recipe.as_ref().and_then(|recipe| recipe.robot.clone());
+    }
+    let robot = options.robot.as_deref();
+    let mission =
+        mission_path.as_deref().map(|path| read_mission(path, mission_bytes, robot, problems));
     let mut mission = match mission {
         Some(None) if is_mission => return None,
         mission => mission.flatten().unwrap_or_else(Mission::of_no_file),
@@ -113,6 +118,7 @@ pub fn load(request: Request, problems: &mut Vec<Problem>) -> Option<Project> {
 fn read_mission(
     path: &Path,
     bytes: Option<Vec<u8>>,
+    robot: Option<&str>,
     problems: &mut Vec<Problem>,
 ) -> Option<Mission> {
     let text = match bytes {
@@ -121,7 +127,7 @@ fn read_mission(
     };
     match text {
         Ok((text, found)) => {
-            let (mission, mistakes) = mission::parse(&text);
+            let (mission, mistakes) = mission::parse_for(&text, robot);
             problems.extend(found.into_iter().chain(mistakes));
             Some(mission)
         }

@@ -25,6 +25,8 @@ pub struct Recipe {
     pub reading: ReadOptions,
     /// Areas that become obstacles, layer by layer.
     pub layers: Vec<LayerRule>,
+    /// The robot of the mission's team.
+    pub robot: Option<String>,
 }
 
 /// Writes the recipe of an input as text.
@@ -34,6 +36,9 @@ pub(crate) fn write(input: &Input<'_>, robot_radius_m: f64) -> String {
     put("robot_radius", robot_radius_m.into());
     if input.options.fill_walls || input.mission.fill_walls.unwrap_or(false) {
         put("fill_walls", true.into());
+    }
+    if let Some(robot) = input.mission.team.robots.get(input.mission.team.robot) {
+        put("robot", robot.as_str().into());
     }
     let reading = &input.options.reading;
     if let Some(format) = reading.format {
@@ -109,6 +114,7 @@ fn parse(text: &str) -> Option<Recipe> {
         fill_walls: document.get("fill_walls").and_then(Item::as_bool).unwrap_or(false),
         reading,
         layers,
+        robot: text_of("robot").map(str::to_owned),
     })
 }
 

@@ -2,9 +2,11 @@
 
 mod components;
 mod inputs;
+mod mates;
 
 use super::syntax::{Behaviour, Literal, Rules, Syntax};
 use super::{DEFAULT_DORMANT, DEFAULT_DWELL_S, DEFAULT_HYSTERESIS, DEFAULT_UNCONDITIONAL};
+use crate::team::Team;
 use crate::toml::{Fields, Report, Span, Spanned, Text, key_span};
 use maps::problem::{Problem, Source};
 use plan_format::limits;
@@ -20,7 +22,12 @@ const MAX_TIME_S: f64 = 1e6;
 
 /// Reads the behaviour tables of a mission file. The result contains everything that was
 /// understood.
-pub fn read(source: &Arc<Source>, file: &dyn TableLike, problems: &mut Vec<Problem>) -> Syntax {
+pub fn read(
+    source: &Arc<Source>,
+    file: &dyn TableLike,
+    team: &Team,
+    problems: &mut Vec<Problem>,
+) -> Syntax {
     let mut report = Report { source, problems };
     let mut syntax = Syntax::default();
     let is_there = TABLES.iter().any(|table| file.contains_key(table));
@@ -30,11 +37,12 @@ pub fn read(source: &Arc<Source>, file: &dyn TableLike, problems: &mut Vec<Probl
             &mut syntax.inputs,
             &mut syntax.broken,
             name.clone(),
-            inputs::input(report, name, item),
+            inputs::input(report, team, name, item),
         );
     });
     each(&mut report, file, "facts", |report, name, item| {
-        keep(&mut syntax.facts, &mut syntax.broken, name.clone(), inputs::fact(report, name, item));
+        let fact = inputs::fact(report, team, name.clone(), item);
+        keep(&mut syntax.facts, &mut syntax.broken, name, fact);
     });
     each(&mut report, file, "actions", |report, name, item| {
         keep(

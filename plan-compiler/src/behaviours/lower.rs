@@ -141,6 +141,12 @@ impl Lowering<'_> {
                 &FactSyntax::Inside([west_m, south_m, east_m, north_m]) => {
                     FactKind::Inside { west_m, south_m, east_m, north_m }
                 }
+                &FactSyntax::Linked(mates) => FactKind::Linked(mates),
+                &FactSyntax::MateNear { mates, radius_m } => FactKind::MateNear { mates, radius_m },
+                &FactSyntax::MateAt { mates, at: [x_m, y_m], radius_m } => {
+                    FactKind::MateAt { mates, x_m, y_m, radius_m }
+                }
+                &FactSyntax::MateSignals { mates, code } => FactKind::MateSignals { mates, code },
                 &FactSyntax::NoProgress { distance_m, within_ms } => {
                     FactKind::NoProgress { distance_m, within_ms }
                 }
@@ -194,6 +200,10 @@ impl Lowering<'_> {
                     Source::PriceOfConstraint { plan, layer }
                 }
                 InputSource::Output(output) => Source::Output(*output),
+                InputSource::MatesLinked => Source::MatesLinked,
+                InputSource::OldestNews => Source::OldestNews,
+                InputSource::MateDistance(robots) => Source::DistanceToMate(*robots),
+                InputSource::MateLink(robot) => Source::LinkToMate(*robot),
                 InputSource::Rules(rules) => {
                     if bases[index].is_none() {
                         let message =

@@ -5,7 +5,7 @@
 use super::graph_text::Graph;
 use crate::toml::{Span, Spanned, Text};
 use maps::problem::Source;
-use plan_format::mission::{Inference, Label, SwitchPoint};
+use plan_format::mission::{Inference, Label, Mates, SwitchPoint};
 use std::sync::Arc;
 
 /// The behaviour tables of a mission file; all lists are empty if it has none.
@@ -59,6 +59,14 @@ pub enum InputSource {
     Output(u8),
     /// The result of rules over other inputs.
     Rules(Rules),
+    /// Number of mates to which the link is up.
+    MatesLinked,
+    /// Age of the oldest news of all mates, seconds.
+    OldestNews,
+    /// Distance to the nearest of these mates, one bit each, metres.
+    MateDistance(u8),
+    /// Quality of the link to a mate, by its number.
+    MateLink(u8),
 }
 
 /// A rule base: a row of seven labels for each input.
@@ -107,6 +115,31 @@ pub enum FactSyntax {
     },
     /// The robot is in a rectangle: west, south, east, north, metres.
     Inside([f32; 4]),
+    /// The links to mates are up.
+    Linked(Mates),
+    /// Mates are near the robot.
+    MateNear {
+        /// Which mates.
+        mates: Mates,
+        /// Distance, metres.
+        radius_m: f32,
+    },
+    /// Mates are near a place.
+    MateAt {
+        /// Which mates.
+        mates: Mates,
+        /// The place, metres.
+        at: [f32; 2],
+        /// Distance, metres.
+        radius_m: f32,
+    },
+    /// The last signal of mates has a code.
+    MateSignals {
+        /// Which mates.
+        mates: Mates,
+        /// The code.
+        code: u16,
+    },
     /// The robot has not advanced a distance within a time.
     NoProgress {
         /// Distance, metres.

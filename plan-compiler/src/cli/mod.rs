@@ -179,6 +179,9 @@ pub(crate) struct Graph {
     /// The file to write: .dot, .svg or .png
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: PathBuf,
+    /// The robot of the mission's team
+    #[arg(long, value_name = "NAME")]
+    pub(crate) robot: Option<String>,
 }
 
 #[derive(Debug, Args)]

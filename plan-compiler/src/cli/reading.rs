@@ -34,6 +34,9 @@ pub(crate) struct MapOptions {
     /// The mission file; if not given, NAME.mission.toml beside the map, if it exists
     #[arg(long, value_name = "FILE")]
     pub(crate) mission: Option<PathBuf>,
+    /// The robot of the mission's team to build for; each has a blob of its own
+    #[arg(long, value_name = "NAME")]
+    pub(crate) robot: Option<String>,
     /// Side of a cell; if not given, the mission's, else the map's, else 1
     #[arg(long, value_name = "METRES", value_parser = length, allow_hyphen_values = true)]
     pub(crate) resolution: Option<f64>,

@@ -78,6 +78,7 @@ fn is_about_maps(args: &Compiling) -> bool {
         || args.max_memory.is_some()
         || reading != ReadOptions::default()
         || map.mission.is_some()
+        || map.robot.is_some()
         || map.resolution.is_some()
         || map.robot_radius.is_some()
         || map.corners.is_some()

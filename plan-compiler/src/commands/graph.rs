@@ -26,7 +26,7 @@ pub(super) fn run(args: &Graph, quiet: bool) -> Result<(), Failure> {
     refuse_output(&args.output, &[&args.input])?;
     let is_mission = args.input.extension().is_some_and(|extension| extension == "toml");
     let bytes = if is_mission {
-        let section = of_mission(&args.input, quiet)?;
+        let section = of_mission(&args.input, args.robot.as_deref(), quiet)?;
         let mission = Mission::parse(&section)
             .map_err(|error| Problem::error(format!("the mission cannot be run: {error}")))?;
         drawn(args, &Drawn { mission, plans: &[] }, draw)?
@@ -56,9 +56,9 @@ fn drawn(
 
 /// The mission section as a build writes it, but without the map: every plan that the mission names
 /// is assumed to exist.
-fn of_mission(path: &Path, quiet: bool) -> Result<Vec<u8>, Failure> {
+fn of_mission(path: &Path, robot: Option<&str>, quiet: bool) -> Result<Vec<u8>, Failure> {
     let (text, mut problems) = source::read_text(path)?;
-    let (mission, mistakes) = mission::parse(&text);
+    let (mission, mistakes) = mission::parse_for(&text, robot);
     problems.extend(mistakes);
     let draft = behaviours::compile(&mission.behaviours, &Plans::Any, &mut problems);
     let section = match draft {

@@ -11,9 +11,9 @@ use plan_format::parameters::{
 use plan_format::{Parameters, limits};
 
 /// The tables of a mission file.
-pub const SECTIONS: [&str; 14] = [
+pub const SECTIONS: [&str; 15] = [
     "goals", "layers", "masks", "gains", "vehicle", "schemas", "fixes", "trouble", "link",
-    "ranges", "progress", "arming", "fence", "battery",
+    "ranges", "progress", "arming", "fence", "battery", "team",
 ];
 
 /// Sets the weights, and the blend that they are meant for.
@@ -469,5 +469,53 @@ pub const KEYS: &[Key] = &[
         "0.0",
         "The robot stops if its battery, the first input channel, is below this; 0 for never.",
         |m, v| m.parameters.safety.battery_low = v as f32,
+    ),
+    number(
+        "team",
+        "lost_after",
+        "s",
+        "0.75",
+        "The link to a mate is lost after this time without news of it. Mates send news 5 times per second.",
+        |m, v| m.parameters.team.lost_after_us = (v * 1e6).round() as u32,
+    ),
+    number(
+        "team",
+        "regained_after",
+        "s",
+        "0.75",
+        "The link to a mate is regained once news have arrived for this time.",
+        |m, v| m.parameters.team.regained_after_us = (v * 1e6).round() as u32,
+    ),
+    number(
+        "team",
+        "min_quality",
+        "",
+        "0.0",
+        "News over a link of a lower quality, from 0 to 1, count as lost.",
+        |m, v| m.parameters.team.min_quality = v as f32,
+    ),
+    number(
+        "team",
+        "avoid_gain",
+        "",
+        "1.0",
+        "Gain of avoid-robot within the reactive part: mates repel by the positions in their news.",
+        |m, v| m.parameters.team.avoid_gain = v as f32,
+    ),
+    number(
+        "team",
+        "avoid_sphere",
+        "m",
+        "2.0",
+        "Mates repel up to this distance beyond the margin between the bodies.",
+        |m, v| m.parameters.team.avoid_sphere_m = v as f32,
+    ),
+    number(
+        "team",
+        "tether_length",
+        "m",
+        "20.0",
+        "Length of the tether: farther away from the mate that `tether` names, the robot is drawn back to it.",
+        |m, v| m.parameters.team.tether_m = v as f32,
     ),
 ];

@@ -120,6 +120,17 @@ impl<'t> Fields<'t> {
         }
     }
 
+    /// `true` or `false`.
+    pub(crate) fn flag(&self, report: &mut Report<'_>, key: &str) -> Option<bool> {
+        let (item, span) = self.item(key)?;
+        let flag = item.as_bool();
+        if flag.is_none() {
+            let example = format!("{key} = true");
+            report.wrong_type(&self.path(key), item, &span, "true or false", &example);
+        }
+        flag
+    }
+
     /// A list of texts, or one text.
     pub(crate) fn texts(&self, report: &mut Report<'_>, key: &str, example: &str) -> Vec<Text> {
         let Some((item, span)) = self.item(key) else { return Vec::new() };

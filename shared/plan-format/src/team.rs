@@ -66,7 +66,7 @@ impl TeamPolicy {
             ("team.robot", f32::from(self.robot), 0.0, last),
             ("team.tether_to", f32::from(self.tether_to.unwrap_or(0)), 0.0, last),
             ("team.lost_after", self.lost_after_us as f32 / 1e6, 0.05, 3_600.0),
-            ("team.regained_after", self.regained_after_us as f32 / 1e6, 0.0, 3_600.0),
+            ("team.regained_after", self.regained_after_us as f32 / 1e6, 0.05, 3_600.0),
             ("team.min_quality", self.min_quality, 0.0, 1.0),
             ("team.avoid_gain", self.avoid_gain, 0.0, 100.0),
             ("team.avoid_sphere", self.avoid_sphere_m, 0.0, 1_000.0),

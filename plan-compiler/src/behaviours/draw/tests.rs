@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::behaviours::{Plans, compile, read};
+use crate::team::Team;
 use maps::problem::Source as File;
 use std::sync::Arc;
 
@@ -9,7 +10,7 @@ fn section(text: &str) -> Vec<u8> {
     let source = Arc::new(File { name: "m.mission.toml".into(), text: text.into() });
     let document = toml_edit::Document::parse(text).unwrap();
     let mut problems = Vec::new();
-    let syntax = read(&source, document.as_table(), &mut problems);
+    let syntax = read(&source, document.as_table(), &Team::default(), &mut problems);
     let draft = compile(&syntax, &Plans::Any, &mut problems);
     draft.unwrap_or_else(|| panic!("{problems:?}")).write().unwrap()
 }
@@ -47,7 +48,7 @@ fn a_name_with_quotes_cannot_be_one() {
     let source = Arc::new(File { name: "m".into(), text: SIDE_BY_SIDE.into() });
     let document = toml_edit::Document::parse(SIDE_BY_SIDE).unwrap();
     let mut problems = Vec::new();
-    let _ = read(&source, document.as_table(), &mut problems);
+    let _ = read(&source, document.as_table(), &Team::default(), &mut problems);
     assert_eq!(problems.len(), 1, "{problems:?}");
     assert!(problems[0].message.contains("cannot be a name"));
 }

@@ -1,8 +1,9 @@
 //! Inputs and facts.
 
-use super::{milliseconds, rules};
+use super::{mates, milliseconds, rules};
 use crate::behaviours::DEFAULT_MISSING_HOLD_S;
 use crate::behaviours::syntax::{Fact, FactSyntax, Input, InputSource};
+use crate::team::Team;
 use crate::toml::{Fields, Report, Spanned, Text};
 use maps::names::nearest;
 use plan_format::limits::{MAX_CHANNELS, MAX_OUTPUTS};
@@ -10,21 +11,40 @@ use robot_io::percepts::channel;
 use toml_edit::Item;
 
 const INPUT: &[&str] = &["source", "rules", "inference", "universe", "missing"];
-const SOURCES: &[&str] =
-    &["battery", "fuel", "link", "custom", "distance", "time", "cost-to-goal", "price", "output"];
+const SOURCES: &[&str] = &[
+    "battery",
+    "fuel",
+    "link",
+    "custom",
+    "distance",
+    "time",
+    "cost-to-goal",
+    "price",
+    "output",
+    "mates-linked",
+    "oldest-news",
+    "mate-distance",
+    "mate-link",
+];
 /// Number of channels whose meaning the user defines.
 const CUSTOM_COUNT: u8 = MAX_CHANNELS as u8 - channel::CUSTOM;
 const SOURCES_HELP: &str = "write battery, fuel, link, custom N, distance X, Y, time, \
-    cost-to-goal PLAN, price PLAN/LAYER or output N";
+    cost-to-goal PLAN, price PLAN/LAYER, output N, mates-linked, oldest-news, mate-distance NAME \
+    or mate-link NAME";
 
-pub(super) fn input(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Input> {
+pub(super) fn input(
+    report: &mut Report<'_>,
+    team: &Team,
+    name: Text,
+    item: &Item,
+) -> Option<Input> {
     let path = format!("inputs.{}", name.as_str());
     let example = "{ source = \"fuel\", missing = { then = 0.0 } }";
     let fields = Fields::open(report, path, item, name.span.clone(), INPUT, example)?;
     let source = match (fields.item("source"), fields.item("rules")) {
         (Some(_), None) => {
             let text = fields.text(report, "source", "\"fuel\"");
-            text.and_then(|text| self::source(report, &text))
+            text.and_then(|text| self::source(report, team, &text))
         }
         (None, Some(_)) => rules(report, &fields, "rules").map(InputSource::Rules),
         (both, _) => {
@@ -58,9 +78,9 @@ fn universe(
         }
         return Some(ends);
     }
-    use InputSource::{Channel, Output, Rules};
+    use InputSource::{Channel, MateLink, Output, Rules};
     match source {
-        Some(Channel(_) | Output(_) | Rules(_)) | None => Some([0.0, 1.0]),
+        Some(Channel(_) | MateLink(_) | Output(_) | Rules(_)) | None => Some([0.0, 1.0]),
         Some(_) => {
             let message = format!("input `{}` has no universe", name.as_str());
             let help = "add universe = [LOW, HIGH]: the values that are fully NB and fully PB";
@@ -79,11 +99,13 @@ fn missing(
     universe: Option<[f32; 2]>,
     name: &Text,
 ) -> (u32, f32) {
-    use InputSource::{Output, Rules, Time};
+    use InputSource::{MateLink, MatesLinked, Output, Rules, Time};
     let low = universe.map_or(0.0, |[low, _]| low);
     let default_ms = (DEFAULT_MISSING_HOLD_S * 1e3) as u32;
     let Some((item, _)) = fields.item("missing") else {
-        if !matches!(source, Some(Time | Output(_) | Rules(_)) | None) {
+        let is_always_known =
+            matches!(source, Some(Time | Output(_) | Rules(_) | MatesLinked | MateLink(_)) | None);
+        if !is_always_known {
             let message = format!(
                 "input `{}` does not say which value replaces a missing one",
                 name.as_str()
@@ -109,7 +131,7 @@ fn missing(
     (hold_ms, then.map_or(low, |then| then.value as f32))
 }
 
-fn source(report: &mut Report<'_>, text: &Text) -> Option<InputSource> {
+fn source(report: &mut Report<'_>, team: &Team, text: &Text) -> Option<InputSource> {
     let (word, rest) = text.as_str().split_once(' ').unwrap_or((text.as_str(), ""));
     let rest = rest.trim();
     let named = |name: &str| Spanned { value: name.to_owned(), span: text.span.clone() };
@@ -124,6 +146,14 @@ fn source(report: &mut Report<'_>, text: &Text) -> Option<InputSource> {
             .map(|number| InputSource::Channel(channel::CUSTOM + number - 1)),
         ("distance", place) => pair(place).map(InputSource::DistanceTo),
         ("time", "") => Some(InputSource::Time),
+        ("mates-linked", "") => Some(InputSource::MatesLinked),
+        ("oldest-news", "") => Some(InputSource::OldestNews),
+        ("mate-distance", name) if !name.is_empty() => {
+            return mates::distance(report, team, &named(name));
+        }
+        ("mate-link", name) if !name.is_empty() => {
+            return mates::link(report, team, &named(name));
+        }
         ("cost-to-goal", plan) if !plan.is_empty() => Some(InputSource::CostToGoal(named(plan))),
         ("price", both) => both
             .split_once('/')
@@ -155,25 +185,42 @@ pub(super) fn pair(text: &str) -> Option<[f32; 2]> {
     both.iter().all(|number| number.is_finite()).then_some(both)
 }
 
-const FACT: &[&str] =
-    &["input", "at_least", "at_most", "near", "within", "inside", "no_progress", "for_s"];
+const FACT: &[&str] = &[
+    "input",
+    "at_least",
+    "at_most",
+    "near",
+    "within",
+    "inside",
+    "no_progress",
+    "for_s",
+    "linked",
+    "mate",
+    "signals",
+    "missing",
+];
 const FACT_HELP: &str = "write false or true for a symbol's initial value, { inside = [W, S, E, N] }, \
-    { near = [X, Y], within = M }, { input = \"fuel\", at_least = 0.9 } or \
-    { no_progress = 0.5, for_s = 10 }";
+    { near = [X, Y], within = M }, { input = \"fuel\", at_least = 0.9 }, \
+    { no_progress = 0.5, for_s = 10 }, { linked = \"all\" } or { mate = \"NAME\", within = M }";
 
-pub(super) fn fact(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Fact> {
+pub(super) fn fact(report: &mut Report<'_>, team: &Team, name: Text, item: &Item) -> Option<Fact> {
     if let Some(is_set) = item.as_bool() {
         return Some(Fact { name, kind: FactSyntax::Symbol { is_set } });
     }
     let path = format!("facts.{}", name.as_str());
     let fields = Fields::open(report, path, item, name.span.clone(), FACT, &FACT_HELP[6..])?;
     let has = |key: &str| fields.item(key).is_some();
-    let kind = match (has("input"), has("near"), has("inside"), has("no_progress")) {
-        (true, false, false, false) => level(report, &fields),
-        (false, true, false, false) => near(report, &fields),
-        (false, false, true, false) => inside(report, &fields, &name),
-        (false, false, false, true) => no_progress(report, &fields),
-        (false, false, false, false) => {
+    // `near` is a place of the robot, or of the mate.
+    let near = has("near") && !has("mate");
+    let kinds = [has("input"), near, has("inside"), has("no_progress"), has("linked"), has("mate")];
+    let kind = match kinds {
+        [true, false, false, false, false, false] => level(report, &fields),
+        [false, true, false, false, false, false] => self::near(report, &fields),
+        [false, false, true, false, false, false] => inside(report, &fields, &name),
+        [false, false, false, true, false, false] => no_progress(report, &fields),
+        [false, false, false, false, true, false] => mates::linked(report, &fields, team),
+        [false, false, false, false, false, true] => mates::mate(report, &fields, team),
+        [false, false, false, false, false, false] => {
             let message = format!("fact `{}` has no condition", name.as_str());
             report.error(message, &name.span, "this fact", FACT_HELP);
             None

@@ -1,0 +1,273 @@
+//! The team of a mission: its robots, and what each of them does otherwise.
+//!
+//! `[team]` names the robots; `[robots.NAME]` has tables like the mission's own, which replace or
+//! complete those for that robot. So robots share maps, plans and most of their behaviours, and one
+//! file gives a blob for each.
+
+use crate::toml::{Report, Spanned, Text, key_span};
+use plan_format::limits::{MAX_NAME_BYTES, MAX_ROBOTS};
+use toml_edit::{Item, Table, TableLike, Value};
+
+/// The robots of a mission, and the one that it is read for.
+#[derive(Clone, Debug, Default)]
+pub struct Team {
+    /// Their names, by their numbers; empty without a team.
+    pub robots: Vec<Text>,
+    /// The number of the robot that the mission was read for.
+    pub robot: usize,
+}
+
+impl Team {
+    /// The number of a robot.
+    pub fn number(&self, name: &str) -> Option<usize> {
+        self.robots.iter().position(|robot| robot.value == name)
+    }
+
+    /// Names of the robots other than the one that the mission was read for.
+    pub fn mates(&self) -> impl Iterator<Item = &str> + Clone {
+        let robots = self.robots.iter().enumerate();
+        robots.filter(|(index, _)| *index != self.robot).map(|(_, name)| name.as_str())
+    }
+
+    /// The numbers of those robots, one bit each.
+    pub fn mate_bits(&self) -> u8 {
+        let robots = (0..self.robots.len()).filter(|index| *index != self.robot);
+        robots.fold(0, |bits, index| bits | 1 << index)
+    }
+}
+
+/// The file for one robot of its team, and the team.
+///
+/// Mistakes: a robot that the team does not have, or none where there is a team; names that cannot
+/// be those of robots; parts for robots that do not exist.
+pub(crate) fn part(file: &Table, robot: Option<&str>, report: &mut Report<'_>) -> (Table, Team) {
+    let mut part = file.clone();
+    let parts = part.remove("robots");
+    let robots = names(file, report);
+    let mut team = Team { robots, robot: 0 };
+    if team.robots.is_empty() {
+        if let Some(robot) = robot {
+            let message = format!("there is no robot `{robot}`: the mission has no team");
+            let help = "leave --robot out, or add [team] with robots = [\"NAME\", \"NAME\"]";
+            report.error(message, &(0..0), "this mission", help);
+        }
+        if parts.is_some() && file.get("team").is_none() {
+            let help = "add [team] with robots = [\"NAME\", \"NAME\"]";
+            let span = key_span(file, "robots");
+            report.error("[robots] has parts for a team that is not named", &span, "here", help);
+        }
+        return (part, team);
+    }
+    let place = file.get("team").and_then(Item::as_table_like);
+    let place = place.map_or(0..0, |team| key_span(team, "robots"));
+    match robot.map(|name| (name, team.number(name))) {
+        Some((_, Some(number))) => team.robot = number,
+        Some((name, None)) => {
+            let known = team.robots.iter().map(Text::as_str);
+            let name = Spanned { value: name.to_owned(), span: place };
+            report.unknown("robot", &name, known, &one_of(&team));
+        }
+        None => {
+            let message = format!(
+                "the mission is for a team of {} robots, each of which needs a blob of its own",
+                team.robots.len()
+            );
+            report.error(message, &place, "this team", &one_of(&team));
+        }
+    }
+    if let Some(parts) = &parts {
+        add_part(&mut part, parts, &team, report);
+    }
+    (part, team)
+}
+
+/// How to choose a robot.
+fn one_of(team: &Team) -> String {
+    let options: Vec<String> =
+        team.robots.iter().map(|name| format!("--robot '{}'", name.as_str())).collect();
+    format!("add {}", options.join(" or "))
+}
+
+/// The names in `team.robots`.
+fn names(file: &Table, report: &mut Report<'_>) -> Vec<Text> {
+    let Some(team) = file.get("team").and_then(Item::as_table_like) else { return Vec::new() };
+    let example = "robots = [\"left\", \"right\"]";
+    let Some(item) = team.get("robots") else {
+        let span = key_span(file, "team");
+        report.error("[team] does not name its robots", &span, "here", &format!("add {example}"));
+        return Vec::new();
+    };
+    let span = item.span().unwrap_or_else(|| key_span(team, "robots"));
+    let values = item.as_array().map(|array| array.iter().collect::<Vec<&Value>>());
+    let texts = values.as_deref().unwrap_or_default().iter().filter_map(|value| {
+        let name = value.as_str()?.trim().to_owned();
+        Some(Spanned { value: name, span: value.span().unwrap_or_else(|| span.clone()) })
+    });
+    let texts: Vec<Text> = texts.collect();
+    if values.is_none_or(|values| values.len() != texts.len() || values.len() < 2) {
+        let expected = "a list of two robots or more, by their names";
+        report.wrong_type("team.robots", item, &span, expected, example);
+        return Vec::new();
+    }
+    if let Some(text) = texts.get(MAX_ROBOTS) {
+        let message = format!("a team has at most {MAX_ROBOTS} robots, not {}", texts.len());
+        report.error(message, &text.span, "one too many", "make two teams of them");
+    }
+    let mut good: Vec<Text> = Vec::new();
+    for text in texts.into_iter().take(MAX_ROBOTS) {
+        let is_word = matches!(text.as_str(), "all" | "any" | "nearest" | "");
+        if is_word || text.value.len() > MAX_NAME_BYTES {
+            let message = format!("`{}` cannot be the name of a robot", text.as_str());
+            let label = if is_word { "a word of the language" } else { "too long" };
+            report.error(message, &text.span, label, "choose another name");
+        } else if good.iter().any(|other| other.value == text.value) {
+            let message = format!("two robots are called `{}`", text.as_str());
+            report.error(message, &text.span, "the second one", "choose another name");
+        } else {
+            good.push(text);
+        }
+    }
+    good
+}
+
+/// Adds the part of the team's robot.
+fn add_part(part: &mut Table, parts: &Item, team: &Team, report: &mut Report<'_>) {
+    let Some(parts) = parts.as_table_like() else {
+        let span = parts.span().unwrap_or(0..0);
+        report.wrong_type("robots", parts, &span, "a section", "[robots.NAME]");
+        return;
+    };
+    for (name, item) in parts.iter() {
+        let span = key_span(parts, name);
+        let Some(own) = item.as_table_like() else {
+            let path = format!("robots.{name}");
+            report.wrong_type(&path, item, &span, "a section", &format!("[{path}]"));
+            continue;
+        };
+        if team.number(name).is_none() {
+            let known = team.robots.iter().map(Text::as_str);
+            let name = Spanned { value: name.to_owned(), span };
+            report.unknown("robot", &name, known, "add it to team.robots, or remove this part");
+        } else if team.robots.get(team.robot).is_some_and(|robot| robot.value == name) {
+            merge(part, own);
+        }
+    }
+}
+
+/// Puts the items of a robot's part over those of the mission: tables are merged, other values
+/// replaced. Keys and values keep their places in the file.
+fn merge(base: &mut dyn TableLike, part: &dyn TableLike) {
+    for (name, item) in part.iter() {
+        let inner = base.get_mut(name).and_then(Item::as_table_like_mut);
+        match (inner, item.as_table_like()) {
+            (Some(inner), Some(item)) => merge(inner, item),
+            _ => {
+                base.remove(name);
+                if let Some(key) = part.key(name) {
+                    base.entry_format(key).or_insert(item.clone());
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::mission::{GoalAt, parse_for};
+    use maps::problem::Source;
+    use std::sync::Arc;
+
+    const TEAM: &str = r#"
+[team]
+robots = ["left", "right"]
+[goals]
+meet = [30, 10]
+[vehicle]
+radius = 0.4
+max_speed = 2.0
+[robots.left.goals]
+home = [1, 2]
+[robots.right]
+vehicle.radius = 0.6
+goals = { meet = [31, 10], home = [50, 2] }
+[robots.right.team]
+tether = "left"
+"#;
+
+    fn read(text: &str, robot: Option<&str>) -> (crate::mission::Mission, Vec<String>) {
+        let source = Arc::new(Source { name: "m".into(), text: text.into() });
+        let (mission, problems) = parse_for(&source, robot);
+        let text = |problem: &maps::problem::Problem| {
+            let line = problem
+                .place
+                .as_ref()
+                .map_or(0, |place| 1 + source.text[..place.span.start].matches('\n').count());
+            format!("{line}: {problem}")
+        };
+        (mission, problems.iter().map(text).collect())
+    }
+
+    /// W49: robots of one team differ in goals, bodies and parameters.
+    #[test]
+    fn w49_each_robot_has_what_is_shared_and_its_own_part() {
+        let of = |robot| {
+            let (mission, problems) = read(TEAM, Some(robot));
+            assert_eq!(problems, [""; 0], "{robot}");
+            let goals = mission.goals.unwrap_or_default();
+            let at = |name: &str| {
+                goals.iter().find(|goal| goal.name == name).map(|goal| goal.at.clone())
+            };
+            let team = mission.parameters.team;
+            (at("meet"), at("home"), mission.parameters.vehicle, team)
+        };
+        let at = |x, y| Some(GoalAt::Position([x, y]));
+        let (meet, home, vehicle, team) = of("left");
+        assert_eq!((meet, home), (at(30.0, 10.0), at(1.0, 2.0)));
+        assert_eq!((vehicle.radius_m, vehicle.max_speed_mps), (0.4, 2.0));
+        assert_eq!((team.robot, team.robots, team.tether_to), (0, 2, None));
+        let (meet, home, vehicle, team) = of("right");
+        assert_eq!((meet, home), (at(31.0, 10.0), at(50.0, 2.0)));
+        assert_eq!((vehicle.radius_m, vehicle.max_speed_mps), (0.6, 2.0));
+        assert_eq!((team.robot, team.robots, team.tether_to), (1, 2, Some(0)));
+    }
+
+    #[test]
+    fn mistakes_in_a_team_have_their_lines() {
+        let table: [(&str, Option<&str>, &[&str]); 9] = [
+            (
+                TEAM,
+                None,
+                &[
+                    "3: the mission is for a team of 2 robots, each of which needs a blob of its own",
+                ],
+            ),
+            (TEAM, Some("lefd"), &["3: there is no robot `lefd`"]),
+            ("seed = 3\n", Some("a"), &["1: there is no robot `a`: the mission has no team"]),
+            ("[robots.a]\n", None, &["1: [robots] has parts for a team that is not named"]),
+            (
+                "[team]\nrobots = [\"a\"]\n",
+                None,
+                &["2: `team.robots` must be a list of two robots or more, by their names"],
+            ),
+            (
+                "[team]\nrobots = [\"a\", \"a\", \"all\", \"b\"]\n",
+                Some("a"),
+                &["2: two robots are called `a`", "2: `all` cannot be the name of a robot"],
+            ),
+            (
+                "[team]\nrobots = [\"a\", \"b\"]\n[robots.c]\nseed = 4\n[robots.a]\nsede = 4\n",
+                Some("a"),
+                &["3: there is no robot `c`", "6: `sede` is not a key of a mission"],
+            ),
+            (
+                "[team]\nrobots = [\"a\", \"b\"]\ntether = \"a\"\n",
+                Some("a"),
+                &["3: there is no mate `a`"],
+            ),
+            ("[team]\nlost_after = 3\n", None, &["1: [team] does not name its robots"]),
+        ];
+        for (text, robot, expected) in table {
+            assert_eq!(read(text, robot).1, expected, "{text} {robot:?}");
+        }
+    }
+}
