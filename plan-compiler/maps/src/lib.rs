@@ -10,6 +10,7 @@
 //!   mistake: it returns the map as far as it understood the file, and every [`Problem`].
 //! - [`model`] is the [`Map`]: shapes with a role, the file's own cells, named points, and the place
 //!   on the globe.
+//! - [`radio`] computes whether two antennas are linked, and the loss between them.
 //! - [`raster`] decides exactly which cells a shape touches after it is grown by a robot's radius.
 //! - [`problem`] describes a mistake with its place in the file and how to fix it, and draws it for
 //!   a terminal.
@@ -46,6 +47,7 @@ pub mod model;
 pub mod names;
 pub mod numbers;
 pub mod problem;
+pub mod radio;
 pub mod raster;
 pub mod source;
 pub mod terminal;

@@ -60,10 +60,10 @@ pub struct Reference {
     pub heading_rad: f64,
 }
 
-/// Coefficients of radio attenuation, as an OPAR scenario states them. Nothing uses them yet.
+/// Coefficients of radio attenuation, as an OPAR scenario states them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Radio {
-    /// OPAR's `K1`. Its meaning and unit are not known: no specification could be found.
+    /// OPAR's `K1`, not used. Its meaning and unit are not known: no specification could be found.
     pub k1: f64,
     /// OPAR's `K2`, as unknown as `k1`.
     pub k2: f64,
