@@ -239,8 +239,9 @@ pub struct Blend {
 /// Does what [`tick`] does and returns the explanation too.
 #[inline]
 pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Explanation {
-    let percepts = percepts.sanitised();
+    let mut percepts = percepts.sanitised();
     let sensed = sense::sense(blob, &mut state.track, &percepts);
+    state.track.carry_ranges(&mut percepts);
     state.arming.update(blob, &percepts, &sensed);
     let mut report = behaviour::Report::default();
     let position = sensed.position.ok();

@@ -1,16 +1,29 @@
-//! Judges the range finder: absent, fresh, silent or faulty.
+//! Judges the range finder: absent, fresh, silent or faulty. Keeps the last sound scan.
 //!
 //! A range finder that has never reported is absent: many robots have none, and the plan alone
 //! keeps them away from obstacles. One that has reported and falls silent is a fault, because an
-//! old scan hides new obstacles.
+//! old scan hides new obstacles. Until the robot stands, [`RangeTrack::carry`] moves the readings of
+//! the last sound scan along with the robot, so that it stops before what it saw.
 //!
-//! A scan is sound if none of its readings is garbled, and if it is not frozen: the same obstacles
-//! to the last bit, although the robot has moved since. Only motion shows that: a robot that stands
-//! sees the same thing, and so does one that drives along a smooth wall for a while. An empty scan
-//! that is repeated cannot be distinguished from open ground.
+//! A scan is not sound in these cases:
+//! - one of its readings is garbled. Several garbled scans stop the robot until as many scans with
+//!   readings were sound; an empty scan proves nothing.
+//! - it is frozen: the same distances to the last bit, although the robot has moved. A robot that
+//!   stands sees the same thing, and so does one that drives along a smooth wall without noise. If
+//!   all scans before differed, a short way shows it.
+//! - it has leapt: between two scans, most readings have grown by more than the robot moved, or most
+//!   have shrunk. Obstacles do not do that together, so the zero of the range finder has moved. It
+//!   is trusted again once it leaps back, or once the robot is disarmed.
+//! - it is late: after a silence in which the robot has moved, so many readings are as before that
+//!   they show what was there before. The range finder is trusted again once the robot is disarmed.
+//!
+//! An empty scan that is repeated cannot be distinguished from open ground, an offset from the start
+//! not from other obstacles, and a delay that grows slowly not from obstacles that move.
 
+use math::{Vec2, scalar, vector};
 use plan_format::parameters::RangePolicy;
-use robot_io::{Percepts, Reason};
+use robot_io::limits::MAX_RANGES;
+use robot_io::{Percepts, RangeReading, Reason};
 use serde::{Deserialize, Serialize};
 
 /// How far the range readings can be trusted.
@@ -55,6 +68,91 @@ impl RangeTrust {
 const FROZEN_M: f32 = 2.0;
 /// Scans that stay the same while the robot turns this far are frozen, radians.
 const FROZEN_RAD: f32 = 0.5;
+/// Scans that differed before one of them is repeated: the range finder has noise.
+const NOISY_COUNT: u8 = 20;
+/// The share of both limits that is enough for a range finder with noise.
+const NOISY_SHARE: f32 = 0.1;
+/// Repetitions in a row that a range finder with noise does not show by chance.
+const REPEATED_COUNT: u8 = 3;
+
+/// A leap counts if this many readings leap in one direction, if they are half of all, and if
+/// hardly any stays as it is.
+const LEAP_COUNT: u8 = 4;
+/// Angle of a sector.
+const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
+
+/// A reading leaps if it changes by more than this, metres.
+const LEAP_M: f32 = 0.2;
+/// It may change by this much more for each metre that the robot has moved.
+const LEAP_PER_M: f32 = 1.0;
+/// It may change by this much more for each second: obstacles move, m/s.
+const LEAP_MPS: f32 = 1.0;
+/// Leaps are looked for between scans while the robot moves by less than this, metres, ...
+const LEAP_WITHIN_M: f32 = 0.12;
+/// ... and turns by less than this, radians: then each reading still shows the same obstacle.
+const LEAP_WITHIN_RAD: f32 = 0.15;
+/// The range finder has leapt back once its leaps add up to less than this, metres.
+const BACK_M: f32 = 0.2;
+
+/// A scan after this time without one may be late, microseconds.
+const GAP_US: u64 = 250_000;
+/// Readings that differ by less than this are as before, metres.
+const SAME_M: f32 = 0.12;
+/// What the robot must have done in between, metres and radians, and the share of readings that
+/// are then as before only if the scan is late. Walls along the way stay as far away as they are
+/// while the robot drives straight; they do not while it turns.
+const LATE: [Late; 4] = [
+    Late { moved_m: 0.15, turned_rad: 0.09, share: 0.75, needs_telling: false },
+    Late { moved_m: 0.0, turned_rad: 0.35, share: 0.4, needs_telling: false },
+    Late { moved_m: 0.25, turned_rad: 0.25, share: 0.5, needs_telling: false },
+    Late { moved_m: 0.25, turned_rad: 0.0, share: 0.4, needs_telling: true },
+];
+/// A reading that is no farther aside of the robot's way than this must differ, metres, ...
+const TELLING_ASIDE_M: f32 = 0.35;
+/// ... if it is not farther away than this: beyond, it may be a wall that leads away.
+const TELLING_M: f32 = 2.5;
+
+/// When a scan after a silence is late.
+struct Late {
+    moved_m: f32,
+    turned_rad: f32,
+    share: f32,
+    /// One of the readings that are as before must be on the robot's way.
+    needs_telling: bool,
+}
+
+/// Doubt for a garbled scan; a sound scan with readings takes 1 away.
+const GARBLED_DOUBT: u8 = 2;
+/// With this doubt the range finder is faulty, until the doubt is 0.
+const MOST_DOUBT: u8 = 16;
+
+/// The readings of one scan.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Scan {
+    readings: [RangeReading; MAX_RANGES],
+    count: u8,
+}
+
+impl Default for Scan {
+    fn default() -> Self {
+        let nothing = RangeReading { bearing_rad: 0.0, distance_m: 0.0 };
+        Self { readings: [nothing; MAX_RANGES], count: 0 }
+    }
+}
+
+impl Scan {
+    fn readings(&self) -> &[RangeReading] {
+        self.readings.get(..usize::from(self.count)).unwrap_or_default()
+    }
+
+    fn take(&mut self, readings: &[RangeReading]) {
+        // Never more than there is room for: percepts have the same limit.
+        for (kept, reading) in self.readings.iter_mut().zip(readings) {
+            *kept = *reading;
+        }
+        self.count = readings.len().min(MAX_RANGES) as u8;
+    }
+}
 
 /// What the judgement keeps from tick to tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -63,12 +161,45 @@ pub struct RangeTrack {
     heard_us: Option<u64>,
     /// Time of the last sound scan.
     sound_us: Option<u64>,
-    /// Fingerprint of the last scan.
-    fingerprint: u32,
-    /// Distance driven since the scans last changed, metres.
-    moved_m: f32,
-    /// Angle turned since then, radians.
+    /// The last scan, sound or not, and its distances by sector, metres; 0 without a reading.
+    heard: Scan,
+    by_sector_m: [f32; MAX_RANGES],
+    /// The last sound scan, while others arrive.
+    kept: Scan,
+    is_kept: bool,
+    /// Where the robot is in its axes of the last sound scan, metres and radians.
+    moved: [f32; 2],
     turned_rad: f32,
+    /// Distance driven and angle turned since the last scan, metres and radians.
+    since_m: f32,
+    since_rad: f32,
+    /// The same since the scans last changed.
+    unchanged_m: f32,
+    unchanged_rad: f32,
+    /// Scans in a row that repeated the last one, and before that, scans that did not.
+    repeated: u8,
+    varied: u8,
+    /// Sum of the leaps, metres.
+    leapt_m: f32,
+    is_late: bool,
+    doubt: u8,
+    is_doubted: bool,
+}
+
+/// How the readings of a scan differ from those of the last one.
+#[derive(Clone, Copy, Debug, Default)]
+struct Differences {
+    count: u8,
+    /// Readings that have grown by more than the limit, and by how much together, metres.
+    grown: u8,
+    grown_m: f32,
+    shrunk: u8,
+    shrunk_m: f32,
+    /// Readings that show no difference.
+    same: u8,
+    /// One of those is on the robot's way, ahead or astern.
+    is_telling: bool,
+    is_repeated: bool,
 }
 
 impl RangeTrack {
@@ -81,16 +212,23 @@ impl RangeTrack {
         moved_m: f32,
         turned_rad: f32,
     ) -> RangeTrust {
-        self.moved_m += moved_m.abs();
-        self.turned_rad += turned_rad;
+        self.since_m += moved_m.abs();
+        self.since_rad += turned_rad;
+        if !percepts.operator.is_armed {
+            // A new order to arm is a new attempt.
+            (self.leapt_m, self.is_late, self.doubt, self.is_doubted) = (0.0, false, 0, false);
+        }
         // A time stamp from the future would never become stale.
         let scan_us = percepts.scan_us.map(|scan_us| scan_us.min(percepts.time_us));
-        if scan_us != self.heard_us {
-            self.heard_us = scan_us;
-            let is_frozen = self.is_frozen(percepts);
-            if percepts.garbled_ranges == 0 && !is_frozen {
-                self.sound_us = scan_us;
-            }
+        let is_sound = scan_us != self.heard_us && self.hear(percepts, scan_us);
+        if is_sound {
+            self.sound_us = scan_us;
+            (self.moved, self.turned_rad, self.is_kept) = ([0.0; 2], 0.0, false);
+        } else {
+            let middle_rad = self.turned_rad + 0.5 * turned_rad;
+            let step = vector::from_angle(middle_rad) * moved_m;
+            self.moved = (Vec2::from(self.moved) + step).into();
+            self.turned_rad += turned_rad;
         }
         let age = |then_us: u64| percepts.time_us.saturating_sub(then_us);
         let is_fresh = |age_us: u64| age_us <= u64::from(policy.stale_after_us);
@@ -98,6 +236,7 @@ impl RangeTrack {
             (None, _) if policy.is_required => RangeTrust::Silent,
             (None, _) => RangeTrust::Absent,
             (Some(heard_us), _) if !is_fresh(age(heard_us)) => RangeTrust::Silent,
+            _ if self.is_faulty() => RangeTrust::Faulty,
             (_, Some(sound_us)) if is_fresh(age(sound_us)) => {
                 RangeTrust::Fresh { age_us: age(sound_us) as u32 }
             }
@@ -105,18 +244,194 @@ impl RangeTrack {
         }
     }
 
-    /// Whether a new scan repeats the obstacles of the last ones although the robot has moved.
-    fn is_frozen(&mut self, percepts: &Percepts) -> bool {
-        let mix = |sum: u32, value: f32| (sum.rotate_left(5) ^ value.to_bits()).wrapping_mul(PRIME);
-        let readings = percepts.ranges.iter();
-        let fingerprint =
-            readings.fold(0, |sum, reading| mix(mix(sum, reading.bearing_rad), reading.distance_m));
-        if fingerprint != self.fingerprint || percepts.ranges.is_empty() {
-            (self.fingerprint, self.moved_m, self.turned_rad) = (fingerprint, 0.0, 0.0);
+    /// Replaces the readings by those of the last sound scan, as they are from where the robot is
+    /// now. Leaves those of a sound scan of this tick as they are.
+    pub fn carry(&self, percepts: &mut Percepts) {
+        if self.sound_us.is_none() || self.moved == [0.0; 2] && self.turned_rad == 0.0 {
+            return;
         }
-        self.moved_m > FROZEN_M || self.turned_rad.abs() > FROZEN_RAD
+        let kept = if self.is_kept { &self.kept } else { &self.heard };
+        percepts.ranges.clear();
+        for reading in kept.readings() {
+            let then = vector::from_angle(reading.bearing_rad) * reading.distance_m;
+            let now = then - Vec2::from(self.moved);
+            let bearing_rad = scalar::wrap_angle(vector::angle(now) - self.turned_rad);
+            let distance_m = vector::length(now);
+            // Never full: both have the same capacity.
+            let _ = percepts.ranges.push(RangeReading { bearing_rad, distance_m });
+        }
+    }
+
+    fn is_frozen(&self) -> bool {
+        let is_noisy = self.varied >= NOISY_COUNT && self.repeated >= REPEATED_COUNT;
+        let share = if is_noisy { NOISY_SHARE } else { 1.0 };
+        self.unchanged_m > share * FROZEN_M || self.unchanged_rad.abs() > share * FROZEN_RAD
+    }
+
+    fn is_faulty(&self) -> bool {
+        self.is_frozen() || self.is_late || self.is_doubted || self.leapt_m.abs() > BACK_M
+    }
+
+    /// Takes over a new scan. Returns whether it is sound.
+    fn hear(&mut self, percepts: &Percepts, scan_us: Option<u64>) -> bool {
+        let is_garbled = percepts.garbled_ranges > 0;
+        let has_gap = |us: u64, last_us: u64| us.saturating_sub(last_us) > GAP_US;
+        let is_after_gap = scan_us.zip(self.heard_us).is_some_and(|(us, last)| has_gap(us, last));
+        let elapsed_us = scan_us.zip(self.heard_us).map_or(0, |(us, last)| us.saturating_sub(last));
+        let elapsed_s = elapsed_us.min(GAP_US) as u32 as f32 * 1e-6;
+        let most_m = LEAP_M + LEAP_PER_M * self.since_m + LEAP_MPS * elapsed_s;
+        let differences = self.compared(&percepts.ranges, most_m);
+        self.watch_repetitions(&differences);
+        if !is_garbled && self.since_m < LEAP_WITHIN_M && self.since_rad.abs() < LEAP_WITHIN_RAD {
+            self.leapt_m += differences.leap_m();
+        }
+        self.is_late |= is_after_gap && differences.show_the_past(self.since_m, self.since_rad);
+        if is_garbled {
+            self.doubt = (self.doubt + GARBLED_DOUBT).min(MOST_DOUBT);
+        } else if !percepts.ranges.is_empty() {
+            self.doubt = self.doubt.saturating_sub(1);
+        }
+        self.is_doubted = self.doubt >= MOST_DOUBT || self.is_doubted && self.doubt > 0;
+        // A noisy range finder does not repeat itself: such a scan is as old as the first of them.
+        let is_repeated = self.repeated > 0 && self.varied >= NOISY_COUNT;
+        let is_sound = !is_garbled && !is_repeated && !self.is_faulty();
+        if !is_sound && !self.is_kept {
+            (self.kept, self.is_kept) = (self.heard, true);
+        }
+        self.heard.take(&percepts.ranges);
+        (self.heard_us, self.since_m, self.since_rad) = (scan_us, 0.0, 0.0);
+        is_sound
+    }
+
+    /// Compares the readings with those of the last scan, sector by sector.
+    fn compared(&mut self, readings: &[RangeReading], most_m: f32) -> Differences {
+        let last_m = core::mem::take(&mut self.by_sector_m);
+        let is_repeated = readings.len() == usize::from(self.heard.count);
+        let mut differences = Differences { is_repeated, ..Differences::default() };
+        for now in readings {
+            // Bearings are within half a turn to either side.
+            let sector = (now.bearing_rad / SECTOR_RAD + (MAX_RANGES as f32 + 0.5)) as usize;
+            let sector = sector % MAX_RANGES;
+            let (Some(kept_m), Some(&before_m)) =
+                (self.by_sector_m.get_mut(sector), last_m.get(sector))
+            else {
+                continue;
+            };
+            *kept_m = now.distance_m;
+            let by_m = now.distance_m - before_m;
+            differences.is_repeated &= by_m == 0.0;
+            if before_m > 0.0 {
+                differences.add(now, by_m, most_m);
+            }
+        }
+        differences
+    }
+
+    fn watch_repetitions(&mut self, differences: &Differences) {
+        self.unchanged_m += self.since_m;
+        self.unchanged_rad += self.since_rad;
+        if differences.is_repeated && differences.count > 0 {
+            self.repeated = self.repeated.saturating_add(1);
+            return;
+        }
+        (self.unchanged_m, self.unchanged_rad) = (0.0, 0.0);
+        self.varied = if self.repeated > 0 { 0 } else { self.varied.saturating_add(1) };
+        self.repeated = 0;
     }
 }
 
-/// Odd and without a pattern, so that every bit of a reading changes the fingerprint.
-const PRIME: u32 = 0x9e37_79b1;
+impl Differences {
+    /// Adds a reading that has changed by `by_m`.
+    fn add(&mut self, now: &RangeReading, by_m: f32, most_m: f32) {
+        self.count += 1;
+        if by_m > most_m {
+            self.grown += 1;
+            self.grown_m += by_m;
+        } else if by_m < -most_m {
+            self.shrunk += 1;
+            self.shrunk_m += by_m;
+        } else if by_m.abs() < SAME_M {
+            self.same += 1;
+            let aside_m = now.distance_m * scalar::sin(now.bearing_rad);
+            self.is_telling |= now.distance_m < TELLING_M
+                && aside_m.abs() < TELLING_ASIDE_M.min(0.5 * now.distance_m);
+        }
+    }
+
+    /// By how much most readings have leapt in one direction, metres; 0 if they have not.
+    fn leap_m(&self) -> f32 {
+        let are_most = |count: u8| {
+            count >= LEAP_COUNT && 2 * count >= self.count && 8 * self.same <= self.count
+        };
+        if are_most(self.grown) {
+            self.grown_m / f32::from(self.grown)
+        } else if are_most(self.shrunk) {
+            self.shrunk_m / f32::from(self.shrunk)
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether so many readings are as before that the robot cannot have moved by this since.
+    fn show_the_past(&self, moved_m: f32, turned_rad: f32) -> bool {
+        let (same, count) = (f32::from(self.same), f32::from(self.count));
+        let is_late = |late: &Late| {
+            moved_m >= late.moved_m
+                && turned_rad.abs() >= late.turned_rad
+                && same >= late.share * count
+                && (self.is_telling || !late.needs_telling)
+        };
+        self.same >= 3 && LATE.iter().any(is_late)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use plan_format::Parameters;
+    use robot_io::Operator;
+    use std::vec::Vec;
+
+    /// Judges a scan before a silence of a second and one after it. The robot has moved and turned
+    /// in between.
+    fn after_silence(
+        before: &[(f32, f32)],
+        after: &[(f32, f32)],
+        moved_m: f32,
+        turned_rad: f32,
+    ) -> RangeTrust {
+        let policy = Parameters::default().ranges;
+        let mut track = RangeTrack::default();
+        let mut judge = |time_us, scan: &[(f32, f32)], moved_m, turned_rad| {
+            let reading = |&(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
+            let percepts = Percepts {
+                time_us,
+                scan_us: Some(time_us),
+                ranges: scan.iter().map(reading).collect(),
+                operator: Operator { is_armed: true, ..Operator::default() },
+                ..Percepts::default()
+            };
+            track.judge(&percepts, &policy, moved_m, turned_rad)
+        };
+        assert_eq!(judge(1_000_000, before, 0.0, 0.0), RangeTrust::Fresh { age_us: 0 });
+        judge(2_000_000, after, moved_m, turned_rad)
+    }
+
+    #[test]
+    fn a_scan_after_a_silence_must_show_that_the_robot_has_moved() {
+        let fresh = RangeTrust::Fresh { age_us: 0 };
+        let hall = [(0.0, 2.0), (0.8, 3.0), (1.6, 1.5), (-0.8, 4.0), (-1.6, 2.5), (3.1, 6.0)];
+        let noisy: Vec<_> = hall.iter().map(|&(b, d)| (b, d + 0.03)).collect();
+        assert_eq!(after_silence(&hall, &noisy, 0.02, 0.0), fresh, "it stood");
+        assert_eq!(after_silence(&hall, &noisy, 0.6, 0.0), RangeTrust::Faulty);
+        assert_eq!(after_silence(&hall, &noisy, 0.0, 0.5), RangeTrust::Faulty);
+        // 0.6 m farther.
+        let moved = [(0.0, 1.4), (1.0, 2.6), (1.6, 1.5), (-0.9, 3.6), (-1.7, 2.5), (3.1, 6.6)];
+        assert_eq!(after_silence(&hall, &moved, 0.6, 0.0), fresh);
+        // In a corridor the walls are as before.
+        let corridor = [(0.4, 2.5), (0.8, 1.4), (1.6, 1.0), (-0.4, 2.5), (-0.8, 1.4), (-1.6, 1.0)];
+        assert_eq!(after_silence(&corridor, &corridor, 0.6, 0.0), fresh);
+    }
+}

@@ -135,6 +135,11 @@ impl Track {
         self.is_creeping = commands.reason == Reason::NoHeading && commands.speed_mps != 0.0;
     }
 
+    /// Puts the readings of the last sound scan in place of others, see [`RangeTrack::carry`].
+    pub fn carry_ranges(&self, percepts: &mut Percepts) {
+        self.ranges.carry(percepts);
+    }
+
     /// Sets the clock. Returns the time since the last tick, seconds.
     fn advance(&mut self, now_us: u64) -> f32 {
         if now_us < self.now_us {

@@ -362,6 +362,145 @@ fn scans_that_stay_the_same_while_the_robot_moves_are_frozen() {
     assert_eq!(reasons[251], Reason::Driving);
 }
 
+/// Eight posts around the robot's way, as a range finder with noise sees them from `at`.
+fn posts(at: Vec2, heading_rad: f32, index: usize) -> Vec<RangeReading> {
+    const POSTS: [(f32, f32); 8] = [
+        (16.4, 50.7),
+        (14.0, 55.0),
+        (9.0, 56.0),
+        (5.0, 54.0),
+        (4.0, 50.5),
+        (6.0, 46.0),
+        (11.0, 44.0),
+        (15.0, 46.0),
+    ];
+    let seen = POSTS.iter().map(|&(x, y)| {
+        let to = vector::rotated(Vec2::new(x, y) - at, -heading_rad);
+        let noise_m = 0.001 * (index % 3) as f32;
+        RangeReading { bearing_rad: vector::angle(to), distance_m: vector::length(to) + noise_m }
+    });
+    seen.collect()
+}
+
+/// Drives 150 ticks among [`posts`]; `change` alters the scan of a tick and its time. Returns the
+/// changes of the reasons and how far the robot came after tick 50.
+fn among_posts(
+    mut change: impl FnMut(usize, &[Vec<RangeReading>], &mut Percepts),
+) -> (Vec<Reason>, f32) {
+    let blob = field(Parameters::default());
+    let blob = Blob::parse(&blob).expect("the blob is valid");
+    let mut robot = Robot::new(blob, START.0, START.1);
+    let (mut reasons, mut scans, mut from_m) = (Vec::new(), Vec::new(), 0.0);
+    for index in 0..150 {
+        scans.push(posts(robot.position, robot.heading_rad, index));
+        let commands = robot.drive_with(|percepts| {
+            percepts.ranges = scans[index].iter().copied().collect();
+            percepts.scan_us = Some(percepts.time_us);
+            change(index, &scans, percepts);
+        });
+        reasons.push(commands.reason);
+        if index == 50 {
+            from_m = robot.position.x;
+        }
+    }
+    (story(reasons), robot.position.x - from_m)
+}
+
+#[test]
+fn posts_that_are_passed_raise_no_doubt() {
+    assert_eq!(among_posts(|_, _, _| {}).0, [Reason::Driving]);
+    // Every third scan arrives.
+    let (reasons, _) = among_posts(|index, scans, percepts| {
+        let last = index - index % 3;
+        percepts.ranges = scans[last].iter().copied().collect();
+        percepts.scan_us = percepts.scan_us.map(|us| us - 50_000 * (index - last) as u64);
+    });
+    assert_eq!(reasons, [Reason::Driving]);
+}
+
+/// From tick 50 on the range finder measures half a metre too much; from tick 100 on it is right.
+#[test]
+fn ranges_that_leap_together_are_wrong_until_they_leap_back() {
+    for (by_m, until, expected) in [
+        (0.5, 999, &[Reason::Driving, Reason::FaultyRanges][..]),
+        (-0.5, 999, &[Reason::Driving, Reason::FaultyRanges]),
+        (0.5, 100, &[Reason::Driving, Reason::FaultyRanges, Reason::Driving]),
+        (0.1, 999, &[Reason::Driving]),
+    ] {
+        let (reasons, came_m) = among_posts(|index, _, percepts| {
+            if (50..until).contains(&index) {
+                percepts.ranges.iter_mut().for_each(|reading| reading.distance_m += by_m);
+            }
+        });
+        assert_eq!(reasons, expected, "{by_m} m until {until}");
+        assert!(expected != [Reason::Driving, Reason::FaultyRanges] || came_m < 0.1, "{came_m} m");
+    }
+    // One obstacle that comes out from behind another is no leap.
+    let (reasons, _) = among_posts(|index, _, percepts| {
+        if index >= 50 {
+            percepts.ranges[0].distance_m += 0.5;
+        }
+    });
+    assert_eq!(reasons, [Reason::Driving]);
+}
+
+/// A range finder with noise that repeats a scan is frozen long before two metres.
+#[test]
+fn a_noisy_range_finder_that_freezes_is_found_soon() {
+    let (reasons, came_m) = among_posts(|index, scans, percepts| {
+        percepts.ranges = scans[index.min(50)].iter().copied().collect();
+    });
+    assert_eq!(reasons, [Reason::Driving, Reason::FaultyRanges]);
+    assert!(came_m < 0.5, "{came_m} m");
+}
+
+/// Some scans in the open are empty, and a garbled one among them may look sound.
+#[test]
+fn garbled_scans_stop_the_robot_until_as_many_were_sound() {
+    let (reasons, _) = among_posts(|index, _, percepts| match index {
+        50..100 if index % 4 == 0 => percepts.ranges.clear(),
+        50..100 if index % 4 != 1 => percepts.garbled_ranges = 1,
+        _ => {}
+    });
+    assert_eq!(reasons, [Reason::Driving, Reason::FaultyRanges, Reason::Driving]);
+    let (reasons, _) = among_posts(|index, _, percepts| {
+        percepts.garbled_ranges = u8::from(index % 5 == 1);
+    });
+    assert_eq!(reasons, [Reason::Driving], "a few are tolerated");
+}
+
+/// While scans are missing, the last one moves along with the robot.
+#[test]
+fn old_readings_are_where_the_obstacles_are_now() {
+    let blob = field(Parameters::default());
+    let blob = Blob::parse(&blob).expect("the blob is valid");
+    let mut robot = Robot::new(blob, START.0, START.1);
+    let scan = posts(robot.position, robot.heading_rad, 0);
+    let scan_us = Some(robot.time_us);
+    for tick in 0..9 {
+        let mut percepts = Percepts {
+            ranges: scan.iter().copied().collect(),
+            scan_us,
+            speed_mps: Some(1.5),
+            turn_rate_radps: Some(1.0),
+            ..robot.percepts()
+        };
+        let blob = robot.blob;
+        controller::explain(&blob, &mut robot.state, &percepts);
+        robot.state.track.carry_ranges(&mut percepts);
+        let expected = posts(robot.position, robot.heading_rad, 0);
+        for (reading, expected) in percepts.ranges.iter().zip(expected) {
+            let at = |r: &RangeReading| vector::from_angle(r.bearing_rad) * r.distance_m;
+            let off_m = vector::length(at(reading) - at(&expected));
+            assert!(off_m < 0.1, "tick {tick}: {reading:?} {expected:?}");
+        }
+        robot.time_us += crate::bench::TICK_US;
+        let step = vector::from_angle(robot.heading_rad + 0.025) * 0.075;
+        robot.position += step;
+        robot.heading_rad += 0.05;
+    }
+}
+
 #[test]
 fn absent_silent_and_clear_ranges_differ() {
     let mut required = Parameters::default();
