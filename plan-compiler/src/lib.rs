@@ -13,6 +13,7 @@ pub mod input;
 pub mod iplan;
 pub mod layers;
 pub mod mission;
+pub mod mutual_waits;
 pub mod output;
 pub mod pack;
 pub mod project;

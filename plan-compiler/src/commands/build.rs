@@ -9,8 +9,7 @@ use maps::problem::{Problem, has_errors};
 use plan_compiler::boards::{self, Board};
 use plan_compiler::compile::{Need, STEPS_A_LAYER, gib, prepare};
 use plan_compiler::image::Image;
-use plan_compiler::output;
-use plan_compiler::width;
+use plan_compiler::{mutual_waits, output, width};
 use plan_format::Blob;
 use serde::Serialize;
 use std::borrow::Cow;
@@ -71,6 +70,9 @@ pub(super) fn compile(
     };
     check_output(output, &project.inputs, problems);
     project.options.max_memory_bytes = args.max_memory;
+    if let Some(source) = &project.mission.behaviours.source {
+        problems.extend(mutual_waits::check(source, &project.mission.team));
+    }
     let preparing = || prepare(&project.input(), problems);
     let Some(prepared) = with_patience(quiet, "drawing the map into cells", preparing) else {
         return Ok(None);
