@@ -14,6 +14,7 @@ mod area;
 mod globe;
 mod goals;
 mod memory;
+mod radio;
 mod warnings;
 
 pub use memory::{Need, gib};
@@ -21,7 +22,7 @@ pub use memory::{Need, gib};
 use crate::behaviours::{self, PlanNames, Plans};
 use crate::input::Input;
 use crate::layers::{Layer, Stack};
-use crate::mission::{brakes, follow};
+use crate::mission::{RadioRule, brakes, follow};
 use crate::pack::pack;
 use crate::recipe;
 use crate::search::{Corners, MAX_COST, Query, Solver, is_cut_short};
@@ -29,7 +30,8 @@ use crate::width::{self, LayerPassages};
 use goals::Placed;
 use maps::numbers::metres;
 use maps::problem::has_errors;
-use maps::{Bitmap, Problem};
+use maps::radio::Model;
+use maps::{Bitmap, Point, Problem};
 use plan_format::grid::cost_metres;
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Vehicle;
@@ -77,6 +79,18 @@ pub fn origin(input: &Input<'_>) -> Option<Origin> {
 pub fn layers(input: &Input<'_>, grid: &Grid, problems: &mut Vec<Problem>) -> Option<Stack> {
     let radius = area::robot_radius(input, problems)?;
     added::stack(input, grid, radius, problems)
+}
+
+/// The positions of places to reach by radio, each with its name. Reports places that are not known,
+/// and warns about those without a useful position.
+pub fn places(
+    input: &Input<'_>,
+    rule: &RadioRule,
+    model: &Model,
+    grid: &Grid,
+    problems: &mut Vec<Problem>,
+) -> Vec<(String, Point)> {
+    radio::places(input, rule, model, grid, problems)
 }
 
 /// A build after all decisions and before any search.
@@ -137,7 +151,7 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     let jobs = goals.iter().map(|goal| goal.layers.len()).sum();
     let threads = thread::available_parallelism().map_or(1, |threads| threads.get());
     let need = Need::within(limit_bytes, &grid, layers.len(), jobs, threads)?;
-    let recipe = recipe::write(input, radius);
+    let recipe = recipe::write(input, radius, &radio::known_places(input));
     Some(Prepared {
         grid,
         origin,

@@ -6,6 +6,7 @@
 
 pub mod behaviours;
 pub mod boards;
+pub mod comms;
 pub mod compile;
 pub mod field;
 pub mod image;

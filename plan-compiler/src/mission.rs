@@ -14,6 +14,7 @@ mod key;
 pub mod keys;
 mod masks;
 mod place;
+mod radio;
 mod reading;
 mod speeds;
 pub mod words;
@@ -21,6 +22,7 @@ pub mod words;
 pub use given::Given;
 pub use masks::Mask;
 pub use place::{geo_uri, is_geo_uri, place_of};
+pub use radio::{NEEDS, RADIO_KEYS, RadioKey, RadioRule};
 
 use crate::behaviours;
 use crate::search::Corners;
@@ -38,7 +40,8 @@ use toml_edit::{Document, Item, TableLike, Value};
 
 /// The layer that every map has: obstacles.
 pub const PHYSICAL: &str = "physical";
-/// The layer of a map with areas that weaken radio: obstacles and those areas.
+/// The layer of a map with areas that weaken radio, or of a mission with `[radio]`: obstacles and
+/// the cells where a link is weak.
 pub const COMMS: &str = "comms";
 
 /// What a mission file sets. The default is the mission of a map that has none.
@@ -66,6 +69,8 @@ pub struct Mission {
     pub layers: Vec<LayerRule>,
     /// Maps of where the robot must not go.
     pub masks: Vec<Mask>,
+    /// How layer `comms` is computed; `None` if it has the map's areas.
+    pub radio: Option<RadioRule>,
     /// The parallel plan that the robot follows; `None` for the first.
     pub plan: Option<Named>,
     /// The robot's parameters.
@@ -173,6 +178,9 @@ fn read(file: &dyn TableLike, team: Team, report: Report<'_>) -> Mission {
     if let Some(masks) = file.get("masks").and_then(Item::as_table_like) {
         reader.masks(masks);
     }
+    if let Some(radio) = file.get("radio").filter(|item| item.is_table_like()) {
+        reader.radio(radio, key_span(file, "radio"));
+    }
     let Reader { report, mut mission } = reader;
     mission.behaviours = behaviours::read(report.source, file, &mission.team, report.problems);
     mission
@@ -251,8 +259,8 @@ impl Reader<'_> {
                     self.layer(name, item, span);
                 }
             }
-            // Read once the layers are known.
-            "masks" => {}
+            // Read later: masks once the layers are known.
+            "masks" | "radio" => {}
             parameters => self.section(parameters, table),
         }
     }
@@ -337,7 +345,7 @@ impl Reader<'_> {
         let name = self.name("goal", raw, span.clone());
         let here = item.span().unwrap_or_else(|| span.clone());
         let (at, layers) = match item.as_table_like() {
-            None => (self.goal_position(raw, item, here), None),
+            None => (self.position("goal", raw, item, here), None),
             Some(table) => {
                 let mut layers = None;
                 for (key, inner) in table.iter() {
@@ -354,12 +362,13 @@ impl Reader<'_> {
         Some(Goal { name: name?, at: at?, layers, place: Some(self.report.place(&span)) })
     }
 
-    fn goal_position(&mut self, name: &str, item: &Item, span: Span) -> Option<GoalAt> {
+    /// Where a goal or a place of a radio is, `what` says which.
+    fn position(&mut self, what: &str, name: &str, item: &Item, span: Span) -> Option<GoalAt> {
         match item.as_value() {
             Some(Value::String(uri)) if is_geo_uri(uri.value()) => match geo_uri(uri.value()) {
                 Ok(place) => Some(GoalAt::Globe(place)),
                 Err(reason) => {
-                    let message = format!("goal `{name}` is not a place on the globe");
+                    let message = format!("{what} `{name}` is not a place on the globe");
                     self.report.error(message, &span, &reason, "write \"geo:LAT,LON\", degrees");
                     None
                 }
@@ -373,7 +382,7 @@ impl Reader<'_> {
                     }
                     _ => {
                         self.report.error(
-                            format!("goal `{name}` is not a position"),
+                            format!("{what} `{name}` is not a position"),
                             &span,
                             "expected two finite numbers",
                             &format!("write {name} = [x, y] in the map's metres, x east, y north"),
@@ -384,7 +393,7 @@ impl Reader<'_> {
             }
             _ => {
                 let expected = "a position or the name of a point of the map";
-                let path = format!("goals.{name}");
+                let path = format!("{what}s.{name}");
                 self.report.wrong_type(
                     &path,
                     item,

@@ -104,7 +104,12 @@ pub fn write_array(
     layer: &Layer<'_>,
 ) -> io::Result<()> {
     if format == ArrayFormat::Npy {
-        out.write_all(&npy_header(what, grid))?;
+        let kind = match what {
+            What::Cost => "<f4",
+            What::Direction => "|i1",
+            What::Blocked => "|u1",
+        };
+        out.write_all(&npy_header(kind, grid))?;
     }
     for row in 0..grid.rows {
         for column in 0..grid.columns {
@@ -148,17 +153,18 @@ fn code(answer: Answer, what: What) -> i8 {
     }
 }
 
+/// Writes numbers of a grid's cells, by rows from the south, in NumPy's format as float32.
+pub fn write_numbers(out: &mut dyn Write, grid: &Grid, numbers: &[f32]) -> io::Result<()> {
+    out.write_all(&npy_header("<f4", grid))?;
+    numbers.iter().try_for_each(|number| out.write_all(&number.to_le_bytes()))
+}
+
 /// The header of an array in NumPy's format: magic, version, length and a Python literal.
-fn npy_header(what: What, grid: &Grid) -> Vec<u8> {
+fn npy_header(kind: &str, grid: &Grid) -> Vec<u8> {
     /// Length of the header; a multiple of 64 aligns the numbers after it for memory mapping.
     const BYTES: usize = 128;
     /// Magic, version and length.
     const PREFIX_BYTES: usize = 10;
-    let kind = match what {
-        What::Cost => "<f4",
-        What::Direction => "|i1",
-        What::Blocked => "|u1",
-    };
     let (rows, columns) = (grid.rows, grid.columns);
     let literal =
         format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
@@ -203,7 +209,7 @@ mod tests {
     fn the_npy_header_is_aligned_and_holds_the_largest_grid() {
         let side = plan_format::limits::MAX_SIDE_CELLS;
         let grid = Grid { columns: side, rows: side, resolution_m: 1.0, corner_m: [0.0, 0.0] };
-        let header = npy_header(What::Direction, &grid);
+        let header = npy_header("|i1", &grid);
         assert_eq!(header.len(), 128);
         assert_eq!(&header[..10], b"\x93NUMPY\x01\x00\x76\x00");
         assert!(header.ends_with(b" \n"));

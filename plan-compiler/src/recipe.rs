@@ -2,17 +2,17 @@
 //! build options.
 //!
 //! It contains what decides which cells are blocked: the robot's radius, filled walls, how the map
-//! was read, the areas of each layer. The grid has the resolution; goals do not matter.
+//! was read, the areas of each layer, the radio of layer `comms`. The grid has the resolution; goals do not matter.
 
 use crate::input::{Input, Options};
-use crate::mission::{self, LayerRule, Mission};
-use maps::Unknown;
+use crate::mission::{self, LayerRule, Mission, NEEDS, RADIO_KEYS, RadioRule};
 use maps::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
 use maps::formats::{Format, ReadOptions, TagRules};
 use maps::names::Word;
 use maps::problem::Source;
+use maps::{Point, Unknown};
 use std::sync::Arc;
-use toml_edit::{Array, DocumentMut, Item, Value};
+use toml_edit::{Array, DocumentMut, Item, Table, Value};
 
 /// What a blob's recipe says.
 #[derive(Clone, Debug, Default)]
@@ -27,10 +27,12 @@ pub struct Recipe {
     pub layers: Vec<LayerRule>,
     /// The robot of the mission's team.
     pub robot: Option<String>,
+    /// How layer `comms` was computed.
+    pub radio: Option<RadioRule>,
 }
 
-/// Writes the recipe of an input as text.
-pub(crate) fn write(input: &Input<'_>, robot_radius_m: f64) -> String {
+/// Writes the recipe of an input as text. `places` are those of its radio.
+pub(crate) fn write(input: &Input<'_>, robot_radius_m: f64, places: &[(String, Point)]) -> String {
     let mut document = DocumentMut::new();
     let mut put = |key: &str, value: Value| document[key] = Item::Value(value);
     put("robot_radius", robot_radius_m.into());
@@ -70,14 +72,37 @@ pub(crate) fn write(input: &Input<'_>, robot_radius_m: f64) -> String {
         put("origin", Value::Array(degrees.into_iter().collect()));
     }
     if !input.mission.layers.is_empty() {
-        let mut table = toml_edit::Table::new();
+        let mut table = Table::new();
         for rule in &input.mission.layers {
             let areas: Array = rule.areas.iter().map(|area| area.name.as_str()).collect();
             table.insert(&rule.name.name, areas.into());
         }
         document["layers"] = Item::Table(table);
     }
+    if let Some(rule) = &input.mission.radio {
+        document["radio"] = Item::Table(radio(rule, places));
+    }
     document.to_string()
+}
+
+/// A radio as in a mission, with the positions of its places.
+fn radio(rule: &RadioRule, places: &[(String, Point)]) -> Table {
+    let mut table = Table::new();
+    let need = NEEDS.iter().find(|(_, need)| *need == rule.need);
+    if let Some((word, _)) = need {
+        table.insert("need", (*word).into());
+    }
+    for key in RADIO_KEYS {
+        if let Some(value) = (key.get)(rule) {
+            table.insert(key.name, value.into());
+        }
+    }
+    let mut positions = Table::new();
+    for (name, at) in places {
+        positions.insert(name, Array::from_iter(*at).into());
+    }
+    table.insert("places", Item::Table(positions));
+    table
 }
 
 /// Reads the recipe of a blob; `None` if it has none.
@@ -100,10 +125,10 @@ fn parse(text: &str) -> Option<Recipe> {
     let types = document.get("opar_type").and_then(Item::as_array);
     let types = types.into_iter().flatten().filter_map(Value::as_str);
     reading.opar.types = types.filter_map(|kind| kind.parse::<ObstructionType>().ok()).collect();
-    // Tags, origin and layers are written as in a mission. The other keys of a recipe are not
+    // Tags, origin, layers and radio are written as in a mission. The other keys of a recipe are not
     // mistakes.
     let source = Source { name: "the recipe of the plans".into(), text: text.into() };
-    let (Mission { layers, tags, origin, .. }, _) = mission::parse(&Arc::new(source));
+    let (Mission { layers, tags, origin, radio, .. }, _) = mission::parse(&Arc::new(source));
     reading.tags = tags;
     reading.origin = origin;
     Some(Recipe {
@@ -115,6 +140,7 @@ fn parse(text: &str) -> Option<Recipe> {
         reading,
         layers,
         robot: text_of("robot").map(str::to_owned),
+        radio,
     })
 }
 
@@ -127,6 +153,7 @@ impl Recipe {
         if !is_asked {
             mission.fill_walls = Some(self.fill_walls);
             mission.layers.clone_from(&self.layers);
+            mission.radio.clone_from(&self.radio);
         }
     }
 

@@ -11,6 +11,7 @@ mod cells;
 mod legend;
 mod marks;
 pub(crate) mod palette;
+mod reach;
 mod scale;
 mod sheet;
 mod stroke;
@@ -18,9 +19,10 @@ pub(crate) mod text;
 mod view;
 
 pub use marks::Mark;
+pub use reach::{Reach, lacking_in, reach};
 
 use cells::{Bands, Sampled};
-use legend::{Entry, Symbol};
+use legend::{Entry, Ramp, Symbol};
 use maps::{Feature, Point, Role, Shape};
 use marks::Names;
 use palette::{ATTENUATING, BLOCKED, INK, OBSTACLE, PAPER, UNMAPPED, ZONE};
@@ -174,7 +176,7 @@ fn entries(
     bands: Option<Bands>,
     style: Style,
 ) -> Vec<Entry> {
-    let mut entries: Vec<Entry> = bands.map(Entry::Bands).into_iter().collect();
+    let mut entries: Vec<Entry> = bands.map(Ramp::of_costs).map(Entry::Bands).into_iter().collect();
     entries.extend([Entry::Scale, Entry::North(blob.origin().map(|origin| origin.heading_rad))]);
     let mut item = |symbol: Symbol, text: &str| {
         let entry = Entry::Item(symbol, text.to_owned());

@@ -26,6 +26,9 @@ Examples:
       Draws obstacles, cost bands and the advice.
   plan-compiler render plans.bin --layer gate/physical --layers --route -26,-18 -o routes.png
       Draws all layers of plan gate in one picture, each with the route from a point.
+  plan-compiler comms tests/maps/campus.opar --place base=20,20 -o reach.png
+      Draws where a radio reaches a base at (20, 20), and prints the share of cells
+      where it does not.
   plan-compiler graph tests/maps/plough.mission.toml -o plough.svg
       Draws behaviours and their plans as graphs.
   plan-compiler verify plans.bin --map tests/maps/yard.osm
@@ -60,6 +63,27 @@ Map formats and their conventions:
 const MISSIONS: &str = "\
 A mission file NAME.mission.toml beside the map NAME sets goals, layers, the robot's radius,
 speeds and gains; MISSION.md lists its keys.";
+
+pub(super) const RADIO: &str = "\
+The margin of a link is the received power above the receiver's sensitivity. Cells with a margin
+below the threshold are out of reach. With several places, the worst link of a cell counts, or the
+best with --need any. A mission with a table [radio] has the same cells as obstacles in layer
+`comms`; options that are not given are those of that table.
+
+Loss: free space (ITU-R P.525), diffraction over the tops of obstacles (ITU-R P.526, Deygout's
+method with up to three edges), and foliage (Weissberger, with the coefficients of an OPAR map).
+Heights are the map's: OPAR, `height` or `building:levels` in OpenStreetMap and GeoJSON, the last
+number of an overlay's OBSTACLE or WALL; otherwise --obstacle-height. Occupied cells of a ROS or
+MovingAI map have that height too. Water, rails, steps and what --block adds lie flat. Obstacles up
+to --small do not count. The ground is level. Not included: reflections, fading, and ways
+around the sides of obstacles.
+
+An array .npy is float32, dB, [row, column], row 0 in the south.
+
+Examples:
+  plan-compiler comms tests/maps/campus.opar --place base=20,20 --place mate=200,30 -o reach.svg
+  plan-compiler comms tests/maps/yard.osm --place base=-26,-18 --antenna 0.5 --place-antenna 4
+  plan-compiler comms tests/maps/shop.ovl --place dock=5,5 --frequency 0.868 --power 14 -o shop.npy";
 
 pub(super) const CONVERSIONS: &str = "\
 A map is compiled as `build` does; the options for this do not apply to blobs.

@@ -1,14 +1,16 @@
 //! The command line, as `--help` documents it.
 
 mod help;
+mod radio;
 mod reading;
 mod words;
 
+pub(crate) use radio::Comms;
 pub(crate) use reading::{Compiling, CornersRule, MapOptions, Reading};
 pub(crate) use words::{LayerName, PointAt, TickAt};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use help::{CONVERSIONS, EXAMPLES, assumptions};
+use help::{CONVERSIONS, EXAMPLES, RADIO, assumptions};
 use plan_compiler::mission::words::pair;
 use plan_compiler::render::Style;
 use std::path::PathBuf;
@@ -41,6 +43,9 @@ pub(crate) enum Command {
     Export(Export),
     /// Draw a layer as SVG or PNG
     Render(Render),
+    /// Compute where a radio reaches given places, and draw it as SVG or PNG or write it as an array
+    #[command(after_help = RADIO)]
+    Comms(Comms),
     /// Draw behaviours and their plans as graphs: DOT, SVG or PNG
     Graph(Graph),
     /// Re-prove every cell of every layer
@@ -281,6 +286,8 @@ mod tests {
             "p query - --layer a/b --at=-3,-4",
             "p build m.ovl --goal a=-1,2 --goal b=-1e1,-.5",
             "p build m.ovl --resolution -1",
+            "p comms m.ovl --place a=-1,2 --threshold -3 --sensitivity -105 --need any",
+            "p comms m.ovl -o a.npy --json",
         ] {
             assert!(parse(line).is_ok(), "{line}: {}", parse(line).unwrap_err());
         }
@@ -297,6 +304,9 @@ mod tests {
             "p build m.ovl --goal =1,2",
             "p build m.ovl --goal a/b=1,2",
             "p build m.ovl --corners maybe",
+            "p comms m.ovl --place 1,2",
+            "p comms m.ovl --place a=1,2 --frequency 2400",
+            "p comms m.ovl --place a=1,2 --need some",
         ] {
             assert!(parse(line).is_err(), "{line}");
         }

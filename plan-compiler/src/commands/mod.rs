@@ -1,6 +1,7 @@
 //! One file a command: each reads files, calls the library, prints.
 
 mod build;
+mod comms;
 mod completions;
 mod convert;
 mod description;
@@ -59,6 +60,7 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Query(args) => query::run(args),
         Command::Export(args) => export::run(args),
         Command::Render(args) => render::run(args, cli.quiet),
+        Command::Comms(args) => comms::run(args, cli.quiet),
         Command::Graph(args) => graph::run(args, cli.quiet),
         Command::Verify(args) => verify::run(args, cli.quiet),
         Command::Convert(args) => convert::run(args, cli.quiet),

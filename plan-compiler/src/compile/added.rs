@@ -2,6 +2,7 @@
 
 use super::MAX_SUGGESTIONS;
 use super::area::reach;
+use super::radio;
 use crate::input::Input;
 use crate::layers::Stack;
 use crate::mission::{COMMS, Mask, Named, PHYSICAL};
@@ -14,7 +15,8 @@ use plan_format::{Grid, limits};
 use std::collections::HashSet;
 
 /// The stack from the least to the most constrained layer: `physical`, `comms` where the map has
-/// attenuating areas, and the mission's in its order; `None` after an error.
+/// attenuating areas or the mission has a radio, and the mission's in its order; `None` after an
+/// error.
 pub(super) fn stack(
     input: &Input<'_>,
     grid: &Grid,
@@ -34,6 +36,9 @@ pub(super) fn stack(
     for name in names {
         let added = Added::by(input, name);
         let mut blocked = rasterise(input.map, grid, &|feature| added.adds(feature), &options);
+        if let Some(rule) = input.mission.radio.as_ref().filter(|_| name == COMMS) {
+            blocked.add_all(&radio::out_of_reach(input, rule, grid, problems));
+        }
         for mask in &added.masks {
             keep_out(&mask.cells, grid, robot_radius_m, &mut blocked);
         }
@@ -64,7 +69,8 @@ fn beside(mask: &Mask, grid: &Grid) -> Option<Problem> {
 /// The names of all layers.
 fn names<'a>(input: &Input<'a>) -> Vec<&'a str> {
     let rules = || input.mission.layers.iter().map(|rule| rule.name.name.as_str());
-    let comms = input.map.has_attenuating_areas() && !rules().any(|name| name == COMMS);
+    let has_weak_links = input.map.has_attenuating_areas() || input.mission.radio.is_some();
+    let comms = has_weak_links && !rules().any(|name| name == COMMS);
     std::iter::once(PHYSICAL)
         .chain(comms.then_some(COMMS))
         .chain(rules().filter(|name| *name != PHYSICAL))
@@ -82,6 +88,8 @@ impl<'a> Added<'a> {
     fn by(input: &Input<'a>, layer: &str) -> Self {
         let role = match layer {
             PHYSICAL => Some(Role::Obstacle),
+            // Computed instead of drawn.
+            COMMS if input.mission.radio.is_some() => None,
             COMMS => Some(Role::Attenuating),
             _ => None,
         };

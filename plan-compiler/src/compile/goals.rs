@@ -135,37 +135,67 @@ fn points_by_name<'a>(input: &Input<'a>) -> BTreeMap<&'a str, Point> {
     points
 }
 
+/// The positions of places that are given like goals; a name is that of a goal or of a point of the
+/// map.
+pub(super) fn places(
+    input: &Input<'_>,
+    places: &[Goal],
+    problems: &mut Vec<Problem>,
+) -> Vec<(String, Point)> {
+    let mut points = points_by_name(input);
+    for goal in asked(input) {
+        // Mistakes in goals are reported where goals are placed.
+        if let Some(at) = position(input, &points, goal, "this goal", &mut Vec::new()) {
+            points.insert(&goal.name, at);
+        }
+    }
+    let place = |place: &Goal| {
+        Some((place.name.clone(), position(input, &points, place, "this place", problems)?))
+    };
+    places.iter().filter_map(place).collect()
+}
+
+/// Where a goal is; `None` after an error.
+fn position(
+    input: &Input<'_>,
+    points: &BTreeMap<&str, Point>,
+    goal: &Goal,
+    label: &str,
+    problems: &mut Vec<Problem>,
+) -> Option<Point> {
+    match &goal.at {
+        GoalAt::Position(at) => Some(*at),
+        GoalAt::Globe(place) => match globe::position(input, &goal.name, *place) {
+            Ok(at) => Some(at),
+            Err(problem) => {
+                problems.push(with_place(problem, goal.place.as_ref(), label));
+                None
+            }
+        },
+        GoalAt::PointOfMap(name) => {
+            if let Some(at) = points.get(name.as_str()) {
+                return Some(*at);
+            }
+            let message = format!("the map has no point named `{name}`");
+            let error = with_place(Problem::error(message), goal.place.as_ref(), label);
+            let meant = || nearest(name, points.keys().copied());
+            let meant = if problems.len() < MAX_SUGGESTIONS { meant() } else { None };
+            problems.push(match meant {
+                Some(meant) => error.help(format!("did you mean `{meant}`?")),
+                None => error.help(format!("give a position: {} = [x, y]", goal.name)),
+            });
+            None
+        }
+    }
+}
+
 fn candidate<'a>(
     input: &Input<'_>,
     points: &BTreeMap<&str, Point>,
     goal: &'a Goal,
     problems: &mut Vec<Problem>,
 ) -> Option<Candidate<'a>> {
-    let at = match &goal.at {
-        GoalAt::Position(at) => *at,
-        GoalAt::Globe(place) => match globe::position(input, &goal.name, *place) {
-            Ok(at) => at,
-            Err(problem) => {
-                problems.push(with_place(problem, goal.place.as_ref(), "this goal"));
-                return None;
-            }
-        },
-        GoalAt::PointOfMap(name) => {
-            if let Some(at) = points.get(name.as_str()) {
-                *at
-            } else {
-                let message = format!("the map has no point named `{name}`");
-                let error = with_place(Problem::error(message), goal.place.as_ref(), "this goal");
-                let meant = || nearest(name, points.keys().copied());
-                let meant = if problems.len() < MAX_SUGGESTIONS { meant() } else { None };
-                problems.push(match meant {
-                    Some(meant) => error.help(format!("did you mean `{meant}`?")),
-                    None => error.help(format!("give a position: {} = [x, y]", goal.name)),
-                });
-                return None;
-            }
-        }
-    };
+    let at = position(input, points, goal, "this goal", problems)?;
     let (name, layers) = (goal.name.clone(), goal.layers.as_deref());
     Some(Candidate { name, at, layers, place: goal.place.clone(), asked: true })
 }

@@ -11,9 +11,9 @@ use plan_format::parameters::{
 use plan_format::{Parameters, limits};
 
 /// The tables of a mission file.
-pub const SECTIONS: [&str; 15] = [
+pub const SECTIONS: [&str; 16] = [
     "goals", "layers", "masks", "gains", "vehicle", "schemas", "fixes", "trouble", "link",
-    "ranges", "progress", "arming", "fence", "battery", "team",
+    "ranges", "progress", "arming", "fence", "battery", "team", "radio",
 ];
 
 /// Sets the weights, and the blend that they are meant for.

@@ -63,7 +63,7 @@ impl Reader<'_> {
         let here = |key: &str| table.get(key).and_then(toml_edit::Item::span);
         match (table.get("at"), table.get("lat"), table.get("lon")) {
             (Some(at), None, None) => {
-                self.goal_position(name, at, here("at").unwrap_or_else(|| span.clone()))
+                self.position("goal", name, at, here("at").unwrap_or_else(|| span.clone()))
             }
             (None, Some(lat), Some(lon)) => {
                 let degrees = [lat, lon].map(|item| item.as_value().and_then(number));

@@ -30,7 +30,7 @@ pub(super) struct Sampled {
     resolution_m: f64,
 }
 
-/// Width and number of the cost bands.
+/// Width and number of bands, of costs in metres or of another quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bands {
     pub(super) width_m: f64,
@@ -45,7 +45,8 @@ impl Bands {
         Self { width_m, count }
     }
 
-    fn of(&self, cost_m: f64) -> usize {
+    /// The band of a cost.
+    pub(super) fn of(&self, cost_m: f64) -> usize {
         ((cost_m / self.width_m) as usize).min(self.count - 1)
     }
 }
@@ -101,14 +102,7 @@ impl Sampled {
 
     /// The image in whole pixels; the hatching repeats after `hatch_px` pixels.
     pub(super) fn draw(&self, bands: Bands, size: [u32; 2], hatch_px: u32) -> Image {
-        let png = self.coarser(size).png(bands, size, hatch_px).unwrap_or_default();
-        Image::new()
-            .set("width", size[0])
-            .set("height", size[1])
-            // Cells keep sharp edges when enlarged; each viewer knows one of the two attributes.
-            .set("image-rendering", "optimizeSpeed")
-            .set("style", "image-rendering:pixelated")
-            .set("href", format!("data:image/png;base64,{}", BASE64_STANDARD.encode(png)))
+        image(size, &self.coarser(size).png(bands, size, hatch_px).unwrap_or_default())
     }
 
     fn png(
@@ -127,32 +121,62 @@ impl Sampled {
             NO_ROUTE => paper,
             cost => bands.of(cost_metres(cost, self.resolution_m)) as u8,
         };
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        encoder.set_color(png::ColorType::Indexed);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_palette(colours);
-        encoder.set_compression(png::Compression::Balanced);
-        // Lines repeat, so their differences are mostly zeros. `set_compression` resets the filter.
-        encoder.set_filter(png::Filter::Up);
-        let mut writer = encoder.write_header()?;
-        let mut stream = writer.stream_writer()?;
-        let mut line = vec![0; width as usize];
-        for y in 0..height {
+        indexed_png([width, height], colours, |x, y| {
             let row = middle(height - 1 - y, height, self.rows) as usize;
-            let samples = &self.costs[row * self.columns as usize..][..self.columns as usize];
-            for (x, pixel) in (0..).zip(&mut line) {
-                *pixel = index_of(samples[middle(x, width, self.columns) as usize]);
-                if *pixel == paper && (x + y) % hatch_px < hatch_px.div_ceil(5) {
-                    *pixel = paper + 1;
-                }
+            let column = middle(x, width, self.columns) as usize;
+            match index_of(self.costs[row * self.columns as usize + column]) {
+                index if index == paper && (x + y) % hatch_px < hatch_px.div_ceil(5) => paper + 1,
+                index => index,
             }
-            stream.write_all(&line)?;
-        }
-        stream.finish()?;
-        writer.finish()?;
-        Ok(bytes)
+        })
     }
+}
+
+/// An image in few colours: `colours` are red, green and blue of each, `index_of` the colour of a
+/// pixel, counted from the north-west.
+pub(super) fn indexed(
+    size: [u32; 2],
+    colours: Vec<u8>,
+    index_of: impl FnMut(u32, u32) -> u8,
+) -> Image {
+    image(size, &indexed_png(size, colours, index_of).unwrap_or_default())
+}
+
+fn image(size: [u32; 2], png: &[u8]) -> Image {
+    Image::new()
+        .set("width", size[0])
+        .set("height", size[1])
+        // Cells keep sharp edges when enlarged; each viewer knows one of the two attributes.
+        .set("image-rendering", "optimizeSpeed")
+        .set("style", "image-rendering:pixelated")
+        .set("href", format!("data:image/png;base64,{}", BASE64_STANDARD.encode(png)))
+}
+
+fn indexed_png(
+    [width, height]: [u32; 2],
+    colours: Vec<u8>,
+    mut index_of: impl FnMut(u32, u32) -> u8,
+) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(colours);
+    encoder.set_compression(png::Compression::Balanced);
+    // Lines repeat, so their differences are mostly zeros. `set_compression` resets the filter.
+    encoder.set_filter(png::Filter::Up);
+    let mut writer = encoder.write_header()?;
+    let mut stream = writer.stream_writer()?;
+    let mut line = vec![0; width as usize];
+    for y in 0..height {
+        for (x, pixel) in (0..).zip(&mut line) {
+            *pixel = index_of(x, y);
+        }
+        stream.write_all(&line)?;
+    }
+    stream.finish()?;
+    writer.finish()?;
+    Ok(bytes)
 }
 
 /// The cells of one of `samples` samples along an axis.

@@ -1,6 +1,6 @@
 //! The legend: the meaning of colours, lines and marks, the scale, and north.
 
-use super::cells::Bands;
+use super::cells::{Bands, MAX_BANDS};
 use super::marks::{self, Mark};
 use super::palette::{self, ADVICE, HATCH, INK, PAPER};
 use super::scale::round_number_below;
@@ -14,14 +14,44 @@ use svg::node::element::{Group, Rectangle};
 /// An entry of the legend.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Entry {
-    /// The cost bands.
-    Bands(Bands),
+    /// Coloured bands of a quantity.
+    Bands(Ramp),
     /// The scale bar.
     Scale,
     /// The north arrow: the map's heading, radians clockwise from north, if known.
     North(Option<f64>),
     /// A symbol and what it means.
     Item(Symbol, String),
+}
+
+/// Coloured bands of a quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ramp {
+    /// The quantity and its unit.
+    pub(super) title: &'static str,
+    /// Where the first band begins.
+    pub(super) from: f64,
+    pub(super) bands: Bands,
+    /// Whether the dark end of the colours is at the low end.
+    pub(super) is_falling: bool,
+}
+
+impl Ramp {
+    /// Costs to the goal.
+    pub(super) fn of_costs(bands: Bands) -> Self {
+        Self { title: "cost to the goal, m", from: 0.0, bands, is_falling: false }
+    }
+
+    /// The band of a value.
+    pub(super) fn index(&self, value: f64) -> usize {
+        self.bands.of((value - self.from).max(0.0))
+    }
+
+    /// The colour of a band.
+    pub(super) fn colour(&self, index: usize) -> [u8; 3] {
+        let count = self.bands.count;
+        palette::band(if self.is_falling { count - 1 - index } else { index }, count)
+    }
 }
 
 /// The symbol beside an explanation.
@@ -33,6 +63,10 @@ pub(super) enum Symbol {
     Edge(&'static str),
     /// Cells without a route.
     Hatch,
+    /// Cells out of a radio's reach.
+    Shaded,
+    /// The line at a threshold.
+    Contour,
     /// An arrow of the advice.
     Arrow,
     /// A route.
@@ -40,6 +74,9 @@ pub(super) enum Symbol {
     /// A mark.
     Mark(Mark),
 }
+
+/// Width of the line at a threshold, units.
+pub(super) const CONTOUR_UNITS: f64 = 2.0;
 
 // Sizes in multiples of the font size.
 const BANDS_EM: [f64; 2] = [15.0, 3.9];
@@ -111,7 +148,7 @@ impl Flow {
 /// An entry at its place.
 pub(super) fn draw(entry: &Entry, at: [f64; 2], view: &View) -> Group {
     let group = match entry {
-        Entry::Bands(bands) => draw_bands(*bands, view.measure),
+        Entry::Bands(ramp) => draw_bands(*ramp, view.measure),
         Entry::Scale => draw_scale(view),
         Entry::North(heading_rad) => draw_north(*heading_rad, view.measure),
         Entry::Item(symbol, text) => draw_item(*symbol, text, view.measure),
@@ -119,21 +156,19 @@ pub(super) fn draw(entry: &Entry, at: [f64; 2], view: &View) -> Group {
     group.set("transform", format!("translate({} {})", text::round(at[0]), text::round(at[1])))
 }
 
-fn draw_bands(bands: Bands, measure: Measure) -> Group {
+fn draw_bands(ramp: Ramp, measure: Measure) -> Group {
+    let bands = ramp.bands;
     let (font, width) = (measure.font, BANDS_EM[0] * measure.font);
     // Half a label extends beyond either end.
-    let label = |index: usize| metres(index as f64 * bands.width_m);
-    let side = width_px(&label(bands.count), font) / 2.0;
+    let label = |index: usize| metres(ramp.from + index as f64 * bands.width_m);
+    let widest = width_px(&label(0), font).max(width_px(&label(bands.count), font));
+    let side = widest / 2.0;
     let each = (width - 2.0 * side) / bands.count as f64;
     let top = 1.5 * font;
-    let mut group = Group::new().add(text::line(
-        [0.0, CAPITALS_EM * font],
-        "cost to the goal, m",
-        font,
-        Anchor::Start,
-    ));
+    let mut group =
+        Group::new().add(text::line([0.0, CAPITALS_EM * font], ramp.title, font, Anchor::Start));
     for index in 0..bands.count {
-        let colour = palette::hex(palette::band(index, bands.count));
+        let colour = palette::hex(ramp.colour(index));
         let x = side + index as f64 * each;
         group = group.add(area(x, top, each, font).set("fill", colour));
     }
@@ -224,6 +259,15 @@ fn draw_item(symbol: Symbol, meaning: &str, measure: Measure) -> Group {
         Symbol::Hatch => {
             let lines = hatching([0.0, top, width, height], 6.0 * unit);
             Group::new().add(frame(HATCH).set("fill", PAPER)).add(stroke(lines, HATCH, 1.2 * unit))
+        }
+        Symbol::Shaded => {
+            let lines = hatching([0.0, top, width, height], 6.0 * unit);
+            let ground = palette::hex(palette::band(MAX_BANDS - 2, MAX_BANDS));
+            Group::new().add(frame(INK).set("fill", ground)).add(stroke(lines, INK, unit))
+        }
+        Symbol::Contour => {
+            let path = format!("M0 {0}H{1}", text::round(middle), text::round(width));
+            Group::new().add(stroke(path, INK, CONTOUR_UNITS * unit))
         }
         Symbol::Arrow => {
             let path = marks::arrow([width / 2.0, middle], [1.0, 0.0], 1.2 * font);

@@ -301,3 +301,52 @@ fn a_large_map_makes_no_large_picture() {
         assert!(svg.len() < 2_000_000, "{} bytes at {px}", svg.len());
     }
 }
+
+#[test]
+fn a_picture_of_a_reach_says_what_it_shows() {
+    use crate::comms::{Margins, Need};
+    use maps::radio::{Model, Settings};
+    let mut map = map([-10.0, 0.0], [90.0, 60.0], &[]);
+    for (shape, role) in [
+        (Shape::Polyline(vec![[30.0, 0.0], [30.0, 40.0]]), Role::Obstacle),
+        (Shape::Circle { centre: [50.0, 20.0], radius: 8.0 }, Role::Attenuating),
+    ] {
+        map.features.push(Feature { shape, role, name: String::new(), height_m: None, span: 0..0 });
+    }
+    let grid =
+        plan_format::Grid { columns: 90, rows: 60, resolution_m: 1.0, corner_m: [-10.0, 0.0] };
+    let blocked = maps::Bitmap::from_fn(90, 60, |cell| cell.column == 40 && cell.row < 40);
+    let model = Model::of(&map, &Settings::default());
+    let places = [("base".to_owned(), [2.5, 3.5]), ("mate".to_owned(), [70.5, 50.5])];
+    let at = places.each_ref().map(|(_, at)| *at);
+    let margins = Margins::of(&model, &grid, &at, Need::All, 30.0, &blocked);
+    let shown = Reach {
+        title: "yard: link to the worst place",
+        grid: &grid,
+        heading_rad: Some(0.3),
+        margins: &margins,
+        threshold_db: 30.0,
+        blocked: &blocked,
+        features: &map.features,
+        places: &places,
+    };
+    for px in [300, 1000, 2000] {
+        let svg = reach(&shown, px);
+        let (texts, [width, height]) = check(&svg);
+        assert!(width.max(height) <= f64::from(px));
+        for text in [
+            "yard: link to the worst place",
+            "margin of the link, dB",
+            "threshold, 30 dB",
+            "out of reach, below 30 dB",
+            "place",
+            "base",
+            "mate",
+            "obstacle",
+            "weakens radio",
+        ] {
+            let is_there = texts.iter().any(|found| found == text);
+            assert!(is_there || px == 300, "`{text}` is missing in {texts:?}");
+        }
+    }
+}

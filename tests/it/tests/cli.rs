@@ -10,6 +10,7 @@ mod maps;
 mod passages;
 mod people;
 mod pictures;
+mod reach;
 mod typed;
 
 use serde_json::Value;

@@ -52,7 +52,8 @@ pub(crate) fn dump(map: &Map) -> String {
         writeln!(out, "remark {remark}").unwrap();
     }
     for feature in &map.features {
-        let height = feature.height_m.map_or(String::new(), |h| format!(" high {}", metres(h)));
+        let height = feature.height_m.filter(|h| *h > 0.0);
+        let height = height.map_or(String::new(), |h| format!(" high {}", metres(h)));
         let shape = match &feature.shape {
             Shape::Circle { centre, radius } => {
                 format!("circle {} radius {}", point(*centre), metres(*radius))

@@ -359,7 +359,7 @@ impl<'a> Drawing<'a> {
             shape,
             role: meaning.role,
             name: meaning.name.clone(),
-            height_m: object.tags.height_m(),
+            height_m: meaning.height_m,
             span: object.span.clone(),
         });
     }

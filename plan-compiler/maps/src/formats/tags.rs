@@ -55,6 +55,8 @@ pub(super) struct Meaning {
     pub(super) wants_outline: bool,
     /// Whether gates open it.
     pub(super) is_barrier: bool,
+    /// Height above ground, metres, if it is given or the object is flat.
+    pub(super) height_m: Option<f64>,
 }
 
 impl Tags {
@@ -80,7 +82,7 @@ impl Tags {
     }
 
     /// Height above ground, metres, if a credible one is given.
-    pub(super) fn height_m(&self) -> Option<f64> {
+    fn height_m(&self) -> Option<f64> {
         let given = self.get("height").and_then(length_m);
         let storeys = || self.get("building:levels")?.parse::<f64>().ok();
         let height = given.or_else(|| storeys().map(|storeys| storeys * STOREY_M));
@@ -167,6 +169,7 @@ impl<'a> Judge<'a> {
             radius_m: given.unwrap_or(kind.radius_m),
             wants_outline: kind.wants_outline && given.is_none(),
             is_barrier: kind.is_barrier,
+            height_m: tags.height_m().or(kind.is_flat.then_some(0.0)),
         })
     }
 

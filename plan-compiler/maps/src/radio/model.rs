@@ -50,12 +50,31 @@ impl Model {
         self.settings.power_dbm - self.settings.sensitivity_dbm - self.loss_db(a, b)
     }
 
+    /// Height of the highest obstacle that holds a point, metres; `None` if no obstacle does.
+    pub fn roof_m(&self, at: Point) -> Option<f64> {
+        let (ray, _) = Ray::between(at, [at[0] + 1.0, at[1]]);
+        let mut stretches = Vec::new();
+        self.scene.stretches(&ray, &mut stretches);
+        let holds = |stretch: &&Stretch| {
+            stretch.kind == Kind::Obstacle && stretch.span[0] <= 0.0 && stretch.span[1] > 0.0
+        };
+        let roofs = stretches.iter().filter(holds).map(|stretch| self.height_m(stretch));
+        roofs.max_by(f64::total_cmp)
+    }
+
+    fn height_m(&self, stretch: &Stretch) -> f64 {
+        stretch.height_m.unwrap_or(match stretch.kind {
+            Kind::Obstacle => self.settings.obstacle_height_m,
+            Kind::Foliage => self.settings.foliage_height_m,
+        })
+    }
+
     /// Loss by obstacles: over their edges or, if the settings give the loss of a wall and it is
     /// less, through their walls.
     fn obstacles_db(&self, path: &Path, stretches: &[Stretch]) -> f64 {
         let mut edges = Vec::new();
         for stretch in stretches.iter().filter(|stretch| stretch.kind == Kind::Obstacle) {
-            let height_m = stretch.height_m.unwrap_or(self.settings.obstacle_height_m);
+            let height_m = self.height_m(stretch);
             let [from, to] = stretch.span;
             // A ray that begins or ends inside meets one wall only.
             let walls = [(from > 0.0 || from == to, from), (to < 1.0 && from < to, to)];
@@ -79,10 +98,7 @@ impl Model {
     fn foliage_db(&self, path: &Path, stretches: &[Stretch]) -> f64 {
         let foliage = stretches.iter().filter(|stretch| stretch.kind == Kind::Foliage);
         let mut spans: Vec<[f64; 2]> = foliage
-            .filter_map(|stretch| {
-                let height_m = stretch.height_m.unwrap_or(self.settings.foliage_height_m);
-                path.below(stretch.span, height_m)
-            })
+            .filter_map(|stretch| path.below(stretch.span, self.height_m(stretch)))
             .collect();
         spans.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         let (mut depth, mut reached) = (0.0, 0.0_f64);

@@ -46,9 +46,13 @@ fn help_shows_commands_that_work() {
     let run = clone();
     let help = run.done("--help");
     assert!(run_all(&run, &help, "  ") >= 12, "{help}");
+    let help = run.done("comms --help");
+    assert!(run_all(&run, &help, "  ") >= 3, "{help}");
     let help = run.done("convert --help");
     assert!(run_all(&run, &help, "  ") >= 3, "{help}");
-    for name in ["plans.bin", "plans.hex", "cost.npy", "field.png", "routes.png", "Iplan.dat"] {
+    for name in
+        ["plans.bin", "plans.hex", "cost.npy", "field.png", "routes.png", "reach.svg", "Iplan.dat"]
+    {
         assert!(run.path(name).exists(), "{name}");
     }
 }

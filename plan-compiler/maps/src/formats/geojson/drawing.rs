@@ -63,7 +63,7 @@ impl<'a> Drawing<'a> {
                 shape,
                 role: meaning.role,
                 name: meaning.name.clone(),
-                height_m: tags.height_m().filter(|_| meaning.role != Role::Zone),
+                height_m: meaning.height_m.filter(|_| meaning.role != Role::Zone),
                 span: drawn.span.clone(),
             }));
         }

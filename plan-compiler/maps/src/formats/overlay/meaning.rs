@@ -13,8 +13,6 @@ use std::sync::Arc;
 
 /// Side of a map without a MISSION-AREA, metres: the language's default.
 const DEFAULT_SIDE_M: f64 = 1000.0;
-/// Height of a wall without a height, metres: the language's default.
-const DEFAULT_WALL_HEIGHT_M: f64 = 1.0;
 /// Largest distance between two places of one map, degrees.
 const FAR_APART_DEG: f64 = 1.0;
 /// The passage point at which robots start.
@@ -373,8 +371,8 @@ impl Reader<'_> {
         if let &[only] = points.as_slice() {
             points.push(only);
         }
-        let height = statement.numbers.first().map_or(DEFAULT_WALL_HEIGHT_M, |(height, _)| *height);
-        self.push(statement, Shape::Polyline(points), Role::Obstacle, Some(height));
+        let height_m = statement.numbers.first().map(|(height, _)| *height);
+        self.push(statement, Shape::Polyline(points), Role::Obstacle, height_m);
     }
 
     fn boundary(&mut self, statement: &Statement) {

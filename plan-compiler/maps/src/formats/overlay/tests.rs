@@ -79,9 +79,9 @@ fn every_statement_is_understood() {
     Obstacle "" circle 11,8 radius 2
     Obstacle "" circle 21,8 radius 2 high 5
     Obstacle "" circle 31,8 radius 1
-    Obstacle "w1" line 1,-2 11,-2 11,18 high 1
+    Obstacle "w1" line 1,-2 11,-2 11,18
     Obstacle "w 2" line 1,-2 11,-2 high 3.5
-    Obstacle "w3" line 8,6 8,6 high 1
+    Obstacle "w3" line 8,6 8,6
     Attenuating "myNoCommZone1" polygon 1,-2 11,-2 11,8
     Zone "NoFlyZone" polygon 1,-2 11,-2 11,8
     Zone "WeatherZone-2" polygon 1,-2 11,-2 11,8
@@ -185,7 +185,7 @@ fn an_odd_number_at_the_end_is_height_or_width() {
     assert_snapshot!(measures("WALL a 1 2 3 4 5 WALL b 1 2 3\n4\nPP c 1 2 3"), @r#"
     extent 0,0 + 100,100
     Obstacle "a" line 1,2 3,4 high 5
-    Obstacle "b" line 1,2 3,4 high 1
+    Obstacle "b" line 1,2 3,4
     point "c" 1,2
     "#);
 }

@@ -11,6 +11,8 @@ pub(super) struct Kind {
     pub(super) wants_outline: bool,
     pub(super) is_barrier: bool,
     pub(super) is_gate: bool,
+    /// Whether it lies on the ground, so that radio passes over it.
+    pub(super) is_flat: bool,
 }
 
 /// Gates that a vehicle can pass when they are open.
@@ -86,6 +88,19 @@ const ROWS: &[Row] = &[
     ("highway", &["steps"], true, 0.0),
     ("highway", &["street_lamp"], false, POST_M),
 ];
+/// Tags of obstacles that lie on the ground; no values for any.
+const FLAT: &[(&str, &[&str])] = &[
+    ("natural", &["water", "wetland", "mud", "sinkhole", "coastline"]),
+    (
+        "waterway",
+        &["river", "stream", "tidal_channel", "canal", "drain", "ditch", "riverbank", "dock"],
+    ),
+    ("leisure", &["swimming_pool"]),
+    ("landuse", &["basin", "reservoir", "salt_pond"]),
+    ("golf", &["water_hazard", "lateral_water_hazard"]),
+    ("railway", &[]),
+    ("highway", &["steps"]),
+];
 /// Tags of areas that weaken radio.
 const WOODS: [(&str, &str); 2] = [("natural", "wood"), ("landuse", "forest")];
 
@@ -98,6 +113,7 @@ impl Kind {
         wants_outline: false,
         is_barrier: false,
         is_gate: false,
+        is_flat: false,
     };
 
     /// The default effect of a tag.
@@ -116,7 +132,10 @@ impl Kind {
         };
         let (known, _, is_line, radius_m) = *ROWS.iter().find(is_it)?;
         let wants_outline = radius_m == 0.0 && !is_line && known != "obstacle";
-        Some(Self { is_line, radius_m, wants_outline, ..Self::AREA })
+        let is_flat = FLAT
+            .iter()
+            .any(|(flat, values)| is(key, flat) && (values.is_empty() || is_among(value, values)));
+        Some(Self { is_line, radius_m, wants_outline, is_flat, ..Self::AREA })
     }
 
     /// The effect of a tag that the user blocks.
@@ -126,7 +145,13 @@ impl Kind {
             let is_gate = Self::is_gate(key, value);
             return Self { is_line: true, radius_m, is_barrier: true, is_gate, ..Self::AREA };
         }
-        let other = || Self { is_line: is_among(key, LINES), radius_m: TREE_M, ..Self::AREA };
+        // What users block besides is mostly land: fields, roads, pitches.
+        let other = || Self {
+            is_line: is_among(key, LINES),
+            radius_m: TREE_M,
+            is_flat: true,
+            ..Self::AREA
+        };
         Self::known(key, value).unwrap_or_else(other)
     }
 

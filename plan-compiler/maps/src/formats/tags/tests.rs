@@ -158,3 +158,22 @@ fn unused_objects_are_listed_by_kind() {
     (0..100).for_each(|n| unused.add(&tags(&format!("shop={n:02}"))));
     assert!(unused.list().ends_with("shop=07 1 and others 92"), "{}", unused.list());
 }
+
+#[test]
+fn what_lies_on_the_ground_has_no_height() {
+    let check = |text: &str, block: &[&str], expected: Option<f64>| {
+        let rules = rules(block, &[], false);
+        let meaning = Judge::new(&rules).meaning(&tags(text), false).expect("an obstacle");
+        assert_eq!(meaning.height_m, expected, "{text}");
+    };
+    check("natural=water", &[], Some(0.0));
+    check("waterway=canal", &[], Some(0.0));
+    check("railway=rail", &[], Some(0.0));
+    check("landuse=farmland", &["landuse=farmland"], Some(0.0));
+    check("waterway=dam", &[], None);
+    check("building=yes", &[], None);
+    check("barrier=wall", &[], None);
+    check("natural=wood", &[], None);
+    check("waterway=canal, height=2", &[], Some(2.0));
+    check("building=yes, building:levels=3", &[], Some(9.0));
+}

@@ -1,0 +1,212 @@
+//! A picture of where radio reaches: bands of the margin in dB, lines between them, the threshold,
+//! obstacles and places.
+
+use super::cells::{Bands, indexed};
+use super::legend::{self, CONTOUR_UNITS, Entry, Ramp, Symbol};
+use super::marks::{self, Mark, Names};
+use super::palette::{self, ATTENUATING, BLOCKED, INK, OBSTACLE};
+use super::scale::round_number_above;
+use super::sheet::{self, Contents, Sheet};
+use super::stroke::stroke;
+use super::view::View;
+use super::{clip, document, frame, hatch_px, text};
+use crate::comms::Margins;
+use maps::numbers::metres;
+use maps::{Bitmap, Feature, Point, Role};
+use math::scalar::wide;
+use plan_format::{Cell, Grid};
+use std::fmt::Write;
+use svg::node::element::{Group, Image};
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach<'a> {
+    /// Title of the picture.
+    pub title: &'a str,
+    /// The grid of the margins.
+    pub grid: &'a Grid,
+    /// The map's heading, radians clockwise from north, if it is known.
+    pub heading_rad: Option<f64>,
+    /// The margins.
+    pub margins: &'a Margins,
+    /// Cells below this are out of reach, dB.
+    pub threshold_db: f64,
+    /// Cells that a robot cannot enter.
+    pub blocked: &'a Bitmap,
+    /// The map's shapes.
+    pub features: &'a [Feature],
+    /// The places.
+    pub places: &'a [(String, Point)],
+}
+
+/// The margins of a map as SVG; the longer side has at most `size_px` pixels.
+pub fn reach(reach: &Reach<'_>, size_px: u32) -> String {
+    let ramp = ramp(reach);
+    let entries = entries(reach, ramp);
+    let title_px = sheet::title_px(reach.title, size_px);
+    let contents = Contents { grid: reach.grid, panels: 1, title_px, legend: &entries };
+    let sheet = Sheet::new(&contents, size_px);
+    let view = &sheet.view;
+    let map = Group::new()
+        .set("clip-path", "url(#map)")
+        .add(cells(reach, ramp, view, hatch_px(&sheet)))
+        .add(lines(reach, ramp, view))
+        .add(marks::shapes(reach.features, view));
+    let places: Vec<[f64; 2]> = reach.places.iter().map(|(_, at)| view.place(*at)).collect();
+    let mut over = Group::new();
+    for at in &places {
+        over = over.add(Mark::End.draw(*at, view.measure.unit));
+    }
+    let mut names = Names::new(&places, Vec::new(), view.measure.unit);
+    for ((name, _), at) in reach.places.iter().zip(&places) {
+        if let Some(name) = names.place(name, *at, view) {
+            over = over.add(name);
+        }
+    }
+    let mut picture = document(sheet.size, reach.title).add(clip(view));
+    let drawn = Group::new().add(map).add(over).add(frame(&sheet, reach.title));
+    for corner in &sheet.maps {
+        let place = format!("translate({} {})", corner[0], corner[1]);
+        picture = picture.add(drawn.clone().set("transform", place));
+    }
+    for (entry, place) in entries.iter().zip(sheet.legend.iter().flatten()) {
+        picture = picture.add(legend::draw(entry, *place, view));
+    }
+    picture.to_string()
+}
+
+/// The characters in the names of places that the font lacks, which a PNG shows as boxes.
+pub fn lacking_in(names: &[(String, Point)]) -> String {
+    let names: String = names.iter().map(|(name, _)| name.as_str()).collect();
+    text::lacking(&names).collect::<std::collections::BTreeSet<char>>().into_iter().collect()
+}
+
+/// Bands of a round width that cover the margins of all cells that are not blocked.
+fn ramp(reach: &Reach<'_>) -> Ramp {
+    let grid = reach.grid;
+    let cells = (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |c| Cell::new(c, row)));
+    let free = cells.filter(|cell| !reach.blocked.get(*cell));
+    let margins = free.map(|cell| f64::from(reach.margins.at(cell)));
+    let (low, high) = margins.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), margin| {
+        (low.min(margin), high.max(margin))
+    });
+    // Without a free cell there is nothing to show but the threshold.
+    let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
+    let width = round_number_above((high - low).max(1.0) / (super::cells::MAX_BANDS - 1) as f64);
+    let from = wide::floor(low / width) * width;
+    let count = (wide::floor((high - from) / width) as usize + 1).max(1);
+    Ramp {
+        title: "margin of the link, dB",
+        from,
+        bands: Bands { width_m: width, count },
+        is_falling: true,
+    }
+}
+
+/// The entries of the legend.
+fn entries(reach: &Reach<'_>, ramp: Ramp) -> Vec<Entry> {
+    let mut entries = vec![Entry::Bands(ramp), Entry::Scale, Entry::North(reach.heading_rad)];
+    let mut item = |symbol, text: String| entries.push(Entry::Item(symbol, text));
+    let threshold = metres(reach.threshold_db);
+    item(Symbol::Contour, format!("threshold, {threshold} dB"));
+    item(Symbol::Shaded, format!("out of reach, below {threshold} dB"));
+    item(Symbol::Mark(Mark::End), "place".into());
+    let has = |role: Role| reach.features.iter().any(|feature| feature.role == role);
+    if has(Role::Obstacle) {
+        item(Symbol::Fill(OBSTACLE, 1.0), "obstacle".into());
+    }
+    if has(Role::Attenuating) {
+        item(Symbol::Fill(ATTENUATING, marks::ATTENUATING_OPACITY), "weakens radio".into());
+    }
+    if has(Role::Zone) {
+        item(Symbol::Edge(palette::ZONE), "zone".into());
+    }
+    if reach.blocked.count() > 0 {
+        let text = if has(Role::Obstacle) { "too close for the robot" } else { "blocked" };
+        item(Symbol::Fill(BLOCKED, 1.0), text.into());
+    }
+    entries
+}
+
+/// The cells as an image: colours of the bands, hatched where radio does not reach.
+fn cells(reach: &Reach<'_>, ramp: Ramp, view: &View, hatch_px: u32) -> Image {
+    let count = ramp.bands.count;
+    let mut colours: Vec<u8> = (0..count).flat_map(|index| ramp.colour(index)).collect();
+    colours.extend([INK, BLOCKED].into_iter().flat_map(palette::rgb));
+    let Grid { columns, rows, .. } = *reach.grid;
+    let [width, height] = view.map;
+    indexed([width, height], colours, |x, y| {
+        let along = |pixel: u32, pixels: u32, cells: u32| {
+            ((2 * u64::from(pixel) + 1) * u64::from(cells) / (2 * u64::from(pixels))) as u32
+        };
+        let cell = Cell::new(along(x, width, columns), along(height - 1 - y, height, rows));
+        let margin = f64::from(reach.margins.at(cell));
+        let is_line = margin < reach.threshold_db && (x + y) % hatch_px < hatch_px.div_ceil(6);
+        match reach.blocked.get(cell) {
+            true => count as u8 + 1,
+            false if is_line => count as u8,
+            false => ramp.index(margin) as u8,
+        }
+    })
+}
+
+/// Lines of equal margin: between all bands, and a strong one at the threshold.
+fn lines(reach: &Reach<'_>, ramp: Ramp, view: &View) -> Group {
+    let unit = view.measure.unit;
+    let width = ramp.bands.width_m;
+    let mut thin = String::new();
+    for index in 1..ramp.bands.count {
+        let level = ramp.from + index as f64 * width;
+        // At the edge of a shadow many lines would lie on each other.
+        isoline(reach, level, 2.0 * width, view, &mut thin);
+    }
+    let mut strong = String::new();
+    isoline(reach, reach.threshold_db, f64::INFINITY, view, &mut strong);
+    let threshold = stroke(strong.clone(), palette::PAPER, 4.0 * unit);
+    Group::new()
+        .add(stroke(thin, INK, 0.6 * unit).set("stroke-opacity", 0.45))
+        .add(threshold)
+        .add(stroke(strong, INK, CONTOUR_UNITS * unit))
+}
+
+/// Adds the line of one margin to a path: marching squares between the centres of cells, where a
+/// square's margins differ by at most `steepest_db`.
+fn isoline(reach: &Reach<'_>, level_db: f64, steepest_db: f64, view: &View, path: &mut String) {
+    let grid = reach.grid;
+    // More squares than pixels are invisible.
+    let step = [0, 1].map(|axis| {
+        let cells = [grid.columns, grid.rows][axis];
+        cells.div_ceil(view.map[axis]).max(1)
+    });
+    for row in (0..grid.rows.saturating_sub(step[1])).step_by(step[1] as usize) {
+        for column in (0..grid.columns.saturating_sub(step[0])).step_by(step[0] as usize) {
+            // Around the square, from its south-west corner.
+            let corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[right, up]: [u32; 2]| {
+                Cell::new(column + right * step[0], row + up * step[1])
+            });
+            let margins = corners.map(|cell| f64::from(reach.margins.at(cell)));
+            let highest = margins.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let lowest = margins.iter().copied().fold(f64::INFINITY, f64::min);
+            let is_hidden = corners.iter().all(|cell| reach.blocked.get(*cell));
+            if is_hidden || !(lowest < level_db && level_db <= highest) {
+                continue;
+            }
+            if highest - lowest > steepest_db {
+                continue;
+            }
+            let crossing = |side: usize| {
+                let (a, b) = (margins[side], margins[(side + 1) % 4]);
+                let [from, to] = [corners[side], corners[(side + 1) % 4]].map(|c| grid.centre(c));
+                let share = (level_db - a) / (b - a);
+                let at = [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * share);
+                ((a < level_db) != (b < level_db)).then(|| view.place(at).map(text::round))
+            };
+            let crossings: Vec<[f64; 2]> = (0..4).filter_map(crossing).collect();
+            for ends in crossings.chunks_exact(2) {
+                let [[x1, y1], [x2, y2]] = [ends[0], ends[1]];
+                // Writing to a string does not fail.
+                let _ = write!(path, "M{x1} {y1}L{x2} {y2}");
+            }
+        }
+    }
+}
