@@ -16,10 +16,10 @@
 //! boats.
 
 use plan_format::parameters::{Steering, Vehicle};
-use robot_io::RangeReading;
 
+use crate::closing::FASTEST_MPS;
 use crate::drive::Twist;
-use crate::obstacles::{Body, Kind, Obstacles};
+use crate::obstacles::{Body, Kind, Obstacles, Way};
 
 /// Speeds tried in one tick. Each try halves the interval that holds the highest safe speed.
 const TRIES: usize = 4;
@@ -65,11 +65,25 @@ pub fn within_m(vehicle: &Vehicle, age_s: f32) -> f32 {
     vehicle.radius_m.max(vehicle.stop_distance_m) + aside_m + vehicle.stop_distance_m + stopping_m
 }
 
+/// Time for which the brakes count with the motion of an obstacle beyond the time to stop, seconds:
+/// its nearest point is seen, and its flanks reach farther.
+const BEYOND_S: f32 = 0.3;
+
+/// Time until the robot stands from a speed, and a little more, seconds.
+fn stopping_s(vehicle: &Vehicle, speed_mps: f32) -> f32 {
+    vehicle.latency_us as f32 * 1e-6 + speed_mps / vehicle.braking_mps2 + BEYOND_S
+}
+
+/// Obstacles that move and are farther away than this do not limit the speed, metres.
+pub fn coming_m(vehicle: &Vehicle, age_s: f32) -> f32 {
+    let time_s = stopping_s(vehicle, vehicle.max_speed_mps) + age_s;
+    within_m(vehicle, age_s) + FASTEST_MPS * time_s
+}
+
 /// Limits `wanted`. `ahead` are the readings nearer than [`within_m`]. `None` if obstacles leave
 /// only turning on the spot.
 pub fn brake(
     vehicle: &Vehicle,
-    readings: &[RangeReading],
     ahead: &Obstacles,
     moving: &Moving,
     wanted: Twist,
@@ -95,7 +109,7 @@ pub fn brake(
     let radius_m = vehicle.radius_m.max(0.5 * vehicle.stop_distance_m);
     let astern;
     let near = if is_astern {
-        astern = Obstacles::near(readings, within_m(vehicle, moving.age_s), true);
+        astern = ahead.astern();
         &astern
     } else {
         ahead
@@ -105,27 +119,22 @@ pub fn brake(
     }
     let bare = Body { radius_m, aside_m: 0.0 };
     let drift_s2 = if vehicle.steering == Steering::Boat { DRIFT_S2 } else { 0.0 };
-    let is_free = |kind: Kind, speed_mps: f32, turn_rate_radps: f32| {
+    let is_clear = |speed_mps: f32, turn_rate_radps: f32| {
         let curvature = turn_rate_radps / speed_mps.max(SPOT_MPS);
         let length_m = stopping_m(speed_mps);
-        match kind {
-            Kind::Hidden => near.leave_free(kind, &bare, length_m, curvature),
-            Kind::Seen => {
-                // The drift of the present turn goes on into the next.
-                let turn_radps = turn_rate_radps.abs().max(now.turn_rate_radps.abs());
-                let drift_m = drift_s2 * speed_mps.max(least_mps) * turn_radps;
-                let body = Body { aside_m: aside_m(speed_mps) + drift_m, ..bare };
-                near.leave_free(kind, &body, length_m + vehicle.stop_distance_m, curvature)
-            }
-        }
+        // The drift of the present turn goes on into the next.
+        let turn_radps = turn_rate_radps.abs().max(now.turn_rate_radps.abs());
+        let drift_m = drift_s2 * speed_mps.max(least_mps) * turn_radps;
+        let body = Body { aside_m: aside_m(speed_mps) + drift_m, ..bare };
+        let way = Way::new(length_m + vehicle.stop_distance_m, curvature);
+        near.leave_free(Kind::Seen, &body, &way)
+            && near.leave_free(Kind::Hidden, &bare, &Way::new(length_m, curvature))
+            && near.let_pass(&body, &way, stopping_s(vehicle, speed_mps) + moving.age_s)
     };
     let is_steady = (now.turn_rate_radps - wanted.turn_rate_radps).abs() < STEADY_RADPS;
     let is_safe = |speed_mps: f32| {
-        let is_clear = |turn_rate_radps: f32| {
-            is_free(Kind::Seen, speed_mps, turn_rate_radps)
-                && is_free(Kind::Hidden, speed_mps, turn_rate_radps)
-        };
-        is_clear(wanted.turn_rate_radps) && (is_steady || is_clear(now.turn_rate_radps))
+        is_clear(speed_mps, wanted.turn_rate_radps)
+            && (is_steady || is_clear(speed_mps, now.turn_rate_radps))
     };
     if is_safe(top_mps) {
         return Some(wanted);

@@ -134,6 +134,7 @@
 pub mod arming;
 pub mod behave;
 pub mod brake;
+pub mod closing;
 mod compass;
 pub mod detour;
 pub mod drive;
@@ -169,6 +170,8 @@ pub struct State {
     pub noise: Noise,
     /// Speed and turn rate that the last tick commanded.
     pub commanded: limit::Commanded,
+    /// Earlier scans, which show what moves.
+    pub closing: closing::Closing,
     /// Progress towards the goal, and detours.
     pub detours: detour::Detours,
     /// What the robot needs before it may drive.
@@ -191,6 +194,7 @@ impl State {
             progress: guidance::Progress::default(),
             noise: Noise::new(blob.parameters().seed),
             commanded: limit::Commanded::default(),
+            closing: closing::Closing::default(),
             detours: detour::Detours::default(),
             arming: arming::Arming::default(),
             stuck: stuck::Progress::default(),
@@ -249,13 +253,16 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let intent =
         behave::behave(blob, &mut state.behaviours, &percepts, position, &mates, &mut report);
     let vehicle = intent.constrained(&blob.parameters().vehicle);
+    let now = state.commanded.now(&percepts, sensed.ranges.age_s());
+    state.closing.update(&percepts, &now.twist, sensed.elapsed_s);
     let within_m = brake::within_m(&vehicle, sensed.ranges.age_s());
-    let near = Obstacles::near(&percepts.ranges, within_m, false);
+    let coming_m = brake::coming_m(&vehicle, sensed.ranges.age_s());
+    let coming = state.closing.compared();
+    let near = Obstacles::near(&percepts.ranges, within_m, &coming, coming_m);
     let decided = decide(blob, &vehicle, state, &percepts, &sensed, &intent, &near, &mates);
     let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));
     let wanted = intent.with_outputs(wanted);
     let vehicle = state.arming.limited(&vehicle);
-    let now = state.commanded.now(&percepts, sensed.ranges.age_s());
     let limited = limit::limit(&vehicle, &percepts, &near, &now, wanted);
     let commands = state.arming.explained(limited, &wanted, &percepts);
     state.track.commanded(&commands);

@@ -60,7 +60,7 @@ impl Commanded {
 /// // The body has a radius of 0.3 m, brakes with 2 m/s^2 and stops 2 cm before an obstacle.
 /// for (distance_m, low, high) in [(0.8, 1.0, 1.0), (0.5, 0.4, 0.8), (0.32, 0.0, 0.0)] {
 ///     let obstacle = RangeReading { bearing_rad: 0.0, distance_m };
-///     let near = Obstacles::near(&[obstacle], 5.0, false);
+///     let near = Obstacles::near(&[obstacle], 5.0, &[], 0.0);
 ///     let speed_mps = limit(&vehicle, &percepts, &near, &now, wanted).speed_mps;
 ///     assert!((low..=high).contains(&speed_mps), "{distance_m}: {speed_mps}");
 /// }
@@ -91,7 +91,7 @@ pub fn limit(
     let wanted = bounded(vehicle, wanted);
     let Commands { speed_mps, turn_rate_radps, .. } = wanted;
     let twist = Twist { speed_mps, turn_rate_radps };
-    let braked = brake(vehicle, &percepts.ranges, near, now, twist);
+    let braked = brake(vehicle, near, now, twist);
     let limited = match braked {
         Some(Twist { speed_mps, turn_rate_radps }) => {
             Commands { speed_mps, turn_rate_radps, ..wanted }
@@ -148,7 +148,7 @@ mod tests {
 
     /// Limits the commands of a robot that has just begun to drive them.
     fn limit(vehicle: &Vehicle, percepts: &Percepts, wanted: Commands) -> Commands {
-        let near = Obstacles::near(&percepts.ranges, within_m(vehicle, 0.0), false);
+        let near = Obstacles::near(&percepts.ranges, within_m(vehicle, 0.0), &[], 0.0);
         super::limit(vehicle, percepts, &near, &Commanded::default().now(percepts, 0.0), wanted)
     }
 

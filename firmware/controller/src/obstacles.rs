@@ -4,8 +4,10 @@ use math::{Vec2, scalar, vector};
 use robot_io::RangeReading;
 use robot_io::limits::MAX_RANGES;
 
+use crate::closing::Compared;
+
 /// A reading nearer than this counts as this far away, metres: at 0 it would have no direction.
-const LEAST_DISTANCE_M: f32 = 0.01;
+pub(crate) const LEAST_DISTANCE_M: f32 = 0.01;
 
 /// Share of the distance to a point that the body may use up by passing it. A body that is nearer
 /// to a point than it should be may pass it and leave it, and approach it a little.
@@ -14,13 +16,16 @@ const KEPT: f32 = 0.98;
 /// Nearer to a point than this, the body does not approach it at all, metres.
 const TOUCH_M: f32 = 0.01;
 
+/// Places on the way of a moving obstacle that are looked at, at most.
+const MOST_PLACES: f32 = 8.0;
+
 /// A way that turns by less than this is straight, radians: its end is off by less than the
 /// length times half of this.
 const STRAIGHT_RAD: f32 = 0.01;
 
 /// Angle of a sector of the range finder, which reports its nearest obstacle only. The first one is
 /// centred ahead.
-const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
+pub(crate) const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
 
 /// Directions of the edges of the sectors 0 to 8 that are nearer to straight ahead, on the left.
 const EDGES: [Vec2; MAX_RANGES / 2 + 1] = [
@@ -52,6 +57,44 @@ struct Point {
     hidden: Vec2,
     /// Their distance from the body's centre.
     distance_m: f32,
+    /// The obstacle's own velocity, m/s.
+    velocity: Vec2,
+}
+
+impl Point {
+    const NONE: Self = Self {
+        seen: Vec2::new(0.0, 0.0),
+        hidden: Vec2::new(0.0, 0.0),
+        distance_m: 0.0,
+        velocity: Vec2::new(0.0, 0.0),
+    };
+
+    /// The reading of an obstacle that stands.
+    fn of(reading: &RangeReading) -> Self {
+        let distance_m = reading.distance_m.max(LEAST_DISTANCE_M);
+        let seen = vector::from_angle(reading.bearing_rad) * distance_m;
+        let sector = sector(reading.bearing_rad);
+        Self { seen, hidden: hidden(seen, sector, distance_m), distance_m, velocity: Vec2::zeros() }
+    }
+
+    /// The same in axes that are turned by half a turn.
+    fn astern(&self) -> Self {
+        let seen = -self.seen;
+        let sector = sector(vector::angle(seen));
+        let hidden = hidden(seen, sector, self.distance_m);
+        Self { seen, hidden, velocity: -self.velocity, ..*self }
+    }
+}
+
+/// Sectors between straight ahead and a bearing.
+fn sector(bearing_rad: f32) -> usize {
+    (bearing_rad.abs() / SECTOR_RAD + 0.5) as usize
+}
+
+/// The point at the edge of the sector of `seen` that is nearer to straight ahead.
+fn hidden(seen: Vec2, sector: usize, distance_m: f32) -> Vec2 {
+    let edge = EDGES.get(sector).copied().unwrap_or_default();
+    Vec2::new(edge.x, if seen.y < 0.0 { -edge.y } else { edge.y }) * distance_m
 }
 
 /// Which points of the readings count.
@@ -103,30 +146,35 @@ impl Body {
 }
 
 impl Obstacles {
-    /// The readings nearer than `within_m`, for motion ahead; with `is_astern`, for motion astern:
-    /// the axes are turned by half a turn.
-    pub fn near(readings: &[RangeReading], within_m: f32, is_astern: bool) -> Self {
-        let nothing = Point { seen: Vec2::zeros(), hidden: Vec2::zeros(), distance_m: 0.0 };
-        let mut near = Self { points: [nothing; MAX_RANGES], count: 0 };
-        let close = readings.iter().filter(|reading| reading.distance_m < within_m);
-        for (point, reading) in near.points.iter_mut().zip(close) {
-            let distance_m = reading.distance_m.max(LEAST_DISTANCE_M);
-            let bearing_rad = if is_astern {
-                scalar::wrap_angle(reading.bearing_rad + scalar::PI)
-            } else {
-                reading.bearing_rad
-            };
-            let sector = (bearing_rad.abs() / SECTOR_RAD + 0.5) as usize;
-            let edge = EDGES.get(sector).copied().unwrap_or_default();
-            let aside = if bearing_rad < 0.0 { -edge.y } else { edge.y };
-            *point = Point {
-                seen: vector::from_angle(bearing_rad) * distance_m,
-                hidden: Vec2::new(edge.x, aside) * distance_m,
-                distance_m,
-            };
+    /// The readings nearer than `within_m`, for motion ahead. `coming` compares them with earlier
+    /// scans; those that move by themselves count up to `coming_m`.
+    pub fn near(
+        readings: &[RangeReading],
+        within_m: f32,
+        coming: &[Option<Compared<'_>>],
+        coming_m: f32,
+    ) -> Self {
+        let mut near = Self { points: [Point::NONE; MAX_RANGES], count: 0 };
+        let most_m = within_m.max(coming_m);
+        let close = readings.iter().filter(|reading| reading.distance_m < most_m);
+        let points = close.map(|reading| {
+            let point = Point::of(reading);
+            let velocities = coming.iter().flatten().map(|scan| scan.velocity(point.seen));
+            let velocity = velocities.into_iter().find(|velocity| *velocity != Vec2::zeros());
+            Point { velocity: velocity.unwrap_or_default(), ..point }
+        });
+        let count =
+            points.filter(|point| point.distance_m < within_m || point.velocity != Vec2::zeros());
+        for (slot, point) in near.points.iter_mut().zip(count) {
+            *slot = point;
             near.count += 1;
         }
         near
+    }
+
+    /// The same for motion astern: the axes are turned by half a turn.
+    pub fn astern(&self) -> Self {
+        Self { points: self.points.map(|point| point.astern()), count: self.count }
     }
 
     /// Whether there is nothing near.
@@ -164,39 +212,82 @@ impl Obstacles {
         Openings { closed, count }
     }
 
-    /// Whether a body that drives `length_m` ahead touches nothing on an arc of this curvature,
-    /// 1/m, positive to the left. Arcs of more than half a turn count as whole circles.
-    pub fn leave_free(&self, kind: Kind, body: &Body, length_m: f32, curvature_per_m: f32) -> bool {
+    /// Whether a body that drives along `way` touches none of these points.
+    pub fn leave_free(&self, kind: Kind, body: &Body, way: &Way) -> bool {
+        self.points(kind).all(|(point, distance_m)| way.is_clear_of(body, point, distance_m))
+    }
+
+    /// Whether a body that drives along `way` touches nothing that moves, wherever these obstacles
+    /// are within `time_s`.
+    pub fn let_pass(&self, body: &Body, way: &Way, time_s: f32) -> bool {
+        let points = self.points.get(..self.count).unwrap_or_default();
+        let moving = points.iter().filter(|point| point.velocity != Vec2::zeros());
+        moving.into_iter().all(|point| {
+            let run_m = vector::length(point.velocity) * time_s;
+            // So close together that the body does not pass between two of them.
+            let spacing_m = (body.radius_m + body.aside_m).max(LEAST_DISTANCE_M);
+            let count = scalar::clamp(scalar::floor(run_m / spacing_m) + 1.0, 1.0, MOST_PLACES);
+            // The nearest place that was seen before may be that of another obstacle: then only the
+            // speed is right.
+            let straight_here = point.seen * (-run_m.min(point.distance_m) / point.distance_m);
+            [point.velocity * time_s, straight_here].into_iter().all(|run| {
+                (1..=count as u32).all(|place| {
+                    let at = point.seen + run * (place as f32 / count);
+                    way.is_clear_of(body, at, vector::length(at).max(LEAST_DISTANCE_M))
+                })
+            })
+        })
+    }
+}
+
+/// The way that a body drives ahead: an arc. Arcs of more than half a turn count as whole circles.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    length_m: f32,
+    turned_rad: f32,
+    is_to_the_right: bool,
+    /// Radius of the arc, metres; 0 for a straight way.
+    arc_m: f32,
+    /// Heading at the end of an arc to the left, as a vector of length 1.
+    end: Vec2,
+}
+
+impl Way {
+    /// A way of this length and curvature, 1/m, positive to the left.
+    pub fn new(length_m: f32, curvature_per_m: f32) -> Self {
         let turned_rad = length_m * curvature_per_m.abs();
-        let nearest_m = length_m + body.radius_m + body.aside_m;
         let is_straight = turned_rad < STRAIGHT_RAD;
-        let is_circle = turned_rad >= scalar::PI;
         let arc_m = if is_straight { 0.0 } else { 1.0 / curvature_per_m.abs() };
         let end = if is_straight { Vec2::new(1.0, 0.0) } else { vector::from_angle(turned_rad) };
-        self.points(kind).all(|(point, distance_m)| {
-            // No point of the way is farther from here than its length.
-            if distance_m >= nearest_m || point.x <= 0.0 && turned_rad < 0.5 * scalar::PI {
-                return true;
-            }
-            let reach_m = body.reach_m(distance_m);
-            if is_straight {
-                let beyond_m = (point.x - length_m).max(0.0);
-                return point.y * point.y + beyond_m * beyond_m >= reach_m * reach_m;
-            }
-            let to_the_inside_m = if curvature_per_m < 0.0 { -point.y } else { point.y };
-            // The point about the arc's centre: the arc begins at (0, arc) and ends at
-            // arc x (sin, cos) of the turn.
-            let about = Vec2::new(point.x, arc_m - to_the_inside_m);
-            let is_abreast = about.x >= 0.0 && end.y * about.y - end.x * about.x >= 0.0;
-            if is_circle || is_abreast {
-                let distance = about.norm_squared();
-                let (inner_m, outer_m) = ((arc_m - reach_m).max(0.0), arc_m + reach_m);
-                distance <= inner_m * inner_m || distance >= outer_m * outer_m
-            } else {
-                let from_end = about - Vec2::new(end.y, end.x) * arc_m;
-                from_end.norm_squared() >= reach_m * reach_m
-            }
-        })
+        Self { length_m, turned_rad, is_to_the_right: curvature_per_m < 0.0, arc_m, end }
+    }
+
+    /// Whether the body touches nothing at `point`, which is `distance_m` away now.
+    fn is_clear_of(&self, body: &Body, point: Vec2, distance_m: f32) -> bool {
+        let &Self { length_m, turned_rad, is_to_the_right, arc_m, end } = self;
+        let nearest_m = length_m + body.radius_m + body.aside_m;
+        // No point of the way is farther from here than its length.
+        if distance_m >= nearest_m || point.x <= 0.0 && turned_rad < 0.5 * scalar::PI {
+            return true;
+        }
+        let reach_m = body.reach_m(distance_m);
+        if arc_m == 0.0 {
+            let beyond_m = (point.x - length_m).max(0.0);
+            return point.y * point.y + beyond_m * beyond_m >= reach_m * reach_m;
+        }
+        let to_the_inside_m = if is_to_the_right { -point.y } else { point.y };
+        // The point about the arc's centre: the arc begins at (0, arc) and ends at
+        // arc x (sin, cos) of the turn.
+        let about = Vec2::new(point.x, arc_m - to_the_inside_m);
+        let is_abreast = about.x >= 0.0 && end.y * about.y - end.x * about.x >= 0.0;
+        if turned_rad >= scalar::PI || is_abreast {
+            let distance = about.norm_squared();
+            let (inner_m, outer_m) = ((arc_m - reach_m).max(0.0), arc_m + reach_m);
+            distance <= inner_m * inner_m || distance >= outer_m * outer_m
+        } else {
+            let from_end = about - Vec2::new(end.y, end.x) * arc_m;
+            from_end.norm_squared() >= reach_m * reach_m
+        }
     }
 }
 
@@ -212,7 +303,7 @@ mod tests {
         };
         let readings: [RangeReading; 2] =
             [0, 1].map(|i| reading(points.get(i).unwrap_or(&(9.0, 9.0))));
-        Obstacles::near(&readings, 5.0, false)
+        Obstacles::near(&readings, 5.0, &[], 0.0)
     }
 
     fn body(radius_m: f32) -> Body {
@@ -235,7 +326,7 @@ mod tests {
         ] {
             let obstacles = at(&[point]);
             assert_eq!(
-                obstacles.leave_free(Kind::Seen, &body(0.5), length_m, 0.0),
+                obstacles.leave_free(Kind::Seen, &body(0.5), &Way::new(length_m, 0.0)),
                 is_open,
                 "{point:?} {length_m}"
             );
@@ -245,15 +336,19 @@ mod tests {
     #[test]
     fn an_arc_passes_what_a_straight_way_meets() {
         // An obstacle straight ahead, and one where the arc leads.
-        assert!(!at(&[(1.5, 0.0)]).leave_free(Kind::Seen, &body(0.3), 1.5, 0.0));
-        assert!(at(&[(1.5, 0.0)]).leave_free(Kind::Seen, &body(0.3), 1.5, 1.0));
-        assert!(!at(&[(1.0, 1.0)]).leave_free(Kind::Seen, &body(0.3), 1.5, 1.0));
-        assert!(at(&[(1.0, 1.0)]).leave_free(Kind::Seen, &body(0.3), 1.5, -1.0));
-        assert!(!at(&[(1.0, -1.0)]).leave_free(Kind::Seen, &body(0.3), 1.5, -1.0));
+        assert!(!at(&[(1.5, 0.0)]).leave_free(Kind::Seen, &body(0.3), &Way::new(1.5, 0.0)));
+        assert!(at(&[(1.5, 0.0)]).leave_free(Kind::Seen, &body(0.3), &Way::new(1.5, 1.0)));
+        assert!(!at(&[(1.0, 1.0)]).leave_free(Kind::Seen, &body(0.3), &Way::new(1.5, 1.0)));
+        assert!(at(&[(1.0, 1.0)]).leave_free(Kind::Seen, &body(0.3), &Way::new(1.5, -1.0)));
+        assert!(!at(&[(1.0, -1.0)]).leave_free(Kind::Seen, &body(0.3), &Way::new(1.5, -1.0)));
         // A turn on the spot meets nothing outside the body.
-        assert!(at(&[(0.4, 0.0), (0.0, 0.4)]).leave_free(Kind::Seen, &body(0.3), 0.0, 1e3));
+        assert!(at(&[(0.4, 0.0), (0.0, 0.4)]).leave_free(
+            Kind::Seen,
+            &body(0.3),
+            &Way::new(0.0, 1e3)
+        ));
         // A circle meets what lies behind.
-        assert!(!at(&[(0.0, 2.0)]).leave_free(Kind::Seen, &body(0.3), 6.3, 1.0));
+        assert!(!at(&[(0.0, 2.0)]).leave_free(Kind::Seen, &body(0.3), &Way::new(6.3, 1.0)));
     }
 
     #[test]
@@ -261,11 +356,11 @@ mod tests {
         let reading =
             |degrees: f32| RangeReading { bearing_rad: degrees.to_radians(), distance_m: 1.0 };
         for (degrees, edge) in [(5.0, 0.0), (30.0, 11.25), (-30.0, -11.25), (80.0, 78.75)] {
-            let hidden = Obstacles::near(&[reading(degrees)], 2.0, false);
+            let hidden = Obstacles::near(&[reading(degrees)], 2.0, &[], 0.0);
             let found = vector::angle(hidden.points[0].hidden).to_degrees();
             assert!((found - edge).abs() < 0.2, "{degrees}: {found}");
         }
-        let astern = Obstacles::near(&[reading(150.0)], 2.0, true);
+        let astern = Obstacles::near(&[reading(150.0)], 2.0, &[], 0.0).astern();
         let found = vector::angle(astern.points[0].hidden).to_degrees();
         assert!((found + 11.25).abs() < 0.2, "{found}");
     }
@@ -280,7 +375,7 @@ mod tests {
         ) {
             let point = Vec2::new(x, y);
             prop_assume!(vector::length(point) > radius_m + 0.01);
-            let is_free = at(&[(x, y)]).leave_free(Kind::Seen, &body(radius_m), length_m, curvature);
+            let is_free = at(&[(x, y)]).leave_free(Kind::Seen, &body(radius_m), &Way::new(length_m, curvature));
             let mut nearest = f32::INFINITY;
             for step in 0..=200 {
                 let turn = length_m * step as f32 / 200.0 * curvature;

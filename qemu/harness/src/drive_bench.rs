@@ -125,8 +125,10 @@ pub struct Run {
     pub has_route: bool,
     /// Whether the robot arrived.
     pub is_reached: bool,
-    /// How often it touched an obstacle or a disc as it moved.
+    /// How often it touched an obstacle, or a disc that it had seen in time to stop, as it moved.
     pub contacts: u32,
+    /// How often a disc ran into it, which stood, moved away or could not have seen it in time.
+    pub strikes: u32,
     /// Time, seconds.
     pub time_s: f64,
     /// Time of the shortest path at top speed, seconds.
@@ -243,6 +245,7 @@ pub fn drive(row: usize, setting: &Setting, course: &Course) -> Result<Driven, S
         has_route: scenario.layer_from(start.position).is_some(),
         is_reached: false,
         contacts: 0,
+        strikes: 0,
         time_s: 0.0,
         optimal_s: course.optimal_s.unwrap_or_else(|| optimal_s(&scenario, course)),
         distance_m: 0.0,
@@ -258,6 +261,7 @@ pub fn drive(row: usize, setting: &Setting, course: &Course) -> Result<Driven, S
     let outcome = scenario.run(robot).map_err(|error| error.to_string())?;
     run.is_reached = outcome.reached();
     run.contacts = outcome.touches;
+    run.strikes = outcome.strikes;
     run.time_s = outcome.time_s;
     run.distance_m = outcome.distance_m;
     run.turn_rad = outcome.turn_rad;

@@ -90,6 +90,22 @@ fn mapped_courtyards_are_left() {
     }
 }
 
+/// Discs of 1 m/s that cross the way, in doors of all widths, courtyards and fields of posts. A robot
+/// that could have stopped in time touches none of them; see `sim::sighting`.
+#[test]
+fn a_disc_that_was_seen_in_time_is_not_touched() {
+    for (suite, count) in [(Suite::Doors, 0), (Suite::Courtyards, 10), (Suite::Barn, 10)] {
+        let is_wanted = |row: &Row| row.suite == suite && row.setting.has_discs;
+        for (_, runs) in driven(&of_suite(suite, count), is_wanted) {
+            let touching: Vec<&Run> = runs.iter().filter(|run| run.contacts > 0).collect();
+            assert!(touching.is_empty(), "{touching:?}");
+            let reached = runs.iter().filter(|run| run.is_reached).count();
+            assert!(reached * 10 >= runs.len() * 9, "{suite:?}: {reached} of {}", runs.len());
+            assert!(runs.iter().any(|run| run.strikes > 0), "{suite:?}: the discs meet the robot");
+        }
+    }
+}
+
 #[test]
 fn shards_add_up_to_the_whole() {
     let is_wanted = |row: &Row| row.suite == Suite::Corridors && is_plain(row);

@@ -113,7 +113,8 @@ pub struct StepResult {
     pub distance_m: f64,
     /// Whether the body touched an obstacle, another body or a disc by its own motion.
     pub touched: bool,
-    /// Whether another body or a disc ran into it, which it did not move towards.
+    /// Whether another body or a disc ran into it, which it did not move towards or could not have
+    /// seen in time to stop.
     pub struck: bool,
     /// Smallest gap to anything on the way, metres; infinite if none was near.
     pub closest_m: f64,

@@ -35,6 +35,7 @@ pub mod receiver;
 pub mod robot;
 pub mod scenario;
 pub mod sensors;
+pub mod sighting;
 pub mod simulation;
 pub mod surroundings;
 pub mod world;

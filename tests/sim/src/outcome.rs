@@ -92,7 +92,8 @@ pub struct Outcome {
     pub closest_m: f64,
     /// How often the robot began to touch an obstacle, another body or a disc by its own motion.
     pub touches: u32,
-    /// How often another body or a disc ran into the robot, which stood or moved away from it.
+    /// How often another body or a disc ran into the robot, which stood, moved away from it or could
+    /// not have seen it in time to stop.
     pub strikes: u32,
     /// The route, a point for every half metre.
     pub route: Vec<Point>,

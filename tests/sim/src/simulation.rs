@@ -4,13 +4,17 @@
 //! all move. Each phase reads only the results of the phase before, so the order of the robots
 //! does not matter. Robots see each other and the discs by their range sensors, and bodies and discs
 //! never overlap.
+//!
+//! [`crate::sighting`] says when a robot is to blame that touches a disc.
 
 use crate::body::LOOK_M;
 use crate::geometry::{self, Circle};
+use crate::sighting::Sighting;
 use crate::{
     Body, Disc, Outcome, Pilot, PilotError, Point, Robot, Sensors, StepResult, TICK_US, World,
+    world,
 };
-use robot_io::{CommandRecord, SensorRecord};
+use robot_io::{CommandRecord, RangeReading, SensorRecord};
 
 /// A simulation under way.
 #[derive(Debug)]
@@ -19,18 +23,25 @@ pub struct Simulation<'w, S, P> {
     truth: &'w World,
     robots: Vec<Robot<S, P>>,
     discs: Vec<Moving>,
+    /// For each robot, what its sensors reported of each disc.
+    sightings: Vec<Vec<Sighting>>,
     ticks: u64,
 }
 
 impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
     /// A simulation before its first tick. The bodies start clear of the world and of each other.
     pub fn new(truth: &'w World, robots: impl IntoIterator<Item = Robot<S, P>>) -> Self {
-        Self { truth, robots: robots.into_iter().collect(), discs: Vec::new(), ticks: 0 }
+        let robots: Vec<Robot<S, P>> = robots.into_iter().collect();
+        let sightings = vec![Vec::new(); robots.len()];
+        Self { truth, robots, discs: Vec::new(), sightings, ticks: 0 }
     }
 
     /// Adds moving discs, each at the start of its path.
     pub fn with_discs(mut self, discs: &[Disc]) -> Self {
         self.discs.extend(discs.iter().map(|disc| Moving { disc: disc.clone(), moved_m: 0.0 }));
+        for seen in &mut self.sightings {
+            seen.resize(self.discs.len(), Sighting::default());
+        }
         self
     }
 
@@ -52,6 +63,7 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
     /// Runs one tick of all robots. A robot whose run has ended stays in the world and drives on.
     pub fn step(&mut self) -> Result<(), PilotError> {
         let records = self.sense();
+        self.look(&records);
         let answers = self.exchange(&records)?;
         self.advance(&answers);
         self.ticks += 1;
@@ -83,6 +95,23 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
             .collect()
     }
 
+    /// Takes note of the discs that each robot's sensors report.
+    fn look(&mut self, records: &[SensorRecord]) {
+        let watches = self.robots.iter().zip(records).zip(&mut self.sightings);
+        for ((robot, record), sightings) in watches {
+            let body = robot.body();
+            for (disc, sighting) in self.discs.iter().zip(sightings) {
+                let circle = disc.circle();
+                let next = disc.mover(TICK_US as f64 * 1e-6).after;
+                sighting.moved([0, 1].map(|axis| next[axis] - circle.centre[axis]));
+                let mut readings = record.ranges.iter().flatten();
+                if readings.any(|reading| is_of(reading, body, self.truth, &circle)) {
+                    sighting.reported(self.ticks, body);
+                }
+            }
+        }
+    }
+
     fn exchange(&mut self, records: &[SensorRecord]) -> Result<Vec<CommandRecord>, PilotError> {
         let robots = self.robots.iter_mut().zip(records);
         robots.map(|(robot, record)| robot.exchange(record)).collect()
@@ -102,7 +131,30 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
             after.push((body, result));
         }
         movers.extend(self.discs.iter().map(|moving| moving.mover(seconds)));
-        let contacts = keep_apart(&mut movers);
+        let robots = self.robots.len();
+        let wanted = movers.clone();
+        // Robots are expected to see each other.
+        let is_at_fault = |robot: usize, other: usize| {
+            let Some(disc) = other.checked_sub(robots) else { return true };
+            let touches_alone = wanted[robot].clashes(&wanted[other].standing());
+            let body = self.robots[robot].body();
+            self.sightings[robot][disc].blames(self.ticks, body, touches_alone)
+        };
+        let contacts = keep_apart(&mut movers, &is_at_fault);
+        let is_struck = |robot: usize, other: usize| {
+            let approaches = wanted[robot].approaches(&wanted[other]);
+            wanted[robot].clashes(&wanted[other]) && !(approaches && is_at_fault(robot, other))
+        };
+        let struck: Vec<Vec<bool>> = (0..robots)
+            .map(|robot| (robots..movers.len()).map(|other| is_struck(robot, other)).collect())
+            .collect();
+        for (robot, sightings) in self.sightings.iter_mut().enumerate() {
+            for (disc, sighting) in sightings.iter_mut().enumerate() {
+                let gap_m = movers[robot].gap_m(&movers[robots + disc]);
+                let body = self.robots[robot].body();
+                sighting.ended(self.ticks, body, struck[robot][disc], gap_m);
+            }
+        }
         for (index, (robot, (body, result))) in self.robots.iter_mut().zip(after).enumerate() {
             let mover = movers[index];
             let gaps = (0..movers.len()).filter(|&other| other != index);
@@ -131,6 +183,18 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
             }
         }
     }
+}
+
+/// A reading of a disc errs by this at most: noise, metres.
+const SIGHTING_TOLERANCE_M: f64 = 0.1;
+
+/// Whether a range reading is of this disc, not of an obstacle before it.
+fn is_of(reading: &RangeReading, body: &Body, truth: &World, disc: &Circle) -> bool {
+    let (from, heading_rad) = (body.position, body.heading_rad + f64::from(reading.bearing_rad));
+    world::range_of_disc(from, heading_rad, disc.centre, disc.radius_m).is_some_and(|range_m| {
+        let error_m = (f64::from(reading.distance_m) - range_m).abs();
+        error_m <= SIGHTING_TOLERANCE_M && truth.range(from, heading_rad, range_m).is_none()
+    })
 }
 
 /// A disc on its path.
@@ -183,6 +247,11 @@ impl Mover {
         between - self.radius_m - other.radius_m
     }
 
+    /// The same at rest.
+    fn standing(&self) -> Self {
+        Self { after: self.before, ..*self }
+    }
+
     /// Whether this mover moves towards where the other one was.
     fn approaches(&self, other: &Self) -> bool {
         let along = |axis: usize| {
@@ -200,16 +269,17 @@ impl Mover {
 /// What happened between a mover and the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Contact {
-    /// It moved towards what it touched.
+    /// It moved towards what it touched, and is to blame.
     has_touched: bool,
-    /// Something touched it that it did not move towards.
+    /// Something touched it that it did not move towards, or could not stop for.
     was_struck: bool,
 }
 
 /// Puts robots and discs that would overlap back to where they were before the tick, and returns
 /// the contacts of each mover. Of two that clash, those go back that move towards the other: none
 /// has precedence. A mover that goes back may block another one, which then goes back too.
-fn keep_apart(movers: &mut [Mover]) -> Vec<Contact> {
+/// `is_at_fault` tells of a robot and what it moves towards whether the robot is to blame.
+fn keep_apart(movers: &mut [Mover], is_at_fault: &dyn Fn(usize, usize) -> bool) -> Vec<Contact> {
     let mut contacts = vec![Contact::default(); movers.len()];
     loop {
         let seen: Vec<Mover> = movers.to_vec();
@@ -217,13 +287,16 @@ fn keep_apart(movers: &mut [Mover]) -> Vec<Contact> {
         for (index, mover) in movers.iter_mut().enumerate() {
             let others = seen.iter().enumerate().filter(|&(other, _)| other != index);
             let clashing = others.filter(|(_, other)| seen[index].clashes(other));
-            for (_, other) in clashing {
-                if seen[index].approaches(other) {
-                    contacts[index].has_touched = true;
+            for (other_index, other) in clashing {
+                let approaches = seen[index].approaches(other);
+                let is_to_blame = approaches && (mover.is_disc || is_at_fault(index, other_index));
+                contacts[index].has_touched |= is_to_blame;
+                contacts[index].was_struck |= !is_to_blame;
+                // A disc waits where it would overlap a robot, which goes on if that suffices.
+                let suffices = other.is_disc && !seen[index].clashes(&other.standing());
+                if approaches && !(suffices && other.approaches(&seen[index])) {
                     mover.after = mover.before;
                     is_changed = true;
-                } else {
-                    contacts[index].was_struck = true;
                 }
             }
         }
@@ -336,7 +409,7 @@ mod tests {
         let mut movers = [robot(0.0, 0.0), robot(0.7, 0.5), robot(1.4, 1.2), robot(2.5, 2.4)];
         let touched = Contact { has_touched: true, was_struck: false };
         let struck = Contact { has_touched: false, was_struck: true };
-        let contacts = keep_apart(&mut movers);
+        let contacts = keep_apart(&mut movers, &|_, _| true);
         assert_eq!((contacts[0], contacts[3]), (struck, Contact::default()));
         assert!(contacts[1].has_touched && contacts[2] == touched, "{contacts:?}");
         assert_eq!(movers.map(|mover| mover.after[0]), [0.0, 0.7, 1.4, 2.4]);
@@ -352,7 +425,7 @@ mod tests {
             is_disc: false,
         };
         let mut movers = [robot(0.0, 0.4), robot(0.4, 0.0)];
-        assert!(keep_apart(&mut movers).iter().all(|contact| contact.has_touched));
+        assert!(keep_apart(&mut movers, &|_, _| true).iter().all(|contact| contact.has_touched));
         assert_eq!(movers.map(|mover| mover.after[0]), [0.0, 0.4]);
     }
 

@@ -17,6 +17,8 @@ pub struct Numbers {
     pub interval: [f64; 2],
     /// Share of runs with a contact.
     pub contacts: f64,
+    /// Share of runs in which a disc ran into the robot.
+    pub strikes: f64,
     /// Mean time of the successful runs, seconds.
     pub time_s: f64,
     /// Mean of time over the time of the shortest path at top speed, over the successful runs.
@@ -47,6 +49,7 @@ impl Numbers {
             success: share(successes.len()),
             interval: wilson(successes.len(), driven.len()),
             contacts: share(count(&|run| run.contacts > 0)),
+            strikes: share(count(&|run| run.strikes > 0)),
             time_s: mean(&|run| run.time_s),
             stretch: mean(&|run| run.time_s / run.optimal_s),
             turn_per_m: mean(&|run| run.turn_rad / run.distance_m),
@@ -70,7 +73,7 @@ pub fn wilson(part: usize, whole: usize) -> [f64; 2] {
 }
 
 /// What a row differs in, for people.
-fn name(setting: &Setting) -> String {
+pub fn name(setting: &Setting) -> String {
     let mut name = match setting.unmapped_percent {
         0 => "mapped".to_owned(),
         100 => "unmapped".to_owned(),
@@ -96,7 +99,7 @@ fn grouped(runs: &[Run]) -> Vec<(Row, Vec<&Run>)> {
 pub fn text(runs: &[Run]) -> String {
     let mut text = String::from(
         "suite       setting                 vehicle       runs  success (95 %)      contacts  \
-         time s  x shortest  turn/m  closest m  score\n",
+         struck  time s  x shortest  turn/m  closest m  score\n",
     );
     for (row, runs) in grouped(runs) {
         let numbers = Numbers::of(&runs);
@@ -112,7 +115,7 @@ pub fn text(runs: &[Run]) -> String {
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
-            "{:<10}  {:<22}  {:<12}  {:>4}  {:.3} ({:.3}-{:.3})  {:>8.3}  {time_s:>6}  \
+            "{:<10}  {:<22}  {:<12}  {:>4}  {:.3} ({:.3}-{:.3})  {:>8.3}  {:>6.3}  {time_s:>6}  \
              {stretch:>10}  {turn_per_m:>6}  {closest:>9}  {:.3}",
             row.suite.name(),
             name(&row.setting),
@@ -122,6 +125,7 @@ pub fn text(runs: &[Run]) -> String {
             low,
             high,
             numbers.contacts,
+            numbers.strikes,
             numbers.score,
         );
         if numbers.without_route > 0 {
@@ -147,6 +151,7 @@ pub fn json(runs: &[Run]) -> String {
             "success": numbers.success,
             "success_interval": numbers.interval,
             "contacts": numbers.contacts,
+            "struck": numbers.strikes,
             "time_s": numbers.time_s,
             "stretch": numbers.stretch,
             "turn_per_m": numbers.turn_per_m,
@@ -176,6 +181,7 @@ mod tests {
             has_route: number != 9,
             is_reached,
             contacts,
+            strikes: contacts / 2,
             time_s,
             optimal_s: 5.0,
             distance_m: 10.0,
@@ -211,6 +217,7 @@ mod tests {
         assert_eq!((numbers.runs, numbers.without_route), (3, 1));
         assert!((numbers.success - 1.0 / 3.0).abs() < 1e-12);
         assert!((numbers.contacts - 1.0 / 3.0).abs() < 1e-12);
+        assert!((numbers.strikes - 1.0 / 3.0).abs() < 1e-12);
         assert_eq!((numbers.time_s, numbers.stretch, numbers.turn_per_m), (10.0, 2.0, 0.4));
         assert_eq!(numbers.closest_m, 0.1);
         assert!((numbers.score - 0.5 / 3.0).abs() < 1e-12);

@@ -1,0 +1,302 @@
+//! Finds obstacles that come closer by themselves, from earlier scans.
+//!
+//! A reading shows a moving obstacle if it lies where an earlier scan showed free space: that
+//! scan's reading in the same direction was farther away. What was hidden behind another obstacle
+//! was not shown free, so a post that comes out from behind another one does not count as moving,
+//! and neither does a wall that the robot drives along. The obstacle moved from the nearest place
+//! where the earlier scan showed something; the way from there and the time between the scans give
+//! its velocity.
+//!
+//! The robot's own motion is taken out: its odometry relates the places of the two scans. What the
+//! odometry does not measure, such as a boat's drift, appears as motion of the obstacles, and the
+//! brakes count with it likewise.
+//!
+//! Memory is a fixed number of scans. Rings with fewer than eight sectors are not covered: a sector
+//! wider than [`SECTOR_RAD`] to both sides of a reading may hide obstacles that count as free space.
+
+use math::{Vec2, scalar, vector};
+use robot_io::limits::MAX_RANGES;
+use robot_io::{Percepts, RangeReading};
+use serde::{Deserialize, Serialize};
+
+use crate::drive::Twist;
+use crate::obstacles::{LEAST_DISTANCE_M, SECTOR_RAD};
+
+/// Scans that are kept.
+const SCANS: usize = 5;
+/// Time between two scans that are kept, microseconds.
+const SPACING_US: u64 = 100_000;
+/// Scans of these ages or older are compared, microseconds. An older one shows slow obstacles, a
+/// younger one those that have just come into view.
+const LEAST_AGES_US: [u64; 2] = [400_000, 200_000];
+/// An older scan shows nothing about the present, microseconds.
+const MOST_AGE_US: u64 = 1_000_000;
+
+/// Free space ends this much before a reading: noise, metres.
+const BLUR_M: f32 = 0.06;
+/// It also ends before it by this share of the distance: edges and corners between two beams.
+const BLUR_SHARE: f32 = 0.03;
+
+/// This far from its middle the beams of a sector surely cover it, as a share of its angle.
+const WITHIN: f32 = 0.3;
+
+/// Nothing moves faster than this: an obstacle that seems to was not seen before, m/s.
+pub const FASTEST_MPS: f32 = 2.0;
+
+/// Earlier scans and where they were taken. Part of the controller's state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Closing {
+    /// Where the odometry has carried the robot, metres and radians, from an arbitrary origin.
+    position_m: [f32; 2],
+    heading_rad: f32,
+    /// Time of the last scan, kept or not.
+    scan_us: Option<u64>,
+    scans: [Scan; SCANS],
+    /// Index of the scan that the next one replaces.
+    next: u8,
+}
+
+/// The readings of one moment, by sector.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Scan {
+    /// When it was taken; `None` before.
+    time_us: Option<u64>,
+    position_m: [f32; 2],
+    heading_rad: f32,
+    /// The nearest reading of each sector in the robot's axes of that moment, metres; zero without.
+    nearest_m: [[f32; 2]; MAX_RANGES],
+}
+
+impl Closing {
+    /// Takes over the scan of this tick's percepts, if it is a new one. `twist` is the robot's
+    /// motion in the `elapsed_s` since the last tick.
+    pub fn update(&mut self, percepts: &Percepts, twist: &Twist, elapsed_s: f32) {
+        let turned_rad = twist.turn_rate_radps * elapsed_s;
+        let chord = vector::from_angle(self.heading_rad + 0.5 * turned_rad);
+        let position = Vec2::from(self.position_m) + chord * (twist.speed_mps * elapsed_s);
+        self.position_m = position.into();
+        self.heading_rad = scalar::wrap_angle(self.heading_rad + turned_rad);
+        let Some(scan_us) = percepts.scan_us.filter(|_| percepts.scan_us != self.scan_us) else {
+            return;
+        };
+        self.scan_us = Some(scan_us);
+        let last = (usize::from(self.next) + SCANS - 1) % SCANS;
+        let last_us = self.scans.get(last).and_then(|scan| scan.time_us);
+        if last_us.is_some_and(|last_us| scan_us > last_us && scan_us - last_us < SPACING_US) {
+            return;
+        }
+        if let Some(scan) = self.scans.get_mut(usize::from(self.next)) {
+            *scan = Scan::of(&percepts.ranges, scan_us, self.position_m, self.heading_rad);
+            self.next = (self.next + 1) % SCANS as u8;
+        }
+    }
+
+    /// What earlier scans show about the present one.
+    pub fn compared(&self) -> [Option<Compared<'_>>; 2] {
+        LEAST_AGES_US.map(|least_us| self.compared_after(least_us))
+    }
+
+    fn compared_after(&self, least_us: u64) -> Option<Compared<'_>> {
+        let now_us = self.scan_us?;
+        let old_enough = self.scans.iter().filter_map(|scan| {
+            let age_us = now_us.checked_sub(scan.time_us?)?;
+            (least_us..=MOST_AGE_US).contains(&age_us).then_some((age_us, scan))
+        });
+        let (age_us, scan) = old_enough.min_by_key(|(age_us, _)| *age_us)?;
+        let moved = Vec2::from(self.position_m) - Vec2::from(scan.position_m);
+        Some(Compared {
+            scan,
+            age_s: age_us as u32 as f32 * 1e-6,
+            moved: vector::rotated(moved, -scan.heading_rad),
+            turned: vector::from_angle(self.heading_rad - scan.heading_rad),
+        })
+    }
+}
+
+impl Scan {
+    fn of(readings: &[RangeReading], time_us: u64, position_m: [f32; 2], heading_rad: f32) -> Self {
+        let mut nearest_m = [[0.0; 2]; MAX_RANGES];
+        for reading in readings {
+            let distance_m = reading.distance_m.max(LEAST_DISTANCE_M);
+            let (sector, _) = sectors(reading.bearing_rad);
+            let Some(nearest) = nearest_m.get_mut(sector) else { continue };
+            let is_nearer =
+                *nearest == [0.0; 2] || vector::length(Vec2::from(*nearest)) > distance_m;
+            if is_nearer {
+                *nearest = (vector::from_angle(reading.bearing_rad) * distance_m).into();
+            }
+        }
+        Self { time_us: Some(time_us), position_m, heading_rad, nearest_m }
+    }
+
+    fn nearest_m(&self, sector: usize) -> Option<f32> {
+        let nearest = Vec2::from(*self.nearest_m.get(sector)?);
+        (nearest != Vec2::zeros()).then(|| vector::length(nearest))
+    }
+
+    /// How far the space in the direction of `bearing_rad` was free, metres; 0 if that is unknown.
+    /// An obstacle at the edge of a sector may fall between the beams of two.
+    fn free_m(&self, bearing_rad: f32) -> f32 {
+        let (sector, beside) = sectors(bearing_rad);
+        let both = [self.nearest_m(sector), self.nearest_m(beside)];
+        both.into_iter().flatten().reduce(f32::min).unwrap_or(0.0)
+    }
+}
+
+/// How far a reading at this distance may err, metres.
+fn blurred_m(distance_m: f32) -> f32 {
+    distance_m + BLUR_M + BLUR_SHARE * distance_m
+}
+
+/// The sector of a bearing and the one that may cover it too: the same, or at an edge the next one.
+fn sectors(bearing_rad: f32) -> (usize, usize) {
+    const COUNT: i32 = MAX_RANGES as i32;
+    let along = bearing_rad / SECTOR_RAD;
+    let sector = scalar::floor(along + 0.5);
+    let offset = along - sector;
+    let beside = i32::from(offset > WITHIN) - i32::from(offset < -WITHIN);
+    let index = |sector: i32| sector.rem_euclid(COUNT) as usize;
+    (index(sector as i32), index(sector as i32 + beside))
+}
+
+/// An earlier scan and how the robot has moved since.
+#[derive(Clone, Copy, Debug)]
+pub struct Compared<'s> {
+    scan: &'s Scan,
+    /// Time between the scans, seconds.
+    age_s: f32,
+    /// Where the robot is now, in its axes of then, metres.
+    moved: Vec2,
+    /// Its heading now in its axes of then, as a vector of length 1.
+    turned: Vec2,
+}
+
+impl Compared<'_> {
+    /// The velocity of the obstacle at `point`, m/s in the robot's axes; zero if it stands or if
+    /// nothing shows that it moves.
+    pub fn velocity(&self, point: Vec2) -> Vec2 {
+        let (cos, sin) = (self.turned.x, self.turned.y);
+        let then =
+            self.moved + Vec2::new(cos * point.x - sin * point.y, sin * point.x + cos * point.y);
+        let distance_m = vector::length(then);
+        if blurred_m(distance_m) >= self.scan.free_m(vector::angle(then)) {
+            return Vec2::zeros();
+        }
+        let seen = self.scan.nearest_m.iter().map(|&seen| Vec2::from(seen));
+        let ways = seen.filter(|seen| *seen != Vec2::zeros()).map(|seen| then - seen);
+        let shorter = |a: Vec2, b: Vec2| if b.norm_squared() < a.norm_squared() { b } else { a };
+        let Some(way) = ways.reduce(shorter) else { return Vec2::zeros() };
+        let velocity = way / self.age_s;
+        if velocity.norm_squared() > FASTEST_MPS * FASTEST_MPS {
+            return Vec2::zeros();
+        }
+        Vec2::new(cos * velocity.x + sin * velocity.y, cos * velocity.y - sin * velocity.x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A post of this radius.
+    type Post = ([f32; 2], f32);
+
+    /// What a ring of 16 sectors with 4 beams each reports of these posts.
+    fn ring(robot: [f32; 2], heading_rad: f32, posts: &[Post], noise_m: f32) -> Percepts {
+        let mut percepts = Percepts::default();
+        for sector in 0..16 {
+            let beams = (0..4).map(|beam| {
+                let bearing_rad = ((4 * sector + beam) as f32 - 1.5) * scalar::TAU / 64.0;
+                let along = vector::from_angle(heading_rad + bearing_rad);
+                let hits = posts.iter().filter_map(|&(centre, radius_m)| {
+                    let to = Vec2::from(centre) - Vec2::from(robot);
+                    let (ahead, aside) = (to.dot(&along), to.x * along.y - to.y * along.x);
+                    let half = radius_m * radius_m - aside * aside;
+                    (half >= 0.0 && ahead > 0.0).then(|| ahead - scalar::sqrt(half))
+                });
+                (bearing_rad, hits.fold(10.0, f32::min))
+            });
+            let (bearing_rad, distance_m) =
+                beams.reduce(|a, b| if b.1 < a.1 { b } else { a }).unwrap();
+            if distance_m < 10.0 {
+                let bearing_rad = scalar::wrap_angle(bearing_rad);
+                let distance_m = distance_m + noise_m * if sector % 2 == 0 { 1.0 } else { -1.0 };
+                percepts.ranges.push(RangeReading { bearing_rad, distance_m }).unwrap();
+            }
+        }
+        percepts
+    }
+
+    /// Drives for a second and reports the fastest velocity of a reading nearer than 3 m that
+    /// appeared at its end. `posts` gives the posts of a tick.
+    fn fastest(twist: Twist, noise_m: f32, posts: impl Fn(f32) -> [Post; 3]) -> Vec2 {
+        let mut closing = Closing::default();
+        let (mut robot, mut heading_rad) = (Vec2::zeros(), 0.0);
+        let mut fastest = Vec2::zeros();
+        for tick in 0..=20_u8 {
+            let elapsed_s = if tick == 0 { 0.0 } else { 0.05 };
+            let turned_rad = twist.turn_rate_radps * elapsed_s;
+            robot +=
+                vector::from_angle(heading_rad + 0.5 * turned_rad) * (twist.speed_mps * elapsed_s);
+            heading_rad += turned_rad;
+            let noise_m = if tick % 3 == 0 { noise_m } else { -noise_m };
+            let seen = ring(robot.into(), heading_rad, &posts(f32::from(tick) * 0.05), noise_m);
+            let percepts = Percepts { scan_us: Some(u64::from(tick) * 50_000), ..seen };
+            closing.update(&percepts, &twist, elapsed_s);
+            for reading in percepts.ranges.iter().filter(|reading| reading.distance_m < 3.0) {
+                let point = vector::from_angle(reading.bearing_rad) * reading.distance_m;
+                for compared in closing.compared().iter().flatten() {
+                    let velocity = compared.velocity(point);
+                    if velocity.norm_squared() > fastest.norm_squared() {
+                        fastest = velocity;
+                    }
+                }
+            }
+        }
+        fastest
+    }
+
+    const STANDING: Twist = Twist { speed_mps: 0.0, turn_rate_radps: 0.0 };
+    const FAR: Post = ([0.0, -9.0], 0.3);
+
+    #[test]
+    fn an_obstacle_that_comes_has_its_speed_and_direction() {
+        let driving = Twist { speed_mps: 1.0, turn_rate_radps: 0.0 };
+        let turning = Twist { speed_mps: 0.8, turn_rate_radps: 1.0 };
+        for (twist, noise_m) in [(STANDING, 0.0), (STANDING, 0.02), (driving, 0.0), (driving, 0.02)]
+        {
+            let velocity = fastest(twist, noise_m, |s| [([3.5 - s, 0.0], 0.25), FAR, FAR]);
+            let error = velocity - Vec2::new(-1.0, 0.0);
+            let most_mps = 0.15 + 12.0 * noise_m;
+            assert!(vector::length(error) < most_mps, "{twist:?} {noise_m}: {velocity:?}");
+        }
+        let velocity = fastest(turning, 0.0, |s| [([2.5 - s, 0.3], 0.25), FAR, FAR]);
+        assert!((vector::length(velocity) - 1.0).abs() < 0.4, "{velocity:?}");
+    }
+
+    /// A wall of posts, a post that comes into view from behind another one, and posts beside a
+    /// robot that turns.
+    #[test]
+    fn what_stands_has_no_velocity() {
+        let driving = Twist { speed_mps: 1.5, turn_rate_radps: 0.0 };
+        let turning = Twist { speed_mps: 0.7, turn_rate_radps: 1.5 };
+        let hidden: [Post; 3] = [([1.5, -0.6], 0.2), ([2.3, -0.95], 0.2), FAR];
+        let wall: [Post; 3] = [([4.0, 3.0], 2.0), ([8.0, 3.0], 2.0), ([3.2, -0.5], 0.25)];
+        for noise_m in [0.0, 0.02] {
+            for (twist, posts) in
+                [(driving, hidden), (driving, wall), (turning, hidden), (turning, wall)]
+            {
+                let velocity = fastest(twist, noise_m, |_| posts);
+                assert_eq!(velocity, Vec2::zeros(), "{noise_m} {twist:?} {posts:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_leaps_was_not_seen_before() {
+        // A post that appears 1.6 m nearer within a tick.
+        let velocity =
+            fastest(STANDING, 0.0, |s| [([if s < 0.7 { 3.8 } else { 2.2 }, 0.0], 0.3), FAR, FAR]);
+        assert_eq!(velocity, Vec2::zeros());
+    }
+}
