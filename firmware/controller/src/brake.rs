@@ -10,10 +10,13 @@
 //! - A robot that is too fast for the wanted arc brakes as hard as it can, and stays on the arc that
 //!   the last tick found safe.
 //!
+//! - An obstacle that moves by itself ([`crate::closing`]) counts wherever it may be until the robot
+//!   stands: on its own way, and straight towards the robot at its speed.
+//!
 //! Invariant: if the robot obeys, and obstacles stand still and appear no nearer than its stopping
 //! distance, it touches nothing, whatever the gains. Turning on the spot moves nothing outside the
-//! body's circle and stays allowed. A boat's drift is an estimate, so the invariant does not cover
-//! boats.
+//! body's circle and stays allowed. The velocity of a moving obstacle and a boat's drift are
+//! estimates, so the invariant covers neither.
 
 use plan_format::parameters::{Steering, Vehicle};
 

@@ -4,10 +4,7 @@ use math::{Vec2, scalar, vector};
 use robot_io::RangeReading;
 use robot_io::limits::MAX_RANGES;
 
-use crate::closing::Compared;
-
-/// A reading nearer than this counts as this far away, metres: at 0 it would have no direction.
-pub(crate) const LEAST_DISTANCE_M: f32 = 0.01;
+use crate::closing::{Compared, LEAST_DISTANCE_M, SECTOR_RAD};
 
 /// Share of the distance to a point that the body may use up by passing it. A body that is nearer
 /// to a point than it should be may pass it and leave it, and approach it a little.
@@ -22,10 +19,6 @@ const MOST_PLACES: f32 = 8.0;
 /// A way that turns by less than this is straight, radians: its end is off by less than the
 /// length times half of this.
 const STRAIGHT_RAD: f32 = 0.01;
-
-/// Angle of a sector of the range finder, which reports its nearest obstacle only. The first one is
-/// centred ahead.
-pub(crate) const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
 
 /// Directions of the edges of the sectors 0 to 8 that are nearer to straight ahead, on the left.
 const EDGES: [Vec2; MAX_RANGES / 2 + 1] = [

@@ -166,3 +166,14 @@ fn a_fast_robot_is_fast() {
     arrives(simulation.robots()[0].outcome(), "6 m/s");
     assert!((2.5..=6.0).contains(&fastest_mps), "{fastest_mps} m/s");
 }
+
+/// A contact that a user reported: 6 m/s with the usual sensors, past the kiosk and the obstacle.
+#[test]
+fn a_fast_robot_with_usual_sensors_touches_nothing() {
+    for base in ["", "base_speed = 6\n"] {
+        let scenario = scenario(&format!("[vehicle]\nmax_speed = 6\n{base}"), "");
+        let outcome = scenario.run(robot(&scenario)).expect("the robot answers");
+        arrives(&outcome, "6 m/s, usual sensors");
+        assert!(outcome.time_s < 20.0, "{outcome:?}");
+    }
+}
