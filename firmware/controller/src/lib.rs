@@ -141,6 +141,7 @@ pub mod drive;
 pub mod guidance;
 pub mod limit;
 pub mod obstacles;
+mod odometry;
 pub mod ranges;
 pub mod sense;
 mod slip;
@@ -245,7 +246,7 @@ pub struct Blend {
 pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Explanation {
     let mut percepts = percepts.sanitised();
     let sensed = sense::sense(blob, &mut state.track, &percepts);
-    state.track.carry_ranges(&mut percepts);
+    state.track.correct(&mut percepts);
     state.arming.update(blob, &percepts, &sensed);
     let mut report = behaviour::Report::default();
     let position = sensed.position.ok();

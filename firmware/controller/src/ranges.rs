@@ -76,13 +76,13 @@ const NOISY_SHARE: f32 = 0.1;
 const REPEATED_COUNT: u8 = 3;
 
 /// A leap counts if this many readings leap in one direction, if they are half of all, and if
-/// hardly any stays as it is.
+/// none stays as it is.
 const LEAP_COUNT: u8 = 4;
 /// Angle of a sector.
 const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
 
 /// A reading leaps if it changes by more than this, metres.
-const LEAP_M: f32 = 0.2;
+const LEAP_M: f32 = 0.25;
 /// It may change by this much more for each metre that the robot has moved.
 const LEAP_PER_M: f32 = 1.0;
 /// It may change by this much more for each second: obstacles move, m/s.
@@ -95,7 +95,9 @@ const LEAP_WITHIN_RAD: f32 = 0.15;
 const BACK_M: f32 = 0.2;
 
 /// A scan after this time without one may be late, microseconds.
-const GAP_US: u64 = 250_000;
+const GAP_US: u64 = 400_000;
+/// After a longer time the clock was set, microseconds.
+const LONGEST_GAP_US: u64 = 5_000_000;
 /// Readings that differ by less than this are as before, metres.
 const SAME_M: f32 = 0.12;
 /// What the robot must have done in between, metres and radians, and the share of readings that
@@ -275,9 +277,8 @@ impl RangeTrack {
     /// Takes over a new scan. Returns whether it is sound.
     fn hear(&mut self, percepts: &Percepts, scan_us: Option<u64>) -> bool {
         let is_garbled = percepts.garbled_ranges > 0;
-        let has_gap = |us: u64, last_us: u64| us.saturating_sub(last_us) > GAP_US;
-        let is_after_gap = scan_us.zip(self.heard_us).is_some_and(|(us, last)| has_gap(us, last));
         let elapsed_us = scan_us.zip(self.heard_us).map_or(0, |(us, last)| us.saturating_sub(last));
+        let is_after_gap = (GAP_US..LONGEST_GAP_US).contains(&elapsed_us);
         let elapsed_s = elapsed_us.min(GAP_US) as u32 as f32 * 1e-6;
         let most_m = LEAP_M + LEAP_PER_M * self.since_m + LEAP_MPS * elapsed_s;
         let differences = self.compared(&percepts.ranges, most_m);
@@ -360,9 +361,7 @@ impl Differences {
 
     /// By how much most readings have leapt in one direction, metres; 0 if they have not.
     fn leap_m(&self) -> f32 {
-        let are_most = |count: u8| {
-            count >= LEAP_COUNT && 2 * count >= self.count && 8 * self.same <= self.count
-        };
+        let are_most = |count: u8| count >= LEAP_COUNT && 2 * count >= self.count && self.same == 0;
         if are_most(self.grown) {
             self.grown_m / f32::from(self.grown)
         } else if are_most(self.shrunk) {

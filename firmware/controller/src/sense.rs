@@ -12,15 +12,16 @@
 //! drives by it, the course corrects it.
 //!
 //! Without odometry or gyroscope, the last commands stand in for speed or turn rate; so they do
-//! for readings that the vehicle cannot reach.
+//! for readings that the vehicle cannot reach or that [`crate::odometry`] doubts.
 
 use math::{MapFrame, Vec2, scalar, vector};
 use plan_format::Blob;
-use plan_format::parameters::{FixPolicy, Steering, Vehicle};
+use plan_format::parameters::{FixPolicy, Parameters, Steering, Vehicle};
 use robot_io::{Commands, Fix, Percepts, Pose, Reason, Receiver};
 use serde::{Deserialize, Serialize};
 
 use crate::compass::{Compass, Evidence};
+use crate::odometry::Odometry;
 use crate::ranges::{RangeTrack, RangeTrust};
 use crate::slip::{Slip, Verdict};
 use crate::source::{Anchor, Source};
@@ -44,6 +45,10 @@ const LEAP_RAD: f32 = 0.5;
 
 /// The clock stands still if it has had one time for this many ticks.
 const STANDING_TICKS: u8 = 10;
+/// Doubt for one leap of the clock back; each tick without one takes 1 away.
+const LEAP_DOUBT: u8 = 20;
+/// With this doubt the clock is wrong: it may be set now and then, not again and again.
+const CLOCK_DOUBT: u8 = 50;
 
 /// The robot stops to creep after this time without a heading, seconds. At the speed of creeping a
 /// receiver gives a course after one or two.
@@ -66,7 +71,7 @@ pub struct Sensed {
     pub may_creep: bool,
     /// How far the range readings can be trusted.
     pub ranges: RangeTrust,
-    /// The clock stands still.
+    /// The clock stands still, or leaps again and again.
     pub is_clock_stopped: bool,
     /// Wheels turn, or should, and the robot does not move.
     pub is_stuck: bool,
@@ -95,9 +100,13 @@ pub struct Track {
     now_us: u64,
     /// Ticks since the clock last advanced.
     standing_ticks: u8,
+    clock_doubt: u8,
     fixes: Source,
     poses: Source,
     slip: Slip,
+    odometry: Odometry,
+    /// Speed and turn rate that count in this tick, m/s and rad/s.
+    twist: (f32, f32),
     compass: Compass,
     ranges: RangeTrack,
     /// Time of the last course, for the time between two.
@@ -135,9 +144,13 @@ impl Track {
         self.is_creeping = commands.reason == Reason::NoHeading && commands.speed_mps != 0.0;
     }
 
-    /// Puts the readings of the last sound scan in place of others, see [`RangeTrack::carry`].
-    pub fn carry_ranges(&self, percepts: &mut Percepts) {
+    /// Puts what counts in the place of readings that do not: the last sound scan, see
+    /// [`RangeTrack::carry`], and the speed and turn rate that the robot believes.
+    pub fn correct(&self, percepts: &mut Percepts) {
         self.ranges.carry(percepts);
+        let (speed_mps, turn_rate_radps) = self.twist;
+        percepts.speed_mps = percepts.speed_mps.map(|_| speed_mps);
+        percepts.turn_rate_radps = percepts.turn_rate_radps.map(|_| turn_rate_radps);
     }
 
     /// Sets the clock. Returns the time since the last tick, seconds.
@@ -145,7 +158,8 @@ impl Track {
         if now_us < self.now_us {
             // The clock ran backwards: earlier percepts belong to another history.
             let (fixes, poses) = (self.fixes.restarted(), self.poses.restarted());
-            *self = Self { fixes, poses, now_us, ..Self::default() };
+            let clock_doubt = self.clock_doubt.saturating_add(LEAP_DOUBT);
+            *self = Self { fixes, poses, now_us, clock_doubt, ..Self::default() };
             return 0.0;
         }
         let stands = now_us == self.now_us;
@@ -155,21 +169,24 @@ impl Track {
             self.fixes.clock_was_set();
             self.poses.clock_was_set();
         }
+        self.clock_doubt = self.clock_doubt.saturating_sub(1);
         self.now_us = now_us;
         step_us.min(LONGEST_STEP_US) as u32 as f32 * 1e-6
     }
 
-    /// Speed and turn rate: measured ones if the vehicle can reach them, else the last commands.
-    fn twist(&self, percepts: &Percepts, vehicle: &Vehicle, elapsed_s: f32) -> Twist {
+    /// Speed and turn rate: measured ones if [`crate::odometry`] trusts them and the vehicle can
+    /// reach them, else by the last commands.
+    fn twist(&mut self, percepts: &Percepts, vehicle: &Vehicle, elapsed_s: f32) -> Twist {
         let within = |most: f32| move |x: &f32| x.abs() <= LIMIT_SHARE * most + LIMIT_MARGIN;
         let turn_rate = percepts.turn_rate_radps.filter(within(vehicle.max_turn_rate_radps));
         let speed = percepts.speed_mps.filter(within(vehicle.max_speed_mps));
-        Twist {
-            speed_mps: speed.unwrap_or(self.speed_mps),
-            turn_rate_radps: turn_rate.unwrap_or(self.turn_rate_radps),
-            is_turn_measured: turn_rate.is_some(),
-            elapsed_s,
-        }
+        let commanded = (self.speed_mps, self.turn_rate_radps);
+        let compass_rad = percepts.heading_rad.filter(|_| !self.compass.is_wrong());
+        let readings = (speed, turn_rate);
+        self.twist = self.odometry.judge(readings, commanded, compass_rad, vehicle, elapsed_s);
+        let (speed_mps, turn_rate_radps) = self.twist;
+        let is_turn_measured = turn_rate.is_some() && self.odometry.is_turn_sound();
+        Twist { speed_mps, turn_rate_radps, is_turn_measured, elapsed_s }
     }
 
     /// Dead-reckons one step.
@@ -232,8 +249,9 @@ impl Track {
         fix: &Fix,
         frame: &MapFrame,
         twist: &Twist,
-        policy: &FixPolicy,
+        parameters: &Parameters,
     ) -> (Option<f32>, bool) {
+        let (policy, vehicle) = (&parameters.fixes, &parameters.vehicle);
         if !self.fixes.is_new(fix.time_us) {
             return (None, false);
         }
@@ -257,6 +275,9 @@ impl Track {
             frame.turned(east, north)
         });
         let speed_mps = velocity.map(vector::length);
+        if let Some(speed_mps) = speed_mps {
+            self.odometry.hear(speed_mps, vehicle);
+        }
         let is_stuck = !self.poses.is_fresh(self.now_us, policy)
             && self.arrive(&anchor, speed_mps, Leads::Fixes);
         let course_rad = velocity.filter(|_| speed_mps.is_some_and(|mps| mps > COURSE_SPEED_MPS));
@@ -337,7 +358,7 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
     let mut course_rad = None;
     let fix = percepts.fix.as_ref().filter(|_| !is_timeless);
     if let (Some(fix), Some(frame)) = (fix, blob.map_frame()) {
-        let (course, sticks) = track.hear_fix(fix, frame, &twist, &parameters.fixes);
+        let (course, sticks) = track.hear_fix(fix, frame, &twist, parameters);
         (course_rad, is_stuck) = (course, is_stuck | sticks);
     }
     let map_heading_rad = blob.origin().map(|origin| origin.heading_rad as f32);
@@ -347,6 +368,7 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
     if !percepts.operator.is_armed {
         // A new order to arm is a new attempt.
         track.compass.restart();
+        track.odometry.restart();
         track.fixes.unprove();
         track.poses.unprove();
     }
@@ -363,8 +385,9 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
         is_heading_wrong: track.compass.is_wrong() && !gives_course(percepts),
         may_creep: track.crept_s < LONGEST_CREEP_S,
         ranges,
-        is_clock_stopped: track.standing_ticks >= STANDING_TICKS,
-        is_stuck,
+        is_clock_stopped: track.standing_ticks >= STANDING_TICKS
+            || track.clock_doubt >= CLOCK_DOUBT,
+        is_stuck: is_stuck || track.odometry.are_motors_dead(),
         elapsed_s,
     }
 }

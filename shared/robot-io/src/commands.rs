@@ -86,7 +86,7 @@ pub enum Reason {
     WrongHeading,
     /// The robot is commanded to move and stays in one place.
     NoProgress,
-    /// The robot's clock stands still.
+    /// The robot's clock stands still, or leaps again and again.
     ClockStopped,
     /// The link to the operator is silent, and that disarmed the robot.
     LinkLost,

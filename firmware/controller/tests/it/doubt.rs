@@ -487,7 +487,7 @@ fn old_readings_are_where_the_obstacles_are_now() {
         };
         let blob = robot.blob;
         controller::explain(&blob, &mut robot.state, &percepts);
-        robot.state.track.carry_ranges(&mut percepts);
+        robot.state.track.correct(&mut percepts);
         let expected = posts(robot.position, robot.heading_rad, 0);
         for (reading, expected) in percepts.ranges.iter().zip(expected) {
             let at = |r: &RangeReading| vector::from_angle(r.bearing_rad) * r.distance_m;
@@ -533,6 +533,83 @@ fn a_clock_that_stands_stops_the_robot() {
         }
     });
     assert_eq!(story(reasons), [Reason::Driving, Reason::ClockStopped, Reason::Driving]);
+}
+
+/// Set once, a clock is right again; one that shows any time is not.
+#[test]
+fn a_clock_that_leaps_again_and_again_stops_the_robot() {
+    for (leaps, is_wrong) in [(1, false), (40, true)] {
+        let blob = field(Parameters::default());
+        let (_, reasons) = drive(&blob, 140, false, |index, percepts| {
+            if (100..100 + leaps).contains(&index) {
+                percepts.time_us = 1_000_000 * (index as u64 * 7_919 % 5_003);
+            }
+        });
+        assert_eq!(reasons[139] == Reason::ClockStopped, is_wrong, "{leaps}: {:?}", reasons[139]);
+    }
+}
+
+/// From tick 60 on the odometry is off, frozen, or any number; the receiver reports the truth.
+#[test]
+fn odometry_that_contradicts_commands_and_receiver_does_not_count() {
+    type Wrong<'a> = &'a dyn Fn(usize, f32, f32) -> f32;
+    let offset = |_: usize, _: f32, speed: f32| speed + 0.5;
+    let frozen = |_: usize, first: f32, _: f32| first;
+    let garbled = |index: usize, _: f32, _: f32| [0.0, 1.9, -1.2, 0.01, 1e9][index * 7 % 5];
+    let cases: [(&str, Wrong<'_>); 3] =
+        [("offset", &offset), ("frozen", &frozen), ("garbled", &garbled)];
+    for (name, wrong) in cases {
+        let blob = field(Parameters::default());
+        let blob = Blob::parse(&blob).expect("the blob is valid");
+        let mut robot = Robot::new(blob, START.0, START.1);
+        let (mut last, mut first) = (Commands::stop(Reason::NoFix), None);
+        for index in 0..300 {
+            let before = robot.clone();
+            last = robot.drive_with(|percepts| {
+                complete(&before, &last, false, percepts);
+                let speed = percepts.speed_mps.expect("odometry");
+                if index >= 60 {
+                    let first = *first.get_or_insert(speed);
+                    percepts.speed_mps = Some(wrong(index, first, speed));
+                }
+                // The robot starts and stops.
+                percepts.ranges = [].into_iter().collect();
+                if index % 100 > 70 {
+                    percepts.ranges = [ahead(0.4)].into_iter().collect();
+                }
+            });
+            // Twenty ticks after a start or a stop.
+            if index > 160 && (20..70).contains(&(index % 100)) {
+                let mut percepts = robot.percepts();
+                percepts.speed_mps = Some(9.0);
+                robot.state.track.correct(&mut percepts);
+                let off_mps = percepts.speed_mps.expect("odometry") - commanded_mps(&before);
+                assert!(off_mps.abs() < 0.35, "{name} {index}: {off_mps} m/s");
+            }
+        }
+    }
+}
+
+/// The speed that the last tick commanded, m/s.
+fn commanded_mps(robot: &Robot<'_>) -> f32 {
+    robot.state.commanded.now(&Percepts::default(), 0.0).twist.speed_mps
+}
+
+/// Neither odometry nor fixes show what is commanded.
+#[test]
+fn motors_that_do_not_answer_are_found_in_seconds() {
+    for noise_m in [0, 5] {
+        let blob = field(Parameters::default());
+        let (_, reasons) = drive(&blob, 300, false, |_, _| {});
+        assert_eq!(story(reasons), [Reason::Driving]);
+        let (_, reasons) = drive(&blob, 300, true, |index, percepts| {
+            percepts.fix.as_mut().expect("a fix").place.lat_e7 += noise_m * (index % 5) as i32;
+            (percepts.speed_mps, percepts.turn_rate_radps) = (Some(0.0), Some(0.0));
+        });
+        assert_eq!(story(reasons.clone()), [Reason::Driving, Reason::NoProgress]);
+        let stopped = reasons.iter().position(|&reason| reason == Reason::NoProgress).unwrap();
+        assert!(stopped < 70, "{stopped}");
+    }
 }
 
 /// The receiver claims velocities and never gives a course.

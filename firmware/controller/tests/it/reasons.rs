@@ -165,7 +165,9 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         let fix = p.fix.as_mut().unwrap();
         (fix.receiver_ms, fix.velocity_mmps) = (Some(50 * index as u32), Some([0, 0]));
     };
-    let turning = |_: usize, p: &mut Percepts| p.turn_rate_radps = Some(1.0);
+    let turning = |_: usize, p: &mut Percepts| {
+        (p.turn_rate_radps, p.heading_rad) = (Some(1.0), Some(-2.5));
+    };
     let same_time = |_: usize, p: &mut Percepts| p.time_us = 1_000_000;
     let moved = then(|p| p.fix.as_mut().unwrap().place.lat_e7 += 300);
     let low = |_: usize, p: &mut Percepts| p.inputs[0] = Some(9.0);
