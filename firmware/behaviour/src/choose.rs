@@ -5,10 +5,10 @@ use crate::{ACTIVITY, Behaviours, Context, Phase, behaviour_bit, behaviours_in};
 use heapless::Vec;
 use parts::Owner;
 use plan_format::limits::MAX_BEHAVIOURS;
-use plan_format::mission::{Behaviour, Condition, Facts, Mission, SwitchPoint};
+use plan_format::mission::{Behaviour, Condition, Description, Facts, Mission, SwitchPoint};
 
 /// The facts that an engaged behaviour may change.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Effects {
     may_add: Facts,
     may_delete: Facts,
@@ -18,19 +18,51 @@ impl Effects {
     /// The effects of a behaviour's plan and activities.
     pub(crate) fn of(mission: &Mission<'_>, behaviour: &Behaviour) -> Self {
         let frames = [Some(behaviour.root), behaviour.start_up, behaviour.shut_down];
-        let all = frames
-            .into_iter()
-            .flatten()
-            .filter_map(|index| mission.plan_frames().get(usize::from(index)));
-        all.fold(Self { may_add: 0, may_delete: 0 }, |effects, frame| Self {
-            may_add: effects.may_add | frame.may_add,
-            may_delete: effects.may_delete | frame.may_delete,
+        let none = Self::default();
+        frames.into_iter().fold(none, |all, frame| all.and(Self::of_frame(mission, frame)))
+    }
+
+    /// The effects of a frame, if there is one.
+    fn of_frame(mission: &Mission<'_>, frame: Option<u16>) -> Self {
+        let frame = frame.and_then(|index| mission.plan_frames().get(usize::from(index)));
+        frame.map_or(Self::default(), |frame| Self {
+            may_add: frame.may_add,
+            may_delete: frame.may_delete,
         })
     }
 
     /// Whether an effect may violate a protected condition.
     fn endanger(self, held: Condition) -> bool {
         held.must & self.may_delete != 0 || held.must_not & self.may_add != 0
+    }
+
+    /// The effects at the end of one component.
+    pub(crate) fn at_end(description: Description) -> Self {
+        Self {
+            may_add: description.add | description.goal.must,
+            may_delete: description.delete | description.goal.must_not,
+        }
+    }
+
+    /// Both effects together.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            may_add: self.may_add | other.may_add,
+            may_delete: self.may_delete | other.may_delete,
+        }
+    }
+
+    /// What is left of them for facts that a shut-down gives up in an orderly way.
+    fn without(self, freed: Self) -> Self {
+        Self {
+            may_add: self.may_add & !freed.may_add,
+            may_delete: self.may_delete & !freed.may_delete,
+        }
+    }
+
+    /// The part of a protected condition that these effects may not violate.
+    pub(crate) fn spared(self, held: Condition) -> Condition {
+        Condition { must: held.must & !self.may_delete, must_not: held.must_not & !self.may_add }
     }
 
     /// Whether it may change no fact.
@@ -122,6 +154,18 @@ impl Behaviours {
         excluding
     }
 
+    /// The other engaged behaviours that protect what effects may violate, one bit each.
+    pub(crate) fn protecting(&self, index: usize, effects: Effects) -> u16 {
+        behaviours_in(self.engaged & !behaviour_bit(index))
+            .filter(|&other| self.endangers_held(other, effects))
+            .fold(0, |set, other| set | behaviour_bit(other))
+    }
+
+    /// The resources of a set of behaviours.
+    pub(crate) fn resources_of(&self, behaviours: u16) -> u16 {
+        behaviours_in(behaviours).fold(0, |all, index| all | self.status(index).resources)
+    }
+
     /// The blocking behaviours that can be interrupted now, one bit each. The refusals of the
     /// others are reported.
     pub(crate) fn yielding(
@@ -155,6 +199,8 @@ impl Behaviours {
             _ if ran_us < u64::from(behaviour.dwell_ms) * 1_000 => return Some(Refusal::Dwell),
             _ => {}
         }
+        // What its shut-down gives up and its start-up restores need not be waited for.
+        let effects = effects.without(Effects::of_frame(mission, behaviour.shut_down));
         if self.is_acting(index) || self.endangers_held(index, effects) {
             return Some(Refusal::NoPointYet);
         }
@@ -188,7 +234,7 @@ impl Behaviours {
     }
 
     /// Whether an action of a behaviour's plan runs, so that the plan is between vertices.
-    fn is_acting(&self, index: usize) -> bool {
+    pub(crate) fn is_acting(&self, index: usize) -> bool {
         let forest = &self.plans.forest;
         let owner = |id| forest.get(id).map(|component| usize::from(component.owner));
         forest.running().any(|id| owner(id) == Some(index))

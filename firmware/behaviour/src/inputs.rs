@@ -228,7 +228,12 @@ impl Behaviours {
         }
     }
 
+    /// Measures progress while an action drives. A robot that stands by intent is not stuck.
     fn track_progress(&mut self, mission: &Mission<'_>, seen: &Observations<'_>) {
+        if !self.is_driving {
+            self.senses.forget_progress();
+            return;
+        }
         let Some(position) = seen.position else { return };
         let distances = mission.facts().iter().filter_map(|fact| match fact.kind {
             FactKind::NoProgress { distance_m, .. } => Some(distance_m),

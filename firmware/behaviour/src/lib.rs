@@ -84,6 +84,8 @@
 //!   fails or is interrupted. A behaviour that needs a lifted tool lifts it in its start-up.
 //! - Progress is measured separately for each action that drives, so that waiting does not count as
 //!   stuck.
+//! - At most one signal begins in a tick, so that each is heard; a signal that waits for `until` is
+//!   silent in a tick in which another one begins.
 //! - While motion is not allowed ([`Behaviours::pause`]), time does not advance for actions, dwell
 //!   and rest.
 //! - A behaviour that has failed rests for [`REST_US`] before it is considered again.
@@ -112,7 +114,7 @@ use grammar::Forest;
 use inputs::Senses;
 use monitor::SituationGrid;
 use parts::bits::{bit16, members};
-use parts::{Event, Owner};
+use parts::{Event, Id, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
 use plan_format::mission::{Condition, FactKind, Facts, Mission};
 
@@ -187,11 +189,20 @@ pub struct Behaviours {
     pub(crate) engaged: u16,
     /// Sleeping behaviours, one bit each.
     pub(crate) asleep: u16,
+    /// Engaged behaviours whose next action waits, because its end may violate what another
+    /// engaged one protects, one bit each.
+    pub(crate) refused: u16,
+    /// Engaged behaviours with an action that is done and waits for the same reason, one bit each.
+    pub(crate) deferring: u16,
     pub(crate) senses: Senses,
     /// Symbols that hold, one bit each.
     pub(crate) symbols: Facts,
     /// Digital outputs, one bit each.
     pub(crate) outputs: u16,
+    /// Whether an action that drives ran after the last step.
+    pub(crate) is_driving: bool,
+    /// The signal that has begun in this tick, by its slot.
+    pub(crate) signal: Option<Id>,
     /// When each running action was started, microseconds.
     pub(crate) started_us: [u64; MAX_COMPONENTS],
     /// The component whose doubts were reported last.
@@ -231,9 +242,13 @@ impl Behaviours {
             statuses: [Status::default(); MAX_BEHAVIOURS],
             engaged: 0,
             asleep: 0,
+            refused: 0,
+            deferring: 0,
             senses: Senses::default(),
             symbols,
             outputs: 0,
+            is_driving: false,
+            signal: None,
             started_us: [0; MAX_COMPONENTS],
             last_doubt: 0,
         }

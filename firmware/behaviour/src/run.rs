@@ -1,6 +1,7 @@
 //! Advances the plans of engaged behaviours.
 
-use crate::report::Decision;
+use crate::choose::Effects;
+use crate::report::{Decision, Refusal};
 use crate::{Behaviours, Context, behaviour_bit, behaviours_in};
 use grammar::Choice;
 use heapless::Vec;
@@ -37,22 +38,73 @@ impl Behaviours {
         let mut running = Running::new();
         let mut is_busy = false;
         self.plans.reached = 0;
+        self.signal = None;
+        // Those that were refused go first, so that no other forestalls them again.
+        let refused = core::mem::take(&mut self.refused);
+        for index in behaviours_in(self.engaged & refused) {
+            is_busy |= self.advance_behaviour(index, context);
+        }
+        for index in behaviours_in(self.engaged & !refused) {
+            is_busy |= self.advance_behaviour(index, context);
+        }
         for index in behaviours_in(self.engaged) {
-            let Some(owner) = self.running_owner(index) else { continue };
-            is_busy |= self.advance(owner, context);
-            // If its start-up has ended at once, its own plan runs in this tick.
-            if let Some(next) = self.running_owner(index).filter(|&next| next != owner) {
-                is_busy |= self.advance(next, context);
-            }
             if let Some(owner) = self.running_owner(index) {
                 self.collect(context.mission, index as u8, owner, &mut running);
             }
         }
+        self.is_driving = running.iter().any(|part| is_driving(part.kind));
         // A busy tick skips the doubts, to bound its time.
         if !is_busy {
             self.doubt(context);
         }
         running
+    }
+
+    fn advance_behaviour(&mut self, index: usize, context: &mut Context<'_>) -> bool {
+        let Some(owner) = self.running_owner(index) else { return false };
+        let is_busy = self.advance(owner, context);
+        // If its start-up has ended at once, its own plan runs in this tick.
+        match self.running_owner(index).filter(|&next| next != owner) {
+            Some(next) => self.advance(next, context) || is_busy,
+            None => is_busy,
+        }
+    }
+
+    /// Whether a symbol is a signal and another one has begun in this tick.
+    fn is_unheard(&self, mission: &Mission<'_>, symbol: Symbol) -> bool {
+        let Symbol::Action(index) = symbol else { return false };
+        self.signal.is_some()
+            && mission
+                .actions()
+                .get(usize::from(index))
+                .is_some_and(|action| is_reported(action.kind))
+    }
+
+    /// Whether an action may not start yet, because another engaged behaviour protects what its end
+    /// may violate. Reported; the next tick decides who goes first.
+    fn is_refused(&mut self, owner: Owner, symbol: Symbol, context: &mut Context<'_>) -> bool {
+        let index = usize::from(owner);
+        let is_bound = matches!(symbol, Symbol::Action(_))
+            && index < MAX_BEHAVIOURS
+            && !self.status(index).is_urgent
+            && self.engaged != behaviour_bit(index);
+        let Some(description) = context.mission.description(symbol).filter(|_| is_bound) else {
+            return false;
+        };
+        let protecting = self.protecting(index, Effects::at_end(description));
+        self.refuse(owner, protecting, context);
+        if protecting != 0 {
+            self.refused |= behaviour_bit(index);
+        }
+        protecting != 0
+    }
+
+    /// Reports that an engaged behaviour waits for others that protect something.
+    pub(crate) fn refuse(&self, behaviour: Owner, protecting: u16, context: &mut Context<'_>) {
+        for other in behaviours_in(protecting) {
+            let (by, why) = (other as u8, Refusal::Excluded);
+            context.report.note(Decision::Refused { behaviour, by, why });
+        }
     }
 
     /// Decomposes scheduled frames and starts scheduled actions, in at most `MAX_STEPS` steps.
@@ -70,6 +122,11 @@ impl Behaviours {
                 context.report.note(Decision::Conflict(signal));
                 self.fail(owner, id, context);
                 continue;
+            }
+            if symbol.is_some_and(|symbol| {
+                self.is_unheard(context.mission, symbol) || self.is_refused(owner, symbol, context)
+            }) {
+                return step > 0;
             }
             match symbol {
                 Some(Symbol::PlanFrame(frame)) => self.decompose(owner, id, frame, context),
@@ -124,7 +181,8 @@ impl Behaviours {
             ActionKind::Follow { .. } | ActionKind::GoTo { .. } | ActionKind::Wander { .. } => {
                 self.senses.forget_progress();
             }
-            ActionKind::Hold { .. } | ActionKind::Signal { .. } => {}
+            ActionKind::Signal { .. } => self.signal = Some(id),
+            ActionKind::Hold { .. } => {}
         }
         if !is_reported(action.kind) && self.is_done(&action, self.now_us, context.seen) {
             self.complete(owner, id, context);
@@ -162,6 +220,11 @@ impl Behaviours {
             let Some((index, action)) = self.running_action(mission, owner, component) else {
                 continue;
             };
+            // A new signal drowns one that waits.
+            let is_drowned = self.signal.is_some_and(|newest| newest != component);
+            if is_reported(action.kind) && is_drowned {
+                continue;
+            }
             let (max_speed_mps, min_distance_m) = self.plans.grid.constraints(mission, component);
             // At most `MAX_RUNNING` actions run.
             let _ = running.push(RunningAction {
@@ -190,6 +253,11 @@ impl Behaviours {
             _ => None,
         }
     }
+}
+
+/// Whether an action drives the robot.
+fn is_driving(kind: ActionKind) -> bool {
+    matches!(kind, ActionKind::Follow { .. } | ActionKind::GoTo { .. } | ActionKind::Wander { .. })
 }
 
 /// Whether the tick must receive an action at least once, even if it ends at once.

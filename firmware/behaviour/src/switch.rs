@@ -5,17 +5,8 @@ use crate::report::Decision;
 use crate::{ACTIVITY, Behaviours, Context, Phase, Status, behaviour_bit, behaviours_in};
 use monitor::{Signal, Violation};
 use parts::{Component, Life, Owner};
-use plan_format::limits::MAX_DEPTH;
+use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
 use plan_format::mission::{Behaviour, Condition, Mission, Symbol};
-
-/// The result of a claim.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Outcome {
-    /// It is engaged, or will be next.
-    Holds,
-    /// These behaviours protect facts that it may change, one bit each.
-    Excluded(u16),
-}
 
 impl Behaviours {
     /// Engages the most critical behaviours that share no resource, each as soon as the behaviours
@@ -27,64 +18,128 @@ impl Behaviours {
         for claim in &self.claims(context.mission) {
             if claim.is_engaged {
                 taken |= claim.resources;
+                if (self.refused | self.deferring) & behaviour_bit(claim.index) != 0 {
+                    taken |= self.wait_for_protecting(claim, context);
+                }
             } else if taken & claim.resources == 0 {
-                self.claim_or_resume_sleeper(claim, &mut taken, context);
+                self.claim_or_stand_in(claim, &mut taken, context);
             }
         }
     }
 
-    /// Lets a behaviour claim the robot. If sleeping behaviours exclude it, they resume in its
-    /// place, at its priority, so that they finish what they protect.
-    fn claim_or_resume_sleeper(
+    /// An engaged behaviour waits for others that protect what it is about to change: at a vertex
+    /// it is put to sleep until then. Returns the resources that those others need meanwhile, at
+    /// its priority.
+    fn wait_for_protecting(&mut self, claim: &Claim, context: &mut Context<'_>) -> u16 {
+        let bit = behaviour_bit(claim.index);
+        let Some(behaviour) = context.mission.behaviours().get(claim.index) else { return 0 };
+        let protecting = self.protecting(claim.index, Effects::of(context.mission, &behaviour));
+        let is_active = self.status(claim.index).phase == Phase::Active;
+        let by = behaviours_in(protecting).next();
+        if let Some(by) =
+            by.filter(|_| self.refused & bit != 0 && is_active && !self.is_acting(claim.index))
+        {
+            let by = Claim { index: by, is_urgent: false, ..*claim };
+            self.interrupt(claim.index, &by, context);
+        }
+        self.resources_of(protecting)
+    }
+
+    /// Lets a behaviour claim the robot. If others that share no resource with it protect what it
+    /// may change, they go first, at its priority: engaged ones go on, sleeping ones resume in its
+    /// place. If sleeping ones exclude each other in a circle, the claim overrules them.
+    fn claim_or_stand_in(&mut self, claim: &Claim, taken: &mut u16, context: &mut Context<'_>) {
+        let Some(behaviour) = context.mission.behaviours().get(claim.index) else { return };
+        let effects = Effects::of(context.mission, &behaviour);
+        let Some(by) = self.claim_for(claim, effects, taken, context) else { return };
+        *taken |= self.resources_of(by & self.engaged);
+        let mut goes_on = by & self.engaged != 0;
+        let mut all_effects = effects;
+        let (mut waiting, mut asked) = (by, behaviour_bit(claim.index));
+        // Each round asks another behaviour.
+        for _ in 0..MAX_BEHAVIOURS {
+            let Some(index) = behaviours_in(waiting & self.holding() & !asked).next() else {
+                break;
+            };
+            asked |= behaviour_bit(index);
+            let in_its_place = Claim { index, resources: self.status(index).resources, ..*claim };
+            if *taken & in_its_place.resources != 0 {
+                // Another one with at least this priority runs first.
+                goes_on = true;
+                continue;
+            }
+            if let Some(behaviour) = context.mission.behaviours().get(index) {
+                all_effects = all_effects.and(Effects::of(context.mission, &behaviour));
+            }
+            match self.claim_for(&in_its_place, all_effects, taken, context) {
+                None => goes_on = true,
+                Some(more) => {
+                    *taken |= self.resources_of(more & self.engaged);
+                    goes_on |= more & self.engaged != 0;
+                    waiting |= more;
+                }
+            }
+        }
+        if !goes_on {
+            for index in behaviours_in(by) {
+                let (behaviour, by) = (index as u8, claim.index as u8);
+                context.report.note(Decision::Overruled { behaviour, by });
+            }
+            self.drop_held(by, effects);
+            self.claim_for(claim, effects, taken, context);
+        }
+    }
+
+    /// Sleeping behaviours no longer protect what these effects may violate. When they wake, their
+    /// plans are compared with the world.
+    fn drop_held(&mut self, victims: u16, effects: Effects) {
+        for index in behaviours_in(victims) {
+            if let Some(status) = self.statuses.get_mut(index) {
+                status.held = effects.spared(status.held);
+            }
+        }
+    }
+
+    /// Handles the claim of one behaviour that no higher-priority claim blocks. Those that block it
+    /// yield where `all_effects` violate nothing that they protect: its own, and those of the
+    /// behaviours in whose place it resumes. Returns the behaviours that exclude it, one bit each;
+    /// `None` if it is engaged, or will be next.
+    fn claim_for(
         &mut self,
         claim: &Claim,
+        all_effects: Effects,
         taken: &mut u16,
         context: &mut Context<'_>,
-    ) {
-        let by = match self.claim(claim, context) {
-            Outcome::Holds => {
-                *taken |= claim.resources;
-                return;
-            }
-            Outcome::Excluded(by) => by,
-        };
-        for index in behaviours_in(by & self.holding()) {
-            let in_its_place = Claim { index, resources: self.status(index).resources, ..*claim };
-            if *taken & in_its_place.resources == 0
-                && self.claim(&in_its_place, context) == Outcome::Holds
-            {
-                *taken |= in_its_place.resources;
-            }
-        }
-    }
-
-    /// Handles the claim of one behaviour that no higher-priority claim blocks.
-    fn claim(&mut self, claim: &Claim, context: &mut Context<'_>) -> Outcome {
-        let Some(behaviour) = context.mission.behaviours().get(claim.index) else {
-            return Outcome::Excluded(0);
-        };
+    ) -> Option<u16> {
+        let behaviour = context.mission.behaviours().get(claim.index)?;
         let blocking = self.blocking(claim);
         let effects = Effects::of(context.mission, &behaviour);
         let excluding = self.excluding(claim, effects, blocking, context);
-        if excluding != 0 && !claim.is_urgent {
-            return Outcome::Excluded(excluding);
-        }
-        if !claim.is_urgent {
-            self.plans.awaited |= blocking;
+        if claim.is_urgent {
+            self.drop_held(excluding & self.asleep, effects);
+        } else {
+            // Those that run are asked at each of their vertices.
+            self.plans.awaited |= blocking | excluding & self.engaged;
+            if excluding != 0 {
+                return Some(excluding);
+            }
         }
         let yielding = if claim.is_urgent {
             blocking
         } else {
-            self.yielding(claim, effects, blocking, context)
+            self.yielding(claim, all_effects, blocking, context)
         };
         let mut must_wait = yielding != blocking;
         for other in behaviours_in(yielding) {
             must_wait |= self.interrupt(other, claim, context);
         }
+        // A claim of lower priority must not interrupt those that have to finish something first.
+        let protecting = self.protecting(claim.index, all_effects) & blocking;
+        *taken |= claim.resources | self.resources_of(protecting);
         if !must_wait {
             self.begin(claim.index, &behaviour, context);
         }
-        Outcome::Holds
+        None
     }
 
     /// Puts an engaged behaviour to sleep for the claim `by`. Returns whether the claim has to wait

@@ -1,5 +1,6 @@
 //! Reacts to conflicts, and ends actions.
 
+use crate::choose::Effects;
 use crate::inputs::{Observations, is_over};
 use crate::report::Decision;
 use crate::{ACTIVITY, Behaviours, Context, Phase, behaviour_bit, behaviours_in};
@@ -8,13 +9,14 @@ use heapless::Vec;
 use math::Vec2;
 use monitor::{Signal, Violation};
 use parts::{Component, Id, Owner};
-use plan_format::limits::MAX_DEPTH;
+use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
 use plan_format::mission::{Action, ActionKind, Mission};
 
 impl Behaviours {
     /// Handles the conflicts and the finished actions of engaged behaviours, before the tick
     /// decides on them.
     pub(crate) fn watch(&mut self, context: &mut Context<'_>) {
+        self.deferring = 0;
         for index in behaviours_in(self.engaged) {
             let Some(owner) = self.running_owner(index) else { continue };
             self.handle_conflicts(owner, context);
@@ -23,12 +25,28 @@ impl Behaviours {
         self.report_foreign_conflicts(context);
     }
 
-    /// Reports violations of what sleeping behaviours protect; they react when they wake.
-    fn report_foreign_conflicts(&self, context: &mut Context<'_>) {
-        for index in behaviours_in(self.holding()) {
-            let (root, held) = (self.plans.forest.root(index as Owner), self.status(index).held);
-            let signal = root.and_then(|id| Signal::foreign(id, held, self.facts()));
-            signal.into_iter().for_each(|signal| context.report.note(Decision::Conflict(signal)));
+    /// Reports violations of what sleeping behaviours protect; they react when they wake. What is
+    /// violated is protected no more, also where the behaviour is dormant.
+    fn report_foreign_conflicts(&mut self, context: &mut Context<'_>) {
+        for index in behaviours_in(self.asleep) {
+            let status = self.status(index);
+            let root = self.plans.forest.root(index as Owner);
+            let signal = root.and_then(|id| Signal::foreign(id, status.held, self.facts()));
+            let Some(signal) = signal else { continue };
+            if status.is_holding() {
+                context.report.note(Decision::Conflict(signal));
+            }
+            self.drop_violated(index);
+        }
+    }
+
+    /// A sleeping behaviour no longer protects what is violated.
+    fn drop_violated(&mut self, index: usize) {
+        let facts = self.facts();
+        if let Some(status) = self.statuses.get_mut(index) {
+            let violated = status.held.violated(facts);
+            status.held.must &= !violated;
+            status.held.must_not &= !violated;
         }
     }
 
@@ -79,12 +97,39 @@ impl Behaviours {
             };
             let started_us = self.started_us.get(usize::from(id)).copied().unwrap_or(0);
             if self.is_done(&action, started_us, context.seen) {
-                self.complete(owner, id, context);
+                if !self.is_deferred(owner, id, context) {
+                    self.complete(owner, id, context);
+                }
             } else if is_over(started_us, action.timeout_ms, self.now_us) {
                 context.report.note(Decision::TimedOut { component: id });
                 self.fail(owner, id, context);
             }
         }
+    }
+
+    /// Whether an action that is done may not end yet, because its end would violate what another
+    /// engaged behaviour protects, which does not wait for anybody itself. Reported.
+    fn is_deferred(&mut self, owner: Owner, id: Id, context: &mut Context<'_>) -> bool {
+        let index = usize::from(owner);
+        let is_bound = index < MAX_BEHAVIOURS
+            && !self.status(index).is_urgent
+            && self.engaged != behaviour_bit(index);
+        if !is_bound {
+            return false;
+        }
+        let forest = &self.plans.forest;
+        let ends = core::iter::successors(Some(id), |&id| forest.completes(context.mission, id));
+        let effects = ends.take(MAX_DEPTH).fold(Effects::default(), |all, id| {
+            let symbol = forest.get(id).map(|component| component.symbol);
+            let description = symbol.and_then(|symbol| context.mission.description(symbol));
+            description.map_or(all, |description| all.and(Effects::at_end(description)))
+        });
+        let protecting = self.protecting(index, effects) & !self.deferring;
+        self.refuse(owner, protecting, context);
+        if protecting != 0 {
+            self.deferring |= behaviour_bit(index);
+        }
+        protecting != 0
     }
 
     /// Whether an action that started at `started_us` has achieved its purpose.
@@ -175,7 +220,11 @@ impl Behaviours {
         };
         match self.status(index).phase {
             Phase::StartingUp => self.begin_work(index, context),
-            _ => self.set_phase(index, Phase::Sleeping),
+            _ => {
+                self.set_phase(index, Phase::Sleeping);
+                // What its shut-down has given up.
+                self.drop_violated(index);
+            }
         }
     }
 }

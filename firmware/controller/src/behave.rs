@@ -107,6 +107,8 @@ impl Intent {
                 }
                 ActionKind::GoTo { x_m, y_m } => Errand::GoTo(Vec2::new(x_m, y_m)),
                 ActionKind::Wander { .. } => Errand::Wander,
+                // Beside an action that drives it only waits.
+                ActionKind::Hold { .. } if intent.drives() => intent.errand,
                 ActionKind::Hold { .. } => Errand::None(Reason::Holding),
                 ActionKind::Signal { code } => return Self { signal: code, ..intent },
                 ActionKind::SetOutput { .. } => intent.errand,
@@ -118,6 +120,10 @@ impl Intent {
                 ..intent
             }
         })
+    }
+
+    fn drives(&self) -> bool {
+        !matches!(self.errand, Errand::None(_))
     }
 
     /// The vehicle with the constraints of the running actions applied.

@@ -154,7 +154,7 @@ use behaviour::Behaviours;
 use math::{Vec2, vector};
 use obstacles::Obstacles;
 use plan_format::Blob;
-use plan_format::parameters::Vehicle;
+use plan_format::parameters::{OnTrouble, Vehicle};
 use robot_io::{Checks, Commands, Percepts, Reason};
 use schemas::{Noise, Vectors};
 
@@ -273,6 +273,11 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     Explanation { commands, sensed, report, blend }
 }
 
+/// Whether the robot is off the map and must not drive there.
+fn is_lost(blob: &Blob<'_>, position: Vec2) -> bool {
+    blob.parameters().trouble.off_map == OnTrouble::Stop && blob.cell_at(position).is_none()
+}
+
 /// The commands before operator and obstacles limit them. The error is the reason to stand
 /// still.
 fn decide(
@@ -297,6 +302,7 @@ fn decide(
         behave::Approach::ByPlan(target) => {
             guidance::guide(blob, &target, &mut state.progress, position, is_armed)?
         }
+        behave::Approach::Straight(_) if is_lost(blob, position) => return Err(Reason::OffMap),
         behave::Approach::Straight(guidance) => guidance,
     };
     let progress = &parameters.progress;

@@ -412,3 +412,23 @@ proptest! {
         prop_assert_eq!(lives, mirror);
     }
 }
+
+/// H07: a loop through another frame runs in constant memory only if that frame has nothing to check
+/// and no effects. Otherwise the frame inside must stay below it, and the depth is used up.
+#[test]
+fn h07_a_frame_with_a_description_is_not_cut_out_of_a_loop() {
+    let rounds = |change: fn(&mut plan_format::mission::Description)| {
+        let grammar = Grammar::with("R = a M\nM = R", |draft| {
+            let mut description = draft.descriptions[usize::from(draft.frames[1].description)];
+            change(&mut description);
+            draft.descriptions.push(description);
+            let number = (draft.descriptions.len() - 1) as u16;
+            draft.frames.iter_mut().for_each(|frame| frame.description = number);
+        });
+        let mut run = Run::new(&grammar);
+        run.go(60, |_| true, |_| 1.0).matches('a').count()
+    };
+    assert_eq!(rounds(|_| {}), 20);
+    assert!(rounds(|description| description.max_speed_mps = 1.0) < 8);
+    assert!(rounds(|description| description.min_distance_m = 1.0) < 8);
+}

@@ -402,3 +402,20 @@ proptest! {
         }
     }
 }
+
+/// The transient description of a component is checked while it runs, and no longer.
+#[test]
+fn h14_a_transient_is_not_watched_after_its_component_has_stopped() {
+    let bytes = mission("action a hold 0; keeps f0\nframe R\n= a");
+    let mission = Mission::parse(&bytes).expect("the mission is sound");
+    for life in [Life::Suspended, Life::Finished, Life::Failed, Life::Abandoned] {
+        let mut grid = SituationGrid::default();
+        let part = component(Symbol::Action(0), 0, None, Life::Scheduled);
+        grid.apply(&mission, &Event::Planned { id: 3, component: part });
+        assert_eq!(grid.evident(0, 0).next(), None);
+        grid.apply(&mission, &Event::Became { id: 3, life: Life::Started });
+        assert!(grid.evident(0, 0).next().is_some());
+        grid.apply(&mission, &Event::Became { id: 3, life });
+        assert_eq!(grid.evident(0, 0).next(), None, "{life:?}");
+    }
+}

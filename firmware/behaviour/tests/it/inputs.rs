@@ -46,7 +46,7 @@ fn every_source_is_heard() {
         input dear; of price 3; range 0 60
         input drawn; of rules channel PB PM PS ZO NS NM NB; range 0 1
         action on set 2 on
-        action step hold 90000
+        action step wander 90000
         frame work
         = on step
         behaviour a work; when channel NB NM NS ZO PS PM PB
@@ -81,7 +81,7 @@ fn every_kind_of_fact() {
         fact near near 1 1 2
         fact inside inside 0 0 2 2
         fact stuck stuck 1 200
-        action step hold 90000
+        action step wander 90000
         frame work
         = step
         behaviour a work; when always PS

@@ -234,3 +234,48 @@ fn doubts_of_all_that_run_are_looked_at() {
     assert!(log.matches("may lose: done").count() >= 2, "{log}");
     assert!(log.matches("may lack: done").count() >= 2, "{log}");
 }
+
+/// A robot that stands by intent is not stuck, however long: only an action that drives can be.
+#[test]
+fn a_robot_that_holds_is_not_stuck() {
+    check(
+        "input a
+         fact stuck stuck 2 300
+         action near goto 3 0
+         action watch hold 1000; keeps !stuck
+         frame go
+         = near watch
+         behaviour a go; when always PS",
+        "at=0,0 x1
+         at=3,0 x9",
+        "1: a engaged, [near watch], near
+         2: watch",
+    );
+}
+
+/// Two signals that are due in one tick are both sent, one after the other. A signal that waits is
+/// silent while another one begins.
+#[test]
+fn each_signal_has_a_tick_of_its_own() {
+    check(
+        "input a
+         fact never symbol
+         action wait hold 200
+         action first signal 3
+         action second signal 4
+         action both signal 5; until never
+         frame go
+         = wait first|second
+         frame alarm
+         = both
+         behaviour a go; when always PS
+         behaviour b alarm; when always PS; resources 2",
+        "x6",
+        "1: a engaged, b engaged, [wait first|second], [both], wait & both
+         2: wait & both
+         3: first
+         4: second
+         5: a finished, a engaged, [wait first|second], wait & both
+         6: wait & both",
+    );
+}

@@ -45,3 +45,29 @@ fn a_finished_behaviour_begins_again_while_it_is_critical() {
     let all = ticks("signal 9", 6);
     assert!(all.iter().filter(|commands| commands.signal == 9).count() >= 2);
 }
+
+/// While the robot is disarmed or the emergency stop is pressed, all outputs are off. Afterwards they
+/// have the state that they had.
+#[test]
+fn outputs_are_off_while_the_robot_is_stopped() {
+    let actions = "set 3 on, hold 60000";
+    let blob = behaving_blob(&open_field(30, 30, (25, 15)), "PS", actions);
+    let mut robot = Robot::new(Blob::parse(&blob).expect("the blob is valid"), 5.5, 15.5);
+    assert_eq!(robot.tick_with(|_| {}).outputs, 8);
+    assert_eq!(robot.tick_with(|percepts| percepts.operator.is_emergency_stop = true).outputs, 0);
+    assert_eq!(robot.tick_with(|_| {}).outputs, 8);
+    assert_eq!(robot.tick_with(|percepts| percepts.operator.is_armed = false).outputs, 0);
+    assert_eq!(robot.tick_with(|_| {}).outputs, 8);
+}
+
+/// Off the map, actions without a plan stand still like those with one, unless the mission lets the
+/// robot drive there.
+#[test]
+fn without_a_plan_the_robot_obeys_off_map_too() {
+    for action in ["follow", "goto 25.5 15.5", "wander 10000"] {
+        let blob = behaving_blob(&open_field(30, 30, (25, 15)), "PS", action);
+        let mut robot = Robot::new(Blob::parse(&blob).expect("the blob is valid"), -3.5, 15.5);
+        let commands = robot.tick_with(|_| {});
+        assert_eq!((commands.reason, commands.speed_mps), (Reason::OffMap, 0.0), "{action}");
+    }
+}
