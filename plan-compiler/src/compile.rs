@@ -136,6 +136,7 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     }
     problems.extend(warnings::of_cells(input, &grid));
     problems.extend(warnings::nearly_blocked(input, &grid, radius, physical));
+    problems.extend(warnings::of_places(input, &grid, physical));
     let goals = goals::place(input, &grid, layers, problems);
     let plan = goals::followed(input, &goals, problems);
     let mut parameters =

@@ -88,6 +88,8 @@ pub fn load(request: Request, problems: &mut Vec<Problem>) -> Option<Project> {
     }
     let map_path = match (&mission.map, is_mission) {
         (Some(map), true) => map.clone(),
+        // A text that is not TOML may name its map.
+        (None, true) if mission.given.is_none() => return None,
         (None, true) => {
             problems.push(
                 Problem::error(format!("{} does not name its map", path.display()))

@@ -14,6 +14,7 @@ mod parser;
 
 use crate::toml::Span;
 use plan_format::limits;
+use std::borrow::Cow;
 
 /// A production's right-hand side.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -226,6 +227,18 @@ fn in_order(raw: &RawGraph) -> Result<Vec<usize>, Mistake> {
         order.push(next);
     }
     Ok(order)
+}
+
+/// A name with its values in the one form in which copies are kept: `to(1,2)` is `to(1, 2)`.
+pub(crate) fn tidy(name: &str) -> Cow<'_, str> {
+    let inside = name.strip_suffix(')').and_then(|rest| rest.split_once('('));
+    match inside {
+        Some((name, values)) if !name.is_empty() => {
+            let values: Vec<&str> = values.split(',').map(str::trim).collect();
+            Cow::Owned(format!("{}({})", name.trim(), values.join(", ")))
+        }
+        _ => Cow::Borrowed(name),
+    }
 }
 
 #[cfg(test)]

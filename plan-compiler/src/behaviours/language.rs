@@ -3,7 +3,9 @@
 mod components;
 mod inputs;
 mod mates;
+mod templates;
 
+use super::graph_text::tidy;
 use super::syntax::{Behaviour, Literal, Rules, Syntax};
 use super::{DEFAULT_DORMANT, DEFAULT_DWELL_S, DEFAULT_HYSTERESIS, DEFAULT_UNCONDITIONAL};
 use crate::team::Team;
@@ -12,6 +14,7 @@ use maps::problem::{Problem, Source};
 use plan_format::limits;
 use plan_format::mission::{Inference, Label, SwitchPoint};
 use std::sync::Arc;
+use templates::Entry;
 use toml_edit::{Item, TableLike};
 
 /// The tables of a mission file that are read here.
@@ -32,7 +35,12 @@ pub fn read(
     let mut syntax = Syntax::default();
     let is_there = TABLES.iter().any(|table| file.contains_key(table));
     syntax.source = is_there.then(|| Arc::clone(source));
-    each(&mut report, file, "inputs", |report, name, item| {
+    let entries = templates::expand(&mut report, file, &mut syntax.broken);
+    for table in TABLES {
+        is_section(&mut report, file, table);
+    }
+    let [inputs, facts, actions, frames, behaviours] = &entries;
+    each(&mut report, inputs, |report, name, item| {
         keep(
             &mut syntax.inputs,
             &mut syntax.broken,
@@ -40,11 +48,11 @@ pub fn read(
             inputs::input(report, team, name, item),
         );
     });
-    each(&mut report, file, "facts", |report, name, item| {
+    each(&mut report, facts, |report, name, item| {
         let fact = inputs::fact(report, team, name.clone(), item);
         keep(&mut syntax.facts, &mut syntax.broken, name, fact);
     });
-    each(&mut report, file, "actions", |report, name, item| {
+    each(&mut report, actions, |report, name, item| {
         keep(
             &mut syntax.actions,
             &mut syntax.broken,
@@ -52,7 +60,7 @@ pub fn read(
             components::action(report, name, item),
         );
     });
-    each(&mut report, file, "frames", |report, name, item| {
+    each(&mut report, frames, |report, name, item| {
         keep(
             &mut syntax.frames,
             &mut syntax.broken,
@@ -60,7 +68,7 @@ pub fn read(
             components::frame(report, name, item),
         );
     });
-    each(&mut report, file, "behaviours", |report, name, item| {
+    each(&mut report, behaviours, |report, name, item| {
         syntax.behaviours.extend(behaviour(report, name, item));
     });
     syntax
@@ -74,22 +82,23 @@ fn keep<T>(all: &mut Vec<T>, broken: &mut Vec<String>, name: Text, definition: O
     }
 }
 
+/// Reports a key that must be a section and is something else.
+fn is_section(report: &mut Report<'_>, file: &dyn TableLike, table: &str) {
+    if let Some(item) = file.get(table).filter(|item| !item.is_table_like()) {
+        let span = item.span().unwrap_or_else(|| key_span(file, table));
+        report.wrong_type(table, item, &span, "a section", &format!("[{table}.NAME]"));
+    }
+}
+
 /// Calls `with` for every entry of a table that has a valid name.
 fn each(
     report: &mut Report<'_>,
-    file: &dyn TableLike,
-    table: &str,
+    entries: &[Entry<'_>],
     mut with: impl FnMut(&mut Report<'_>, Text, &Item),
 ) {
-    let Some(item) = file.get(table) else { return };
-    let Some(entries) = item.as_table_like() else {
-        let span = item.span().unwrap_or_else(|| key_span(file, table));
-        report.wrong_type(table, item, &span, "a section", &format!("[{table}.NAME]"));
-        return;
-    };
-    for (raw, item) in entries.iter() {
-        if let Some(name) = name(report, raw, key_span(entries, raw)) {
-            with(report, name, item);
+    for entry in entries {
+        if let Some(name) = name(report, &entry.raw, entry.span.clone()) {
+            with(report, name, &entry.item);
         }
     }
 }
@@ -138,7 +147,10 @@ fn behaviour(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Behavio
         &format!("{{ {example} }}"),
     )?;
     let switch = [("earliest", SwitchPoint::Earliest), ("best", SwitchPoint::Best)];
-    let frame = |report: &mut Report<'_>, key| fields.text(report, key, "\"FRAME\"");
+    let frame = |report: &mut Report<'_>, key| {
+        let name = fields.text(report, key, "\"FRAME\"")?;
+        Some(Spanned { value: tidy(name.as_str()).into_owned(), span: name.span })
+    };
     let level = |report: &mut Report<'_>, key: &str, default: f32| {
         let given = fields.number(report, key, 0.0..=1.0, "");
         let span = given.as_ref().map_or(fields.span.clone(), |given| given.span.clone());
@@ -154,13 +166,14 @@ fn behaviour(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Behavio
         milliseconds(report, &fields, "dwell_s").unwrap_or((DEFAULT_DWELL_S * 1e3) as u32);
     let switch_point = fields.word(report, "switch", &switch).unwrap_or(SwitchPoint::Earliest);
     let resources = fields.texts(report, "resources", "arm");
-    let Some(rules) = rules(report, &fields, "criticality") else {
-        if fields.item("criticality").is_none() {
-            let message = format!("behaviour `{}` has no criticality", name.as_str());
-            report.error(message, &name.span, "this behaviour", &format!("add {example}"));
-        }
-        return None;
-    };
+    let rules = rules(report, &fields, "criticality");
+    if fields.lacks("criticality") {
+        let message = format!("behaviour `{}` has no criticality", name.as_str());
+        report.error(message, &name.span, "this behaviour", &format!("add {example}"));
+    }
+    // After a mistake an empty rule base stands in, so that the other names are looked up.
+    let empty = Rules { rows: Vec::new(), inference: Inference::Min, span: name.span.clone() };
+    let rules = rules.unwrap_or(empty);
     Some(Behaviour {
         name,
         root,
@@ -201,7 +214,7 @@ fn rules(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Option<Rule
             Some((name, row(report, input, item, key_span(table, input))?))
         })
         .collect();
-    Some(Rules { rows: rows.into_iter().collect::<Option<_>>()?, inference, span })
+    Some(Rules { rows: rows.into_iter().flatten().collect(), inference, span })
 }
 
 const LABELS: [&str; 7] = ["NB", "NM", "NS", "ZO", "PS", "PM", "PB"];
@@ -242,7 +255,7 @@ fn literals(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Vec<Lite
 pub(super) fn literal(text: Text) -> Literal {
     let is_negated = text.as_str().starts_with("not ");
     let name = text.as_str().strip_prefix("not ").unwrap_or(text.as_str());
-    let name = name.trim().trim_matches(['\'', '"']).to_owned();
+    let name = tidy(name.trim().trim_matches(['\'', '"'])).into_owned();
     Literal { fact: Spanned { value: name, span: text.span }, is_negated }
 }
 

@@ -7,12 +7,14 @@
 //! What certainly goes wrong is an error; what is probably unintended is a warning.
 
 mod budget;
+mod contradictions;
 mod interruptions;
 mod recursion;
 mod shut_out;
 mod situations;
 mod thresholds;
 mod unused;
+mod values;
 mod waits;
 
 pub use budget::Need;
@@ -43,6 +45,8 @@ pub fn check(syntax: &Syntax, draft: &MissionDraft, problems: &mut Vec<Problem>)
     lints.thresholds();
     lints.recursion();
     lints.side_by_side();
+    lints.contradictions();
+    lints.values();
     if has_errors(&lints.report.problems[before..]) {
         return Analysis::default();
     }

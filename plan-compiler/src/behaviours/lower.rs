@@ -97,7 +97,6 @@ impl Lowering<'_> {
             if let Some(frame) =
                 syntax.frames.iter().find(|frame| frame.name.value == action.name.value)
             {
-                fit = false;
                 let message = format!("`{}` is both an action and a frame", frame.name.as_str());
                 self.report.error(message, &frame.name.span, "this frame", "rename one of the two");
             }

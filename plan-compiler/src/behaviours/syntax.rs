@@ -27,6 +27,17 @@ pub struct Syntax {
     pub broken: Vec<String>,
 }
 
+impl Syntax {
+    /// The places to which actions drive without a plan: the name of each action, and the place,
+    /// map metres.
+    pub fn places(&self) -> impl Iterator<Item = (&Text, [f32; 2])> {
+        self.actions.iter().filter_map(|action| match action.kind {
+            Doing::GoTo(place) => Some((&action.name, place)),
+            _ => None,
+        })
+    }
+}
+
 /// An aspect of interest.
 #[derive(Clone, Debug)]
 pub struct Input {
@@ -187,12 +198,29 @@ pub struct Action {
 #[derive(Clone, Debug)]
 #[allow(missing_docs, reason = "as in `plan_format::mission::ActionKind`")]
 pub enum Doing {
-    Follow { plan: Text, reactive: f32, advice: f32 },
+    Follow {
+        plan: Text,
+        reactive: f32,
+        advice: f32,
+    },
     GoTo([f32; 2]),
-    Hold { for_ms: u32 },
-    Wander { for_ms: u32 },
-    Signal { code: u16 },
-    SetOutput { output: u8, is_on: bool },
+    Hold {
+        for_ms: u32,
+    },
+    /// As `Hold`, without the resource `motion`: it says nothing about how the robot moves.
+    Wait {
+        for_ms: u32,
+    },
+    Wander {
+        for_ms: u32,
+    },
+    Signal {
+        code: u16,
+    },
+    SetOutput {
+        output: u8,
+        is_on: bool,
+    },
 }
 
 /// A plan frame.

@@ -1,6 +1,7 @@
 //! Warnings about what is allowed but was probably not meant.
 
 use crate::input::Input;
+use crate::toml::Text;
 use maps::Bitmap;
 use maps::Unknown;
 use maps::numbers::metres;
@@ -45,6 +46,29 @@ pub(super) fn of_cells(input: &Input<'_>, grid: &Grid) -> Option<Problem> {
                     finer --resolution";
         Problem::warning(message).help(help)
     })
+}
+
+/// Warns of actions that drive to a place off the map or inside an obstacle.
+pub(super) fn of_places(input: &Input<'_>, grid: &Grid, blocked: &Bitmap) -> Vec<Problem> {
+    let syntax = &input.mission.behaviours;
+    let Some(source) = &syntax.source else { return Vec::new() };
+    let trouble = |(name, [x, y]): (&Text, [f32; 2])| {
+        let (x, y) = (f64::from(x), f64::from(y));
+        let (place, label) = match grid.cell_at(x, y) {
+            None => (
+                "off the map",
+                "the robot stops at the edge of the map, unless \
+                `trouble.off_map` lets it drive on",
+            ),
+            Some(cell) if blocked.get(cell) => ("inside an obstacle", "the robot will not arrive"),
+            Some(_) => return None,
+        };
+        let (name, span) = (name.as_str(), name.span.clone());
+        let message = format!("`{name}` drives to {}, {}, {place}", metres(x), metres(y));
+        let help = "choose a place on free ground";
+        Some(Problem::warning(message).at(source, span, label).help(help))
+    };
+    syntax.places().filter_map(trouble).collect()
 }
 
 /// Warns if obstacles cover nearly everything, or most of the file's free area.

@@ -2,6 +2,7 @@
 
 use super::number;
 use super::report::{Report, Span, Spanned, Text};
+use maps::names::nearest;
 use std::ops::RangeInclusive;
 use toml_edit::{Item, TableLike, Value};
 
@@ -11,6 +12,8 @@ pub(crate) struct Fields<'t> {
     table: &'t dyn TableLike,
     /// Where the table's name is written.
     pub(crate) span: Span,
+    /// Its unknown keys, which are reported.
+    unknown: Vec<&'t str>,
 }
 
 impl<'t> Fields<'t> {
@@ -28,8 +31,9 @@ impl<'t> Fields<'t> {
             report.wrong_type(&path, item, &here, "a table", example);
             return None;
         };
-        let fields = Self { path, table, span };
-        for (key, _) in table.iter().filter(|(key, _)| !known.contains(key)) {
+        let unknown = table.iter().map(|(key, _)| key).filter(|key| !known.contains(key));
+        let fields = Self { path, table, span, unknown: unknown.collect() };
+        for &key in &fields.unknown {
             let (table_name, how) =
                 (format!("`{}`", fields.path), format!("known here: {}", known.join(", ")));
             let span = key_span(table, key);
@@ -38,15 +42,22 @@ impl<'t> Fields<'t> {
         Some(fields)
     }
 
+    /// Whether a key is missing, and none of the unknown ones is a misspelling of it.
+    pub(crate) fn lacks(&self, key: &str) -> bool {
+        let is_meant = |unknown: &&str| nearest(unknown, std::iter::once(key)).is_some();
+        self.item(key).is_none() && !self.unknown.iter().any(is_meant)
+    }
+
     /// An item and where its value is written.
     pub(crate) fn item(&self, key: &str) -> Option<(&'t Item, Span)> {
         let item = self.table.get(key).filter(|item| !item.is_none())?;
         Some((item, item.span().unwrap_or_else(|| self.key_span(key))))
     }
 
-    /// Where a key is written.
+    /// Where a key is written; the table's name, if the table is a copy of a parametrised one.
     pub(crate) fn key_span(&self, key: &str) -> Span {
-        key_span(self.table, key)
+        let key = self.table.key(key).and_then(toml_edit::Key::span);
+        key.unwrap_or_else(|| self.span.clone())
     }
 
     fn path(&self, key: &str) -> String {

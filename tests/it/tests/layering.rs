@@ -52,6 +52,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "behaviour",
             "controller",
             "fixtures",
+            "maps",
             "math",
             "monitor",
             "plan-compiler",

@@ -66,8 +66,14 @@ impl Watch {
         explanation: &Explanation,
     ) -> Result<(), String> {
         let report = &explanation.report;
+        let is_anyone_engaged =
+            (0..mission.behaviours().len()).any(|index| is_engaged(behaviours.phase(index)));
         let is_reason = |decision: &&Decision| {
-            !matches!(
+            // To wait for another behaviour is a reason only while one has the robot.
+            let waits_for_nobody =
+                matches!(decision, Decision::Refused { .. }) && !is_anyone_engaged;
+            !waits_for_nobody
+                && !matches!(
                 decision,
                 Decision::Conflict(
                     Signal::Possible { .. } | Signal::Evident { what: Violation::Foreign, .. }

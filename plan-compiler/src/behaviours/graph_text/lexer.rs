@@ -1,6 +1,6 @@
 //! The lexer: names, arrows and brackets.
 
-use super::Mistake;
+use super::{Mistake, tidy};
 use crate::toml::Span;
 
 /// A token of the text.
@@ -53,6 +53,11 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Vec<Mistake>> {
                 add_word(&mut tokens, text, at..at + length);
                 length
             }
+            '(' if values(&tokens, text, at).is_some() => {
+                let length = values(&tokens, text, at).unwrap_or(1);
+                add_values(&mut tokens, &text[at..at + length], at + length);
+                length
+            }
             _ => match symbol(&text[at..]) {
                 Some((kind, length)) => {
                     tokens.push(Token { kind, span: at..at + length });
@@ -100,6 +105,25 @@ fn add_word(tokens: &mut Vec<Token>, text: &str, span: Span) {
         before.end = span.end;
     } else {
         tokens.push(Token { kind: Kind::Name(word.to_owned()), span });
+    }
+}
+
+/// The length of the values `(10, 12)` that follow a name directly.
+fn values(tokens: &[Token], text: &str, at: usize) -> Option<usize> {
+    let last = tokens.last().filter(|token| token.span.end == at)?;
+    let is_name =
+        matches!(last.kind, Kind::Name(_)) && !text[last.span.clone()].ends_with(['\'', '"']);
+    let length = text[at..].find(')')? + 1;
+    let inside = &text[at + 1..at + length - 1];
+    (is_name && !inside.contains(['(', '|', ';']) && !inside.contains("->")).then_some(length)
+}
+
+/// Makes values a part of the name before them.
+fn add_values(tokens: &mut [Token], values: &str, end: usize) {
+    if let Some(Token { kind: Kind::Name(name), span }) = tokens.last_mut() {
+        name.push_str(values);
+        *name = tidy(name).into_owned();
+        span.end = end;
     }
 }
 

@@ -1,7 +1,7 @@
 //! Actions, frames and productions.
 
 use super::inputs::pair;
-use super::{MAX_TIME_S, literals, milliseconds, name, rules};
+use super::{MAX_TIME_S, literals, name, rules, tidy};
 use crate::behaviours::graph_text;
 use crate::behaviours::syntax::{Action, Description, Doing, PlanFrame, Production};
 use crate::behaviours::{DEFAULT_THRESHOLD, DEFAULT_TIMEOUT_S};
@@ -24,6 +24,11 @@ const ACTION: &[&str] = &[
     "resources",
 ];
 
+/// Shortest timeout of an action, seconds.
+const MIN_TIMEOUT_S: f64 = 0.1;
+/// Lowest maximum speed, m/s: with 0, what drives would never arrive.
+const LOWEST_MAX_SPEED_MPS: f64 = 0.01;
+
 pub(super) fn action(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Action> {
     let path = format!("actions.{}", name.as_str());
     let example = "{ do = \"go-to 10, 20\" }";
@@ -31,45 +36,50 @@ pub(super) fn action(report: &mut Report<'_>, name: Text, item: &Item) -> Option
     let description = description(report, &fields);
     let until = literals(report, &fields, "until");
     let resources = fields.texts(report, "resources", "arm");
-    let Some((_, doing_span)) = fields.item("do") else {
+    if fields.lacks("do") {
         let message = format!("action `{}` does nothing", name.as_str());
         report.error(message, &name.span, "this action", &format!("add {}", &example[2..21]));
-        return None;
-    };
-    let text = fields.text(report, "do", "\"go-to 10, 20\"")?;
-    let kind = doing(report, &text)?;
+    }
+    // After a mistake another action stands in, so that the names in the rest are looked up.
+    let text = fields.text(report, "do", "\"go-to 10, 20\"");
+    let kind = text.and_then(|text| doing(report, &text)).unwrap_or(Doing::Signal { code: 0 });
     let own_ms = match kind {
-        Doing::Hold { for_ms } | Doing::Wander { for_ms } => for_ms,
+        Doing::Hold { for_ms } | Doing::Wait { for_ms } | Doing::Wander { for_ms } => for_ms,
         _ => 0,
     };
-    let given = milliseconds(report, &fields, "timeout_s");
-    if given.is_some_and(|given| given <= own_ms) {
-        let span = fields.item("timeout_s").map_or(doing_span, |(_, span)| span);
+    let given = fields.number(report, "timeout_s", MIN_TIMEOUT_S..=MAX_TIME_S, "s");
+    let given_ms = given.as_ref().map(|given| (given.value * 1e3).round() as u32);
+    if let Some(given) = given.filter(|_| given_ms.is_some_and(|given_ms| given_ms <= own_ms)) {
         let message = format!("action `{}` times out before it can end", name.as_str());
-        let help = "make timeout_s longer than the action's own time";
-        report.error(message, &span, "not above 0, or not above the action's own time", help);
-        return None;
+        let help = format!("write a timeout_s above {} s", f64::from(own_ms) / 1e3);
+        report.error(message, &given.span, "not above the action's own time", &help);
     }
-    let timeout_ms = given.unwrap_or((DEFAULT_TIMEOUT_S * 1e3) as u32 + own_ms);
+    let timeout_ms = given_ms.unwrap_or((DEFAULT_TIMEOUT_S * 1e3) as u32 + own_ms);
     Some(Action { name, kind, description, until, timeout_ms, resources })
 }
 
 fn description(report: &mut Report<'_>, fields: &Fields<'_>) -> Description {
-    let max_speed = fields.number(report, "max_speed", 0.0..=50.0, "m/s");
+    let max_speed = fields.number(report, "max_speed", LOWEST_MAX_SPEED_MPS..=50.0, "m/s");
     let min_distance = fields.number(report, "min_distance", 0.0..=1e3, "m");
     Description {
         initial: literals(report, fields, "initial"),
         transient: literals(report, fields, "transient"),
         goal: literals(report, fields, "goal"),
-        add: fields.texts(report, "add", "ploughed"),
-        delete: fields.texts(report, "delete", "ploughed"),
+        add: facts(report, fields, "add"),
+        delete: facts(report, fields, "delete"),
         max_speed_mps: max_speed.map(|speed| speed.value as f32),
         min_distance_m: min_distance.map_or(0.0, |distance| distance.value as f32),
     }
 }
 
-const VERBS: &[&str] = &["follow", "go-to", "hold", "wander", "signal", "set-output"];
-const DOING_HELP: &str = "write follow PLAN at 34:66, go-to X, Y, hold 5 s, wander 5 s, signal 3 or \
+/// The names of facts.
+fn facts(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Vec<Text> {
+    let names = fields.texts(report, key, "ploughed").into_iter();
+    names.map(|text| Spanned { value: tidy(text.as_str()).into_owned(), span: text.span }).collect()
+}
+
+const VERBS: &[&str] = &["follow", "go-to", "hold", "wait", "wander", "signal", "set-output"];
+const DOING_HELP: &str = "write follow PLAN at 34:66, go-to X, Y, hold 5 s, wait 5 s, wander 5 s, signal 3 or \
     set-output 2 on";
 
 fn doing(report: &mut Report<'_>, text: &Text) -> Option<Doing> {
@@ -79,6 +89,7 @@ fn doing(report: &mut Report<'_>, text: &Text) -> Option<Doing> {
         "follow" if !rest.is_empty() => follow(rest, text),
         "go-to" => pair(rest).map(Doing::GoTo),
         "hold" => seconds(rest).map(|for_ms| Doing::Hold { for_ms }),
+        "wait" => seconds(rest).map(|for_ms| Doing::Wait { for_ms }),
         "wander" => seconds(rest).map(|for_ms| Doing::Wander { for_ms }),
         "signal" => rest.parse().ok().map(|code| Doing::Signal { code }),
         "set-output" => set_output(rest),
@@ -150,16 +161,12 @@ pub(super) fn frame(report: &mut Report<'_>, name: Text, item: &Item) -> Option<
         span: given.as_ref().map_or(name.span.clone(), |given| given.span.clone()),
         value: given.map_or(DEFAULT_THRESHOLD, |given| given.value as f32),
     };
-    let mut productions = Vec::new();
-    let mut is_whole = true;
     let found = fields.item("productions").map(|(item, _)| items(item)).unwrap_or_default();
-    for (number, item) in found.iter().enumerate() {
-        match production(report, &name, number, item) {
-            Some(production) => productions.push(production),
-            None => is_whole = false,
-        }
-    }
-    if found.is_empty() {
+    // What was not understood is missing here; after an error nothing else is judged by it.
+    let productions = found.iter().enumerate();
+    let productions =
+        productions.filter_map(|(number, item)| production(report, &name, number, item)).collect();
+    if found.is_empty() && (fields.lacks("productions") || fields.item("productions").is_some()) {
         let message = format!("frame `{}` has no production", name.as_str());
         report.error(
             message,
@@ -168,13 +175,7 @@ pub(super) fn frame(report: &mut Report<'_>, name: Text, item: &Item) -> Option<
             &format!("add {FRAME_EXAMPLE}"),
         );
     }
-    // A frame that lacks a production would cause misleading lints.
-    (is_whole && !productions.is_empty()).then_some(PlanFrame {
-        name,
-        description,
-        threshold,
-        productions,
-    })
+    Some(PlanFrame { name, description, threshold, productions })
 }
 
 /// The entries of a list in any of the forms of TOML; a single text is a list of one.
@@ -216,17 +217,16 @@ fn production(
         .text(report, "name", "\"NAME\"")
         .and_then(|own| name(report, own.as_str(), own.span.clone()));
     let rules = rules(report, &fields, "applicable");
-    let is_ruled = rules.is_some() || fields.item("applicable").is_none();
     let protect = fields.texts(report, "protect", "on field from forward to back");
     let work = work(report, &fields);
-    if fields.item("graph").is_none() {
+    if fields.lacks("graph") {
         let message = format!("`{}` has no graph", fields.path);
         report.error(message, &span, "this production", "add graph = \"entry -> a -> b -> exit\"");
     }
     let text = fields.text(report, "graph", "\"entry -> a -> b -> exit\"")?;
     let graph = graph(report, &text)?;
     let name = own.unwrap_or_else(|| Spanned { value: frame.value.clone(), span });
-    is_ruled.then_some(Production { name, rules, graph, text, protect, work })
+    Some(Production { name, rules, graph, text, protect, work })
 }
 
 fn graph(report: &mut Report<'_>, text: &Text) -> Option<graph_text::Graph> {
@@ -263,7 +263,8 @@ fn work(report: &mut Report<'_>, fields: &Fields<'_>) -> Vec<(Text, u16)> {
     };
     let cost = |report: &mut Report<'_>, key: &str| {
         let number = all.number(report, key, 0.0..=65_535.0, "")?;
-        let name = Spanned { value: key.trim().to_owned(), span: key_span(table, key) };
+        let value = tidy(key.trim()).into_owned();
+        let name = Spanned { value, span: key_span(table, key) };
         Some((name, number.value.round() as u16))
     };
     known.iter().filter_map(|key| cost(report, key)).collect()

@@ -47,6 +47,7 @@ pub(super) fn input(
             text.and_then(|text| self::source(report, team, &text))
         }
         (None, Some(_)) => rules(report, &fields, "rules").map(InputSource::Rules),
+        (None, None) if !fields.lacks("source") || !fields.lacks("rules") => None,
         (both, _) => {
             let (message, help) = match both {
                 Some(_) => ("has both a source and rules", "keep one of the two"),
@@ -121,7 +122,7 @@ fn missing(
     let Some(policy) = Fields::open(report, path, item, span, &["hold_s", "then"], example) else {
         return (default_ms, low);
     };
-    if policy.item("then").is_none() {
+    if policy.lacks("then") {
         let message = format!("`{}` has no `then`", policy.path);
         let help = format!("add then = {low:?}: the value that replaces a missing one");
         report.error(message, &policy.span, "no value after the hold time", &help);
@@ -199,6 +200,8 @@ const FACT: &[&str] = &[
     "signals",
     "missing",
 ];
+/// The keys of which a fact has one.
+const KINDS: [&str; 6] = ["input", "near", "inside", "no_progress", "linked", "mate"];
 const FACT_HELP: &str = "write false or true for a symbol's initial value, { inside = [W, S, E, N] }, \
     { near = [X, Y], within = M }, { input = \"fuel\", at_least = 0.9 }, \
     { no_progress = 0.5, for_s = 10 }, { linked = \"all\" } or { mate = \"NAME\", within = M }";
@@ -220,6 +223,7 @@ pub(super) fn fact(report: &mut Report<'_>, team: &Team, name: Text, item: &Item
         [false, false, false, true, false, false] => no_progress(report, &fields),
         [false, false, false, false, true, false] => mates::linked(report, &fields, team),
         [false, false, false, false, false, true] => mates::mate(report, &fields, team),
+        _ if kinds == [false; 6] && KINDS.iter().any(|key| !fields.lacks(key)) => None,
         [false, false, false, false, false, false] => {
             let message = format!("fact `{}` has no condition", name.as_str());
             report.error(message, &name.span, "this fact", FACT_HELP);
@@ -242,6 +246,9 @@ fn level(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<FactSyntax> {
         |end: &Option<Spanned<f64>>, open| end.as_ref().map_or(open, |end| end.value as f32);
     let (low_m, high_m) = (value(&low, f32::NEG_INFINITY), value(&high, f32::INFINITY));
     if fields.item("at_least").is_none() && fields.item("at_most").is_none() {
+        if !fields.lacks("at_least") || !fields.lacks("at_most") {
+            return None;
+        }
         let message = format!("`{}` has neither `at_least` nor `at_most`", fields.path);
         report.error(message, &fields.span, "always true", "add at_least = 0.9, for example");
         return None;
@@ -260,7 +267,7 @@ fn near(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<FactSyntax> {
     let example = "near = [12.5, 40.0]";
     let at = fields.numbers(report, "near", "a place: two finite numbers", example);
     let within = fields.number(report, "within", 0.01..=1e5, "m");
-    if fields.item("within").is_none() {
+    if fields.lacks("within") {
         let message = format!("`{}` has no `within`", fields.path);
         report.error(message, &fields.span, "no distance given", "add within = 2.0, in metres");
     }
@@ -288,7 +295,7 @@ fn inside(report: &mut Report<'_>, fields: &Fields<'_>, name: &Text) -> Option<F
 fn no_progress(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<FactSyntax> {
     let distance = fields.number(report, "no_progress", 0.01..=1e5, "m");
     let time = fields.number(report, "for_s", 0.1..=super::MAX_TIME_S, "s");
-    if fields.item("for_s").is_none() {
+    if fields.lacks("for_s") {
         let message = format!("`{}` has no `for_s`", fields.path);
         report.error(message, &fields.span, "no time given", "add for_s = 10");
     }

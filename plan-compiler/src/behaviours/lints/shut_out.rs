@@ -25,22 +25,13 @@ impl Lints<'_> {
     pub(super) fn shut_out(&mut self) {
         let count = self.draft.behaviours.len();
         for sleeper in 0..count {
-            let held = held_at_points(self.draft, self.draft.behaviours[sleeper].root.into());
+            let held = points(self.draft, sleeper);
             for victim in (0..count).filter(|&victim| victim != sleeper) {
                 if let Some((by, held)) = self.witness(sleeper, victim, &held) {
                     self.report_shut_out(sleeper, by, victim, held);
                 }
             }
         }
-    }
-
-    /// Behaviours that can shut out `victim` while they sleep.
-    pub(super) fn excluding(&self, victim: usize) -> Vec<usize> {
-        let excludes = |&sleeper: &usize| {
-            let held = held_at_points(self.draft, self.draft.behaviours[sleeper].root.into());
-            sleeper != victim && self.witness(sleeper, victim, &held).is_some()
-        };
-        (0..self.draft.behaviours.len()).filter(excludes).collect()
     }
 
     fn witness(&self, sleeper: usize, victim: usize, held: &[Held]) -> Option<(usize, Held)> {
@@ -89,7 +80,8 @@ impl Lints<'_> {
             self.name(by),
             after.join("` and `")
         );
-        let help = "end the protection interval before that point, or restore the facts in a shut_down activity";
+        let help = "end the protection interval before that point, or give the facts up in a \
+            shut_down frame and restore them in a start_up frame";
         let span = self.syntax.behaviours[victim].name.span.clone();
         self.report.warning(message, &span, &label, help);
     }
@@ -115,8 +107,57 @@ pub(super) fn effects(draft: &MissionDraft, behaviour: usize) -> (u64, u64) {
     })
 }
 
+/// What a behaviour protects while it sleeps at any of its points.
+pub(super) fn held_at_points(draft: &MissionDraft, behaviour: usize) -> Condition {
+    points(draft, behaviour).iter().fold(Condition::default(), |all, held| Condition {
+        must: all.must | held.must,
+        must_not: all.must_not | held.must_not,
+    })
+}
+
+/// What the intervals of a plan protect anywhere, below a root frame.
+pub(super) fn protected_anywhere(draft: &MissionDraft, root: usize) -> Condition {
+    let (mut seen, mut waiting) = (HashSet::new(), vec![root]);
+    let mut all = Condition::default();
+    while let Some(frame) = waiting.pop() {
+        if !seen.insert(frame) {
+            continue;
+        }
+        let first = usize::from(draft.frames[frame].first);
+        for record in draft.productions.iter().skip(first).take(draft.frames[frame].count.into()) {
+            let intervals = draft.intervals.iter().skip(record.first_interval.into());
+            for interval in intervals.take(record.intervals.into()) {
+                all.must |= interval.condition.must;
+                all.must_not |= interval.condition.must_not;
+            }
+            let edges = draft.edges.iter().skip(record.first_edge.into()).take(record.edges.into());
+            waiting.extend(edges.filter_map(|edge| match edge.symbol {
+                Symbol::PlanFrame(inner) => Some(usize::from(inner)),
+                Symbol::Action(_) => None,
+            }));
+        }
+    }
+    all
+}
+
+/// Everything that a behaviour may protect at any point of its plan, without what its shut-down
+/// gives up.
+fn points(draft: &MissionDraft, behaviour: usize) -> Vec<Held> {
+    let record = &draft.behaviours[behaviour];
+    let freed = record.shut_down.map_or((0, 0), |frame| {
+        let frame = &draft.frames[usize::from(frame)];
+        (frame.may_add, frame.may_delete)
+    });
+    let kept = points_of_plan(draft, record.root.into()).into_iter().map(|held| Held {
+        must: held.must & !freed.1,
+        must_not: held.must_not & !freed.0,
+        ..held
+    });
+    kept.filter(|held| held.must | held.must_not != 0).collect()
+}
+
 /// Everything that may be protected at any point of a plan, below a root frame.
-fn held_at_points(draft: &MissionDraft, root: usize) -> Vec<Held> {
+fn points_of_plan(draft: &MissionDraft, root: usize) -> Vec<Held> {
     let mut found = Vec::new();
     let mut seen = HashSet::new();
     let mut waiting = vec![(root, Condition::default(), 0)];

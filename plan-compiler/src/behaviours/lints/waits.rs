@@ -10,10 +10,10 @@
 mod states;
 
 use super::Lints;
-use super::shut_out::effects;
+use super::shut_out::{effects, held_at_points, protected_anywhere};
 use maps::problem::Problem;
-use plan_format::mission::{Condition, SwitchPoint};
-use states::{States, Stop};
+use plan_format::mission::{Condition, MissionDraft, SwitchPoint};
+use states::{States, Stop, Work};
 use std::fmt;
 
 /// The longest wait of a behaviour for its turn.
@@ -55,52 +55,146 @@ impl fmt::Display for Bound {
     }
 }
 
+/// What is known of each behaviour, for the bounds.
+struct Known {
+    /// The states of its plan.
+    plan: States,
+    /// The longest times of its start-up and its shut-down.
+    activities: (Bound, Bound),
+    /// The facts that it may add and delete.
+    effects: (u64, u64),
+    /// The facts that its shut-down may add and delete: it gives up what it protects of them.
+    freed: (u64, u64),
+    /// What its plan protects anywhere.
+    protects: Condition,
+    /// What it protects at the points where it may sleep.
+    holds: Condition,
+}
+
+impl Known {
+    fn of(draft: &MissionDraft, behaviour: usize, work: &mut Work) -> Self {
+        let record = &draft.behaviours[behaviour];
+        let plan = States::explore(draft, record.root, work);
+        let mut whole = |frame: Option<u16>| {
+            let never = |_: &Stop| false;
+            let whole = |frame| States::explore(draft, frame, work).longest(never);
+            frame.map_or(Bound::Within(0), whole)
+        };
+        let freed = record.shut_down.map_or((0, 0), |frame| {
+            let frame = &draft.frames[usize::from(frame)];
+            (frame.may_add, frame.may_delete)
+        });
+        Self {
+            plan,
+            activities: (whole(record.start_up), whole(record.shut_down)),
+            effects: effects(draft, behaviour),
+            freed,
+            protects: protected_anywhere(draft, record.root.into()),
+            holds: held_at_points(draft, behaviour),
+        }
+    }
+}
+
+/// Whether effects, added and deleted facts, may violate a condition.
+fn endangers((adds, deletes): (u64, u64), held: Condition) -> bool {
+    held.must & deletes != 0 || held.must_not & adds != 0
+}
+
 impl Lints<'_> {
     /// Finds the longest wait of each behaviour and reports the waits.
     pub(super) fn waits(&mut self) -> Vec<Option<Wait>> {
-        let draft = self.draft;
-        let count = draft.behaviours.len();
-        let of_frame = |frame: u16| States::explore(draft, frame);
-        let plans: Vec<States> = draft.behaviours.iter().map(|b| of_frame(b.root)).collect();
-        let whole = |frame: Option<u16>| {
-            frame.map_or(Bound::Within(0), |frame| of_frame(frame).longest(|_: &Stop| false))
-        };
-        let activities: Vec<(Bound, Bound)> =
-            draft.behaviours.iter().map(|b| (whole(b.start_up), whole(b.shut_down))).collect();
-        let behind = |waiting: usize, other: usize| {
-            let (adds, deletes) = effects(draft, waiting);
-            let (start_up, shut_down) = activities[other];
-            let dwell = Bound::Within(draft.behaviours[other].dwell_ms.into());
-            let is_free = |held: Condition| held.must & deletes == 0 && held.must_not & adds == 0;
-            let point = plans[other].longest(|stop| match draft.behaviours[other].switch_point {
-                SwitchPoint::Earliest => is_free(stop.held),
-                SwitchPoint::Best => {
-                    let is_better = |&(work, held): &(u16, Condition)| {
-                        stop.lost_work.is_none_or(|lost| work < lost) && is_free(held)
-                    };
-                    is_free(stop.held) && !stop.ahead.iter().any(is_better)
-                }
-            });
-            dwell.max(start_up).and(point).and(shut_down)
-        };
+        let count = self.draft.behaviours.len();
+        let mut work = Work::default();
+        let known: Vec<Known> =
+            (0..count).map(|index| Known::of(self.draft, index, &mut work)).collect();
         let waits: Vec<Option<Wait>> = (0..count)
             .map(|waiting| {
                 (0..count)
-                    .filter(|&other| self.conflict(waiting, other))
-                    .filter(|&other| self.takes_over(other, waiting).is_some())
-                    .map(|other| {
-                        // Sleeping behaviours that shut it out resume first, one after the other.
-                        let excluding = self.excluding(waiting).into_iter().filter(|&s| s != other);
-                        let bound = excluding.fold(behind(waiting, other), |bound, sleeper| {
-                            bound.and(behind(waiting, sleeper))
-                        });
-                        Wait { behind: other, bound }
-                    })
+                    .filter(|&other| other != waiting && self.may_wait_for(&known, waiting, other))
+                    .map(|other| Wait { behind: other, bound: self.bound(&known, waiting, other) })
                     .max_by_key(|wait| wait.bound)
             })
             .collect();
         self.report_waits(&waits);
         waits
+    }
+
+    /// Whether a behaviour may have to wait for another: it takes over a resource, or the other
+    /// protects what it may change.
+    fn may_wait_for(&self, known: &[Known], waiting: usize, other: usize) -> bool {
+        if self.conflict(waiting, other) {
+            return self.takes_over(other, waiting).is_some();
+        }
+        endangers(known[waiting].effects, known[other].protects)
+    }
+
+    /// The longest wait of a behaviour while another one runs. Sleeping behaviours that exclude it,
+    /// and those that exclude them, resume first, one after the other. Each goes on to a point
+    /// where it protects nothing that those that wait may change.
+    fn bound(&self, known: &[Known], waiting: usize, other: usize) -> Bound {
+        let sleepers = self.sleepers_first(known, waiting, other);
+        let dwell = |index: usize| Bound::Within(self.draft.behaviours[index].dwell_ms.into());
+        // None of those that are in the way is interrupted while another may not be.
+        let beside = (0..known.len()).filter(|&index| {
+            self.conflict(waiting, index) && index != other && !self.conflict(index, other)
+        });
+        let dwell_beside = beside.map(dwell).max().unwrap_or(Bound::Within(0));
+        let in_turn = core::iter::once(other).chain(sleepers.iter().copied());
+        in_turn.fold(Bound::Within(0), |bound, index| {
+            let those_that_wait = core::iter::once(waiting).chain(sleepers.iter().copied());
+            let (adds, deletes) =
+                those_that_wait.filter(|&one| one != index).fold((0, 0), |(adds, deletes), one| {
+                    (adds | known[one].effects.0, deletes | known[one].effects.1)
+                });
+            let one = &known[index];
+            let effects = (adds & !one.freed.0, deletes & !one.freed.1);
+            let point = one.plan.longest(|stop| match self.draft.behaviours[index].switch_point {
+                SwitchPoint::Earliest => !endangers(effects, stop.held),
+                SwitchPoint::Best => {
+                    let is_better = |&(work, held): &(u16, Condition)| {
+                        stop.lost_work.is_none_or(|lost| work < lost) && !endangers(effects, held)
+                    };
+                    !endangers(effects, stop.held) && !stop.ahead.iter().any(is_better)
+                }
+            });
+            let (start_up, shut_down) = one.activities;
+            let dwell = dwell(index).max(dwell_beside);
+            bound.and(dwell.max(start_up)).and(point).and(shut_down)
+        })
+    }
+
+    /// The sleeping behaviours that may have to go first: those that protect what `waiting` may
+    /// change, those that protect what these may change, and so on; and the running ones for which
+    /// an action of `other` may wait.
+    fn sleepers_first(&self, known: &[Known], waiting: usize, other: usize) -> Vec<usize> {
+        let count = known.len();
+        let may_sleep = |index: usize| {
+            let makes_sleep = |&by: &usize| {
+                by != waiting
+                    && by != index
+                    && (self.conflict(by, index)
+                        || endangers(known[index].effects, known[by].protects))
+            };
+            (0..count).any(|by| makes_sleep(&by))
+        };
+        let mut first: Vec<usize> = (0..count)
+            .filter(|&index| index != waiting && index != other && !self.conflict(index, other))
+            .filter(|&index| endangers(known[other].effects, known[index].protects))
+            .collect();
+        let mut asked = vec![waiting];
+        while let Some(victim) = asked.pop() {
+            for index in 0..count {
+                let is_new = index != waiting && index != other && !first.contains(&index);
+                if is_new
+                    && endangers(known[victim].effects, known[index].holds)
+                    && may_sleep(index)
+                {
+                    first.push(index);
+                    asked.push(index);
+                }
+            }
+        }
+        first
     }
 
     fn report_waits(&mut self, waits: &[Option<Wait>]) {

@@ -59,6 +59,7 @@ impl Lowering<'_> {
             }
             &Doing::GoTo([x_m, y_m]) => (ActionKind::GoTo { x_m, y_m }, motion(self)),
             &Doing::Hold { for_ms } => (ActionKind::Hold { for_ms }, motion(self)),
+            &Doing::Wait { for_ms } => (ActionKind::Hold { for_ms }, 0),
             &Doing::Wander { for_ms } => (ActionKind::Wander { for_ms }, motion(self)),
             &Doing::Signal { code } => (ActionKind::Signal { code }, 0),
             &Doing::SetOutput { output, is_on } => {

@@ -2,7 +2,7 @@
 //! a single consumer (H, "Plan Components").
 
 use super::Lowering;
-use crate::behaviours::graph_text::Graph;
+use crate::behaviours::graph_text::{Graph, tidy};
 use crate::behaviours::language::literal;
 use crate::behaviours::syntax::{self, Literal};
 use crate::toml::{Spanned, Text};
@@ -115,14 +115,14 @@ impl Lowering<'_> {
 
 /// The vertex where the first component with a name begins, or the vertex with that name.
 fn begin(graph: &Graph, name: &str) -> Option<u8> {
-    let name = name.trim().trim_matches(['\'', '"']);
+    let name = &*tidy(name.trim().trim_matches(['\'', '"']));
     let all = graph.edges.iter().filter(|edge| edge.component == name);
     all.map(|edge| edge.from).min().or_else(|| graph.vertex(name))
 }
 
 /// The vertex where the last component with a name ends, or the vertex with that name.
 fn end(graph: &Graph, name: &str) -> Option<u8> {
-    let name = name.trim().trim_matches(['\'', '"']);
+    let name = &*tidy(name.trim().trim_matches(['\'', '"']));
     let all = graph.edges.iter().filter(|edge| edge.component == name);
     all.map(|edge| edge.to).max().or_else(|| graph.vertex(name))
 }

@@ -275,3 +275,121 @@ fn what_is_too_much_to_look_through_is_said() {
     );
     check("lint_too_many_inputs", &text);
 }
+
+/// What fits its type and cannot be meant: values that never occur, weights that are not shares.
+#[test]
+fn values_that_cannot_be_meant() {
+    in_world(
+        "lint_values",
+        r#"
+[facts]
+full = { input = "battery", at_least = 90 }
+late = { input = "clock", at_least = 900 }
+[inputs.clock]
+source = "time"
+universe = [0, 600]
+[inputs.level]
+source = "custom 1"
+universe = [10, 0]
+missing = { then = -1 }
+[actions.ride]
+do = "follow gate at 34:60"
+until = ["full", "late"]
+[frames.work]
+productions = ["entry -> ride -> drive -> wait -> beep -> exit"]
+[behaviours.work]
+criticality = { fuel = "PS PS PS PS PS PS PS", level = "PS PS PS PS PS PS PS", clock = "PS PS PS PS PS PS PS" }
+"#,
+    );
+}
+
+/// Components that contradict what their own production protects, and conditions that are never
+/// met.
+#[test]
+fn contradictions() {
+    in_world(
+        "lint_contradictions",
+        r#"
+[facts]
+clean = true
+ready = false
+done = true
+[actions.wash]
+do = "hold 2 s"
+delete = ["clean"]
+[actions.soil]
+do = "hold 2 s"
+transient = ["not clean"]
+[actions.last]
+do = "hold 2 s"
+delete = ["clean"]
+initial = ["ready"]
+until = ["not done"]
+[frames.inner]
+productions = ["entry -> wash -> exit"]
+[frames.work]
+productions = [
+  { graph = "entry -> drive -> wash -> wait -> exit", protect = ["clean from drive to wait"] },
+  { graph = "entry -> drive -> soil -> beep -> exit", protect = ["clean from drive to beep"] },
+  { graph = "entry -> drive -> inner -> beep -> exit", protect = ["clean from drive to beep"] },
+  { graph = "entry -> drive -> last -> exit", protect = ["clean from drive to last"] },
+]
+[behaviours.work]
+criticality = { fuel = "PS PS PS PS PS PS PS", battery = "PS PS PS PS PS PS PS" }
+"#,
+    );
+}
+
+/// Seven levels of twelve productions have millions of states. The search for waits stops at its
+/// limit, which the note says; so time and memory have a bound.
+#[test]
+fn h36_the_search_for_waits_has_a_limit() {
+    let mut text = String::from(WORLD);
+    let graphs = ["l1 -> beep -> l3 -> beep -> l5", "l2", "wait", "l4", "wait", "l6", "wait"];
+    for (level, graph) in graphs.into_iter().enumerate() {
+        let one = format!("\"entry -> {graph} -> exit\"");
+        let all = vec![one; 12].join(", ");
+        text += &format!("[frames.l{level}]\nproductions = [{all}]\n");
+    }
+    for (name, row) in [("a", "PS PS PS PS PS PS NB"), ("b", "NB NB PM PM PM PM NB")] {
+        text += &format!(
+            "[behaviours.{name}]\nplan = \"l0\"\ncriticality = {{ battery = \"{row}\" }}\n"
+        );
+    }
+    let begun = std::time::Instant::now();
+    let (draft, problems) = compiled(&text);
+    let took = begun.elapsed();
+    assert!(draft.is_some(), "{problems:?}");
+    let said: Vec<String> = problems.iter().map(ToString::to_string).collect();
+    assert!(
+        said.iter().any(|said| said.contains("an unknown time (too many states)")),
+        "{said:#?}"
+    );
+    assert!(took.as_secs() < 10, "{took:?}");
+}
+
+/// Behaviours that share no resource may exclude each other all the same: the bound counts what the
+/// other one protects, and a protection without an end is named.
+#[test]
+fn h36_waits_count_intervals_without_a_shared_resource() {
+    in_world(
+        "lint_waits_for_intervals",
+        r#"
+[facts]
+clean = true
+[actions.spray]
+do = "set-output 1 on"
+delete = ["clean"]
+[frames.survey]
+productions = [{ graph = "entry -> rounds -> beep -> exit", protect = ["clean from rounds to rounds"] }]
+[frames.rounds]
+productions = [{ graph = "entry -> drive -> wait -> rounds -> exit", applicable = { fuel = "PB PB PB PB PB PB NB" } }]
+[frames.spraying]
+productions = ["entry -> spray -> exit"]
+[behaviours.survey]
+criticality = { fuel = "PS PS PS PS PS PS NB" }
+[behaviours.spraying]
+criticality = { battery = "PM PM NB NB NB NB NB" }
+"#,
+    );
+}

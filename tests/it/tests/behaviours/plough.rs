@@ -213,3 +213,110 @@ fn the_documented_example_compiles() {
     assert!(problems.iter().all(|problem| problem.severity == Severity::Note), "{problems:?}");
     assert!(draft.is_some_and(|draft| draft.behaviours.len() == 2));
 }
+
+/// A definition with parameters stands for one component for each pair of values with which it is
+/// named. The mission compiles to the same records as one that writes every component out.
+#[test]
+fn h14_parametrised_components_are_the_components_written_out() {
+    const COMMON: &str = r#"
+[inputs]
+"field ready" = { source = "custom 1", missing = { then = 1 } }
+[behaviours.plough]
+criticality = { "field ready" = "PS PS PS PS PS PS NB" }
+[facts]
+"on field" = { inside = [4, 4, 66, 76] }
+"#;
+    let short = format!(
+        "{COMMON}{}",
+        r#"
+[frames]
+plough = { productions = ["entry -> strip(10, 12, 68) -> strip(20,68,12) -> exit"] }
+"strip(x, from, to)" = { productions = [{ graph = "entry -> to({x}, {from}) -> cut({x}, {to}) -> exit", protect = ["on field from to({x}, {from}) to cut({x}, {to})"], work = { "to({x},{from})" = 2 } }] }
+[actions]
+"to(x, y)" = { do = "go-to {x}, {y}", goal = ["at( {x},{y})"] }
+"cut(x, y)" = { do = "go-to {x}, {y}", max_speed = 1.2 }
+[facts."at(x, y)"]
+near = ["{x}", "{y}"]
+within = 1.5
+"#
+    );
+    let long = format!(
+        "{COMMON}{}",
+        r#"
+"at(20, 68)" = { near = [20, 68], within = 1.5 }
+"at(10, 12)" = { near = [10, 12], within = 1.5 }
+[frames]
+plough = { productions = ["entry -> 'strip(10, 12, 68)' -> 'strip(20, 68, 12)' -> exit"] }
+"strip(20, 68, 12)" = { productions = [{ graph = "entry -> 'to(20, 68)' -> 'cut(20, 12)' -> exit", protect = ["on field from 'to(20, 68)' to 'cut(20, 12)'"], work = { "to(20, 68)" = 2 } }] }
+"strip(10, 12, 68)" = { productions = [{ graph = "entry -> 'to(10, 12)' -> 'cut(10, 68)' -> exit", protect = ["on field from 'to(10, 12)' to 'cut(10, 68)'"], work = { "to(10, 12)" = 2 } }] }
+[actions]
+"cut(20, 12)" = { do = "go-to 20, 12", max_speed = 1.2 }
+"to(20, 68)" = { do = "go-to 20, 68", goal = ["at(20, 68)"] }
+"cut(10, 68)" = { do = "go-to 10, 68", max_speed = 1.2 }
+"to(10, 12)" = { do = "go-to 10, 12", goal = ["at(10, 12)"] }
+"#
+    );
+    let records = |text: &str| {
+        let (draft, problems) = compiled(text);
+        let draft = draft.unwrap_or_else(|| panic!("{problems:#?}"));
+        let section = draft.write().expect("it fits");
+        let mission = Mission::parse(&section).expect("it is sound");
+        let name = |name| mission.name(name).to_owned();
+        let mut actions: Vec<String> = mission
+            .actions()
+            .iter()
+            .map(|action| format!("{} {:?}", name(action.name), action.kind))
+            .collect();
+        actions.sort();
+        let mut facts: Vec<String> = mission
+            .facts()
+            .iter()
+            .map(|fact| format!("{} {:?}", name(fact.name), fact.kind))
+            .collect();
+        facts.sort();
+        (actions, facts, mission.intervals().len(), mission.edges().len())
+    };
+    assert_eq!(records(&short), records(&long));
+}
+
+/// Mistakes in definitions with parameters are reported where they are written.
+#[test]
+fn parameters_are_checked() {
+    super::check(
+        "mistakes_in_parameters",
+        r#"
+[inputs]
+clock = { source = "time", universe = [0, 60] }
+[behaviours.work]
+criticality = { clock = "PS PS PS PS PS PS NB" }
+[frames]
+work = { productions = ["entry -> to(10) -> to(10, east) -> go -> exit"] }
+[actions]
+"to(x, y)" = { do = "go-to {x}, {y}" }
+"wait(x)" = { do = "hold {x} s" }
+go = { do = "hold 2 s", timeout_s = -5 }
+"#,
+    );
+}
+
+/// H14, figure 3: one definition for all strips takes at most half the lines, and the actions and
+/// facts are those of the mission that writes every strip out.
+#[test]
+fn h14_one_definition_for_all_strips() {
+    let read = |name: &str| {
+        let source = source::read_text(&it::own_map(name)).expect("the mission is readable").0;
+        let (mission, mut problems) = parse(&source);
+        let draft = compile(&mission.behaviours, &Plans::Any, &mut problems);
+        let section = draft.unwrap_or_else(|| panic!("{problems:?}")).write().expect("it fits");
+        let mission = Mission::parse(&section).expect("it is sound");
+        let mut kinds: Vec<String> =
+            mission.actions().iter().map(|action| format!("{:?}", action.kind)).collect();
+        kinds.extend(mission.facts().iter().map(|fact| format!("{:?}", fact.kind)));
+        kinds.sort();
+        (source.text.lines().count(), kinds)
+    };
+    let (long, written_out) = read("plough.mission.toml");
+    let (short, by_definition) = read("strips.mission.toml");
+    assert!(2 * short <= long, "{short} and {long} lines");
+    assert_eq!(by_definition, written_out);
+}

@@ -6,9 +6,13 @@ use monitor::SituationGrid;
 use plan_format::limits::MAX_DEPTH;
 use plan_format::mission::{ActionKind, Condition, Mission, MissionDraft, Production, Symbol};
 use std::collections::HashMap;
+use std::fmt::{self, Write};
 
 /// Most states of one plan that are explored.
 const MAX_STATES: usize = 3_000;
+/// Most plan steps that are tried for one mission, so that time and memory have a bound: about two
+/// seconds.
+const MAX_WORK: usize = 60_000;
 /// Extra time for each end of an action, milliseconds: the robot needs some ticks for the plan
 /// steps.
 const EVENT_MS: u64 = 500;
@@ -42,6 +46,26 @@ pub(super) struct Stop {
     pub(super) ahead: Vec<(u16, Condition)>,
 }
 
+/// How much may still be tried for the mission.
+pub(super) struct Work {
+    left: usize,
+}
+
+impl Default for Work {
+    fn default() -> Self {
+        Self { left: MAX_WORK }
+    }
+}
+
+impl Work {
+    /// Whether there is room for one step more.
+    fn step(&mut self) -> bool {
+        let is_left = self.left > 0;
+        self.left = self.left.saturating_sub(1);
+        is_left
+    }
+}
+
 /// The state of one plan while it is carried out.
 #[derive(Clone, Default)]
 struct PlanState {
@@ -49,9 +73,21 @@ struct PlanState {
     situation_grid: SituationGrid,
 }
 
+/// FNV-1a over 128 bits.
+struct Fingerprint(u128);
+
+impl Write for Fingerprint {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for byte in text.bytes() {
+            self.0 = (self.0 ^ u128::from(byte)).wrapping_mul(0x100_0000_0000_0000_0000_013b);
+        }
+        Ok(())
+    }
+}
+
 impl States {
     /// Carries out a frame in every way.
-    pub(super) fn explore(draft: &MissionDraft, frame: u16) -> Self {
+    pub(super) fn explore(draft: &MissionDraft, frame: u16, work: &mut Work) -> Self {
         let mut states = Self { transitions: Vec::new(), is_complete: true };
         let Ok(bytes) = draft.write() else { return Self { is_complete: false, ..states } };
         let Ok(mission) = Mission::parse(&bytes) else {
@@ -61,7 +97,7 @@ impl States {
         plan.change(&mission, |forest, tell| forest.plant(OWNER, frame, tell));
         let mut known = HashMap::new();
         let mut waiting: Vec<(usize, PlanState)> = Vec::new();
-        states.add(&mission, plan, &mut known, &mut waiting);
+        states.add(&mission, plan, &mut known, &mut waiting, work);
         while let Some((index, plan)) = waiting.pop() {
             let running = plan.running(&mission);
             let time_ms = running.iter().map(|&(_, time_ms)| time_ms).min().unwrap_or(0) + EVENT_MS;
@@ -70,12 +106,14 @@ impl States {
                 for has_failed in [false, true] {
                     let mut after = plan.clone();
                     let stop = after.end(&mission, id, has_failed);
-                    let next = states.add(&mission, after, &mut known, &mut waiting);
+                    let next = states.add(&mission, after, &mut known, &mut waiting, work);
                     transitions.push(Transition { time_ms, stop, next });
                 }
             }
             states.transitions[index] = transitions;
             if !states.is_complete {
+                // Nothing is read of an incomplete search.
+                states.transitions = Vec::new();
                 break;
             }
         }
@@ -88,12 +126,13 @@ impl States {
         &mut self,
         mission: &Mission<'_>,
         plan: PlanState,
-        known: &mut HashMap<String, usize>,
+        known: &mut HashMap<u128, usize>,
         waiting: &mut Vec<(usize, PlanState)>,
+        work: &mut Work,
     ) -> Vec<usize> {
         let mut next = Vec::new();
-        for settled in plan.settle(mission, &mut self.is_complete) {
-            let key = format!("{:?}", settled.forest);
+        for settled in plan.settle(mission, &mut self.is_complete, work) {
+            let key = settled.key();
             let index = *known.entry(key).or_insert_with(|| {
                 self.transitions.push(Vec::new());
                 waiting.push((self.transitions.len() - 1, settled));
@@ -149,6 +188,15 @@ impl PlanState {
     ) -> T {
         let Self { forest, situation_grid } = self;
         act(forest, &mut |event| situation_grid.apply(mission, &event))
+    }
+
+    /// A fingerprint of the plan: equal plans have equal ones, and two of the few thousand different
+    /// ones of a mission hardly ever do.
+    fn key(&self) -> u128 {
+        let mut print = Fingerprint(0xcbf2_9ce4_8422_2325_cbf2_9ce4_8422_2325);
+        // Writing into a number cannot fail.
+        let _ = write!(print, "{:?}", self.forest);
+        print.0
     }
 
     /// The running actions, and the longest time of each, milliseconds.
@@ -220,13 +268,16 @@ impl PlanState {
 
     /// Every state that the plan reaches by decomposing scheduled frames and starting actions,
     /// whatever is applicable. A plan that has ended reaches none.
-    fn settle(self, mission: &Mission<'_>, is_complete: &mut bool) -> Vec<Self> {
+    fn settle(self, mission: &Mission<'_>, is_complete: &mut bool, work: &mut Work) -> Vec<Self> {
         /// Decompositions without an action in between are few; the limit stops a mission that
         /// fails endlessly without taking time.
         const MAX_TRIES: usize = 2_000;
         let (mut settled, mut open) = (Vec::new(), vec![self]);
         for _ in 0..MAX_TRIES {
             let Some(mut plan) = open.pop() else { return settled };
+            if !work.step() {
+                break;
+            }
             let Some(id) = plan.forest.scheduled(OWNER) else {
                 if !plan.forest.is_empty() {
                     settled.push(plan);
