@@ -6,6 +6,7 @@ use super::graph_text::Graph;
 use crate::toml::{Span, Spanned, Text};
 use maps::problem::Source;
 use plan_format::mission::{Inference, Label, Mates, SwitchPoint};
+use plan_format::parameters::Gains;
 use std::sync::Arc;
 
 /// The behaviour tables of a mission file; all lists are empty if it has none.
@@ -35,6 +36,16 @@ impl Syntax {
             Doing::GoTo(place) => Some((&action.name, place)),
             _ => None,
         })
+    }
+
+    /// Gives every action that follows a plan other weights of reactive schemas and advice, as
+    /// experiments do that compare them.
+    pub fn weigh(&mut self, gains: &Gains) {
+        for action in &mut self.actions {
+            if let Doing::Follow { reactive, advice, .. } = &mut action.kind {
+                (*reactive, *advice) = (gains.reactive, gains.plan);
+            }
+        }
     }
 }
 

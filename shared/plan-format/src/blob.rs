@@ -126,6 +126,13 @@ impl<'a> Blob<'a> {
         Self { grid, single, origin, map_frame, parameters, goal, sections, mission, bytes }
     }
 
+    /// The same blob with another seed of the noise schema: the robots of a team share a blob, and
+    /// a simulation runs one blob many times.
+    #[must_use]
+    pub fn with_seed(self, seed: u32) -> Self {
+        Self { parameters: Parameters { seed, ..self.parameters }, ..self }
+    }
+
     /// The robot's parameters; all in range.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
