@@ -18,18 +18,21 @@
 //! is clear of obstacles and other bodies never ends a step inside one.
 //!
 //! Deliberately absent: clocks, threads, drawing (except one small text picture), dynamics of
-//! wheels and slopes, obstacles that react, radio waves.
+//! wheels and slopes, obstacles that react, waves: what the air carries is a rule over the map.
 
 pub mod body;
 pub mod conditions;
+pub mod coverage;
 pub mod difference;
 pub mod disc;
 pub mod faults;
 pub mod geometry;
+pub mod network;
 pub mod outcome;
 pub mod picture;
 pub mod pilot;
 pub mod placement;
+pub mod radio;
 pub mod random;
 pub mod receiver;
 pub mod robot;
@@ -43,13 +46,16 @@ pub mod world_file;
 
 pub use body::{Body, Chassis, StepResult};
 pub use conditions::Conditions;
+pub use coverage::{Coverage, Ground};
 pub use difference::{Difference, Missing, Worlds};
 pub use disc::{Disc, Repeat};
 pub use faults::{Actuators, Channel, Fault, Faulty, PlannedFault};
 pub use geometry::{Circle, Point};
+pub use network::{Connection, Links};
 pub use outcome::{Ending, Limits, Outcome};
 pub use pilot::{HostPilot, Pilot, PilotError};
 pub use placement::Placement;
+pub use radio::{Air, Radio, RadioSettings, Terrain};
 pub use random::{Random, Stream};
 pub use receiver::{Dialect, Mode, Receiver, ReceiverSettings};
 pub use robot::Robot;

@@ -29,6 +29,8 @@ pub enum Stream {
     Multipath,
     /// Obstacles that the map or the world lacks.
     Obstacles,
+    /// Packets that are lost between two robots.
+    Radio,
 }
 
 /// A random number generator.

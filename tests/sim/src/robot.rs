@@ -60,6 +60,13 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         }
     }
 
+    /// Lets a robot that is trapped or stranded go on until its time is over.
+    pub fn to_the_end(mut self) -> Self {
+        self.limits.trapped_after_s = f64::INFINITY;
+        self.limits.stranded_after_s = f64::INFINITY;
+        self
+    }
+
     /// Lets the actuators fail.
     pub fn with_actuators(mut self, faults: impl IntoIterator<Item = Actuators>) -> Self {
         self.actuators.extend(faults);

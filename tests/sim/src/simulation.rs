@@ -7,13 +7,16 @@
 //!
 //! [`crate::sighting`] says when a robot is to blame that touches a disc.
 
+mod movers;
+
 use crate::body::LOOK_M;
-use crate::geometry::{self, Circle};
+use crate::geometry::Circle;
 use crate::sighting::Sighting;
 use crate::{
-    Body, Disc, Outcome, Pilot, PilotError, Point, Robot, Sensors, StepResult, TICK_US, World,
-    world,
+    Body, Disc, Links, Outcome, Pilot, PilotError, Point, Radio, Robot, Sensors, StepResult,
+    TICK_US, World, world,
 };
+use movers::{Contact, Mover, keep_apart};
 use robot_io::{CommandRecord, RangeReading, SensorRecord};
 
 /// A simulation under way.
@@ -25,6 +28,7 @@ pub struct Simulation<'w, S, P> {
     discs: Vec<Moving>,
     /// For each robot, what its sensors reported of each disc.
     sightings: Vec<Vec<Sighting>>,
+    radio: Option<Radio<'w>>,
     ticks: u64,
 }
 
@@ -33,7 +37,7 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
     pub fn new(truth: &'w World, robots: impl IntoIterator<Item = Robot<S, P>>) -> Self {
         let robots: Vec<Robot<S, P>> = robots.into_iter().collect();
         let sightings = vec![Vec::new(); robots.len()];
-        Self { truth, robots, discs: Vec::new(), sightings, ticks: 0 }
+        Self { truth, robots, discs: Vec::new(), sightings, radio: None, ticks: 0 }
     }
 
     /// Adds moving discs, each at the start of its path.
@@ -43,6 +47,26 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
             seen.resize(self.discs.len(), Sighting::default());
         }
         self
+    }
+
+    /// Lets the robots hear of each other over radio.
+    pub fn with_radio(mut self, radio: Radio<'w>) -> Self {
+        self.radio = Some(radio);
+        self
+    }
+
+    /// Which robots reach each other now; nobody does without a radio.
+    pub fn links(&self) -> Links {
+        let at = self.positions();
+        match &self.radio {
+            Some(radio) => radio.links(&at),
+            None => Links::new(at.len(), |_, _| false),
+        }
+    }
+
+    /// The true positions of the robots, metres.
+    pub fn positions(&self) -> Vec<Point> {
+        self.robots.iter().map(|robot| robot.body().position).collect()
     }
 
     /// The positions of the discs now, in the order given to [`Simulation::with_discs`], metres.
@@ -62,9 +86,19 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
 
     /// Runs one tick of all robots. A robot whose run has ended stays in the world and drives on.
     pub fn step(&mut self) -> Result<(), PilotError> {
-        let records = self.sense();
+        let mut records = self.sense();
         self.look(&records);
+        if let Some(radio) = &mut self.radio {
+            for (robot, record) in records.iter_mut().enumerate() {
+                record.heard = radio.deliver(self.ticks, robot);
+            }
+        }
         let answers = self.exchange(&records)?;
+        let at = self.positions();
+        if let Some(radio) = &mut self.radio {
+            let news: Vec<_> = answers.iter().map(|answer| answer.news).collect();
+            radio.send(self.ticks, &at, &news);
+        }
         self.advance(&answers);
         self.ticks += 1;
         Ok(())
@@ -225,84 +259,6 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
     pub fn run(self, truth: &World) -> Result<Outcome, PilotError> {
         let outcomes = Simulation::new(truth, [self]).finish()?;
         Ok(outcomes.into_iter().next().expect("one robot has one outcome"))
-    }
-}
-
-/// Something that moves within a tick: a robot or a disc.
-#[derive(Clone, Copy, Debug)]
-struct Mover {
-    before: Point,
-    after: Point,
-    radius_m: f64,
-    is_disc: bool,
-}
-
-impl Mover {
-    /// Smallest gap to another mover during the tick, if both move on straight lines, metres;
-    /// negative if they overlap.
-    fn gap_m(&self, other: &Self) -> f64 {
-        let at = |here: Point, there: Point| [0, 1].map(|axis| here[axis] - there[axis]);
-        let (from, to) = (at(self.before, other.before), at(self.after, other.after));
-        let between = geometry::distance_from_segment([0.0; 2], from, to);
-        between - self.radius_m - other.radius_m
-    }
-
-    /// The same at rest.
-    fn standing(&self) -> Self {
-        Self { after: self.before, ..*self }
-    }
-
-    /// Whether this mover moves towards where the other one was.
-    fn approaches(&self, other: &Self) -> bool {
-        let along = |axis: usize| {
-            (self.after[axis] - self.before[axis]) * (other.before[axis] - self.before[axis])
-        };
-        along(0) + along(1) > 0.0
-    }
-
-    /// Whether they would overlap. Discs pass through each other.
-    fn clashes(&self, other: &Self) -> bool {
-        !(self.is_disc && other.is_disc) && self.gap_m(other) < 0.0
-    }
-}
-
-/// What happened between a mover and the others.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Contact {
-    /// It moved towards what it touched, and is to blame.
-    has_touched: bool,
-    /// Something touched it that it did not move towards, or could not stop for.
-    was_struck: bool,
-}
-
-/// Puts robots and discs that would overlap back to where they were before the tick, and returns
-/// the contacts of each mover. Of two that clash, those go back that move towards the other: none
-/// has precedence. A mover that goes back may block another one, which then goes back too.
-/// `is_at_fault` tells of a robot and what it moves towards whether the robot is to blame.
-fn keep_apart(movers: &mut [Mover], is_at_fault: &dyn Fn(usize, usize) -> bool) -> Vec<Contact> {
-    let mut contacts = vec![Contact::default(); movers.len()];
-    loop {
-        let seen: Vec<Mover> = movers.to_vec();
-        let mut is_changed = false;
-        for (index, mover) in movers.iter_mut().enumerate() {
-            let others = seen.iter().enumerate().filter(|&(other, _)| other != index);
-            let clashing = others.filter(|(_, other)| seen[index].clashes(other));
-            for (other_index, other) in clashing {
-                let approaches = seen[index].approaches(other);
-                let is_to_blame = approaches && (mover.is_disc || is_at_fault(index, other_index));
-                contacts[index].has_touched |= is_to_blame;
-                contacts[index].was_struck |= !is_to_blame;
-                // A disc waits where it would overlap a robot, which goes on if that suffices.
-                let suffices = other.is_disc && !seen[index].clashes(&other.standing());
-                if approaches && !(suffices && other.approaches(&seen[index])) {
-                    mover.after = mover.before;
-                    is_changed = true;
-                }
-            }
-        }
-        if !is_changed {
-            return contacts;
-        }
     }
 }
 
@@ -468,7 +424,7 @@ mod tests {
         while !simulation.is_over() {
             simulation.step().expect("these pilots always answer");
             let (at, disc) = (simulation.robots()[0].body().position, simulation.discs()[0]);
-            assert!(geometry::distance(at, disc) >= 0.5 - 1e-9, "{at:?} {disc:?}");
+            assert!(crate::geometry::distance(at, disc) >= 0.5 - 1e-9, "{at:?} {disc:?}");
         }
         (simulation.robots()[0].outcome().clone(), simulation.discs()[0])
     }
