@@ -2,7 +2,7 @@
 //!
 //! The crate installs missing tools ([`setup`]), starts QEMU ([`machine`]) and connects a simulation
 //! to the robot in the guest ([`QemuPilot`]). The commands `demo`, `mission`, `instructions`,
-//! `fault-table` and `drive-bench` use it, and so do the QEMU tests.
+//! `fault-table`, `drive-bench` and `experiment` use it, and so do the QEMU tests.
 //!
 //! Invariants: a guest never outlives its owner; a panic, a fault or a hang of the guest becomes an
 //! error with the guest's console output within [`machine::PATIENCE`]; only [`setup`] downloads or
@@ -12,6 +12,7 @@
 
 pub mod counts;
 pub mod drive_bench;
+pub mod experiment;
 pub mod fault_table;
 pub mod machine;
 pub mod mission;

@@ -1,0 +1,115 @@
+//! `cargo experiment`: runs the team experiment of Wagner and Arkin and prints its table.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use harness::experiment::{Campaign, Row, Trial, table};
+use indicatif::{ProgressBar, ProgressStyle};
+use plan_compiler::output;
+
+const AFTER: &str = "\
+Three robots cross three streets, each with the firmware's own tick. The rows are those of the
+paper's table 1: reactive, 66:34, 34:66, plan, parallel, serial. The map was chosen, and the README
+tells how. The numbers are the same on every machine.
+
+Exit status: 0 done, 2 the command line is wrong, 3 a file is missing or wrong.";
+
+/// Runs the team experiment of Wagner and Arkin and prints its table beside theirs.
+#[derive(Parser)]
+#[command(name = "cargo experiment", after_help = AFTER)]
+struct Arguments {
+    /// Trials of each row; each 30 of them have their own posts
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    trials: u32,
+    /// Seed of the starts and the noise
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Seed of the posts
+    #[arg(long, value_name = "F", default_value_t = 1)]
+    field: u64,
+    /// Only these rows
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = row)]
+    rows: Vec<Row>,
+    /// Run only every N-th trial of each row, from number I on; --merge puts the parts together
+    #[arg(long, value_name = "I/N", value_parser = shard, default_value = "0/1")]
+    shard: (u32, u32),
+    /// Run nothing: print the table of these files that --csv wrote
+    #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with_all = ["shard", "rows", "trials", "seed", "field"])]
+    merge: Vec<PathBuf>,
+    /// Write every trial to a file
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Print one JSON object with the numbers of every trial
+    #[arg(long)]
+    json: bool,
+}
+
+fn row(name: &str) -> Result<Row, String> {
+    let names = || Row::ALL.map(Row::name).join(", ");
+    Row::named(name).ok_or_else(|| format!("not a row; the rows are {}", names()))
+}
+
+fn shard(text: &str) -> Result<(u32, u32), String> {
+    let parsed = text
+        .split_once('/')
+        .and_then(|(index, count)| Some((index.parse::<u32>().ok()?, count.parse::<u32>().ok()?)));
+    let fitting = parsed.filter(|(index, count)| index < count);
+    fitting.ok_or_else(|| "write I/N with I below N, for example 0/4".to_owned())
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(text) => {
+            // A closed pipe does not change the exit status.
+            let _ = std::io::stdout().write_all(text.as_bytes());
+            ExitCode::SUCCESS
+        }
+        Err(message) => {
+            eprintln!("{}", message.trim_end());
+            ExitCode::from(3)
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<String, String> {
+    let (campaign, trials) =
+        if arguments.merge.is_empty() { experiment(arguments)? } else { merge(&arguments.merge)? };
+    if let Some(path) = &arguments.csv {
+        let text = table::csv(&campaign, &trials);
+        output::write_file(path, |out| out.write_all(text.as_bytes()))
+            .map_err(|problem| problem.message)?;
+    }
+    Ok(if arguments.json { table::json(&trials) } else { table::text(&trials) })
+}
+
+/// Runs the trials; the text describes the campaign.
+fn experiment(arguments: &Arguments) -> Result<(String, Vec<Trial>), String> {
+    let is_wanted = |row: &Row| arguments.rows.is_empty() || arguments.rows.contains(row);
+    let campaign = Campaign {
+        rows: Row::ALL.into_iter().filter(is_wanted).collect(),
+        trials: arguments.trials,
+        seed: arguments.seed,
+        field: arguments.field,
+        shard: arguments.shard,
+    };
+    let style = ProgressStyle::with_template("{bar:40} {pos} of {len} trials, {eta} left");
+    let bar = ProgressBar::new(campaign.count() as u64);
+    bar.set_style(style.expect("the template is well-formed"));
+    let trials = campaign.run(&|| bar.inc(1))?;
+    bar.finish_and_clear();
+    let Arguments { seed, field, .. } = arguments;
+    Ok((format!("cargo experiment, seed {seed}, field {field}"), trials))
+}
+
+fn merge(paths: &[PathBuf]) -> Result<(String, Vec<Trial>), String> {
+    let read = |path: &PathBuf| {
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;
+        let (campaign, trials) =
+            table::read_csv(&text).map_err(|reason| format!("{name}: {reason}"))?;
+        Ok((name, campaign, trials))
+    };
+    table::merge(paths.iter().map(read).collect::<Result<_, String>>()?)
+}
