@@ -11,24 +11,27 @@ pub mod findings;
 pub mod metric;
 pub mod statistics;
 pub mod table;
+pub mod variation;
 
 use std::path::Path;
 
 use maps::problem::{self, has_errors};
+use maps::radio::{Settings, Sight};
 use maps::{Map, Problem, Role};
 use plan_compiler::compile::compile;
 use plan_compiler::input::Options;
 use plan_compiler::mission::{Goal, GoalAt};
-use plan_compiler::project::{self, Request};
+use plan_compiler::project::{self, Project, Request};
 use plan_format::parameters::Gains;
 use rayon::prelude::*;
 use sim::scenario::place_on_globe;
 use sim::{
-    Connection, Coverage, Ground, HostPilot, Point, Radio, RadioSettings, Random, Scenario,
-    SensorSettings, Start, Stream, Surroundings, TICK_US, Terrain, World,
+    Connection, Coverage, Ground, HostPilot, Point, Radio, Random, Scenario, Start, Stream,
+    Surroundings, TICK_US, World, Worlds,
 };
 
 use crate::setup::root;
+use variation::Variation;
 
 /// Robots of a team.
 pub const ROBOTS: usize = ROBOT_NAMES.len();
@@ -116,9 +119,10 @@ pub struct Team {
     pub row: Row,
     /// For each robot its plans, with the map and the true world that all share.
     pub scenarios: Vec<Scenario>,
+    variation: Variation,
     ground: Ground,
-    /// What blocks radio: buildings, and not the posts.
-    terrain: Terrain,
+    /// What carries radio: buildings block it, and posts are too small to.
+    air: Sight,
 }
 
 /// The result of one trial.
@@ -165,11 +169,11 @@ impl Trial {
 impl Team {
     /// Compiles a row's mission on a map with the posts that `field` draws. The error is a message
     /// for the user.
-    pub fn new(row: Row, field: u64) -> Result<Self, String> {
+    pub fn new(row: Row, field: u64, variation: &Variation) -> Result<Self, String> {
         let (mission, gains) = row.mission();
         let path = root().join("tests/maps").join(mission);
         let mut problems = Vec::new();
-        let team = Self::compiled(row, &path, gains, field, &mut problems);
+        let team = Self::compiled(row, &path, gains, field, variation, &mut problems);
         let team = team.filter(|_| !has_errors(&problems));
         team.ok_or_else(|| problem::draw(&problems, false))
     }
@@ -179,6 +183,7 @@ impl Team {
         path: &Path,
         gains: Option<Gains>,
         field: u64,
+        variation: &Variation,
         problems: &mut Vec<Problem>,
     ) -> Option<Self> {
         let mut projects = Vec::new();
@@ -187,23 +192,33 @@ impl Team {
             let request = Request { path: path.into(), options, ..Request::default() };
             projects.push(project::load(request, problems)?);
         }
-        let goals = projects.iter().flat_map(|project| project.mission.goals.iter().flatten());
-        let places: Vec<Point> = goals.filter_map(place).collect();
-        let map = &projects[0].map;
-        let buildings = World::of_map(map);
-        let posts = field::posts(&map.extent, &buildings, &places, START_Y_M, field::POSTS, field);
+        let goals = |project: &Project| project.mission.goals.clone().unwrap_or_default();
+        let middle: Vec<(String, GoalAt)> =
+            goals(&projects[1]).into_iter().map(|goal| (goal.name, goal.at)).collect();
+        let places: Vec<Point> = projects.iter().flat_map(goals).filter_map(place).collect();
+        let mut whole = projects[0].map.clone();
+        let buildings = World::of_map(&whole);
+        let posts =
+            field::posts(&whole.extent, &buildings, &places, START_Y_M, variation.posts, field);
+        let mapped = posts.len() - (variation.unmapped * posts.len() as f64).round() as usize;
+        whole.features.extend(posts.iter().cloned());
+        let worlds = variation.difference().apply(&whole, 0);
         let mut scenarios = Vec::new();
-        for mut project in projects {
-            project.map.features.extend(posts.iter().cloned());
+        for (robot, mut project) in projects.into_iter().enumerate() {
+            project.map.features.extend(posts[..mapped].iter().cloned());
+            variation.change_map(&mut project.map);
+            variation.change_mission(&mut project.mission, &middle);
             if let Some(gains) = gains {
                 project.mission.behaviours.weigh(&gains);
             }
             place_on_globe(&mut project.map);
             let blob = compile(&project.input(), &|_, _| (), problems)?;
-            scenarios.push(Scenario::new(project.map, blob, Some(surroundings())));
+            let worlds = Worlds { known: project.map.clone(), ..worlds.clone() };
+            let scenario = Scenario::new(project.map, blob, Some(surroundings()));
+            scenarios.push(scenario.in_world(worlds).under(variation.conditions(robot)));
         }
-        let ground = ground(&scenarios[0].map);
-        Some(Self { row, scenarios, ground, terrain: Terrain(buildings) })
+        let air = Sight::of(&whole, &Settings::default());
+        Some(Self { row, scenarios, variation: *variation, ground: ground(&whole), air })
     }
 
     /// Runs a trial. The error is a message for the user.
@@ -218,26 +233,22 @@ impl Team {
         seed: u64,
         mut each_tick: impl FnMut(&[Point; ROBOTS]),
     ) -> Result<Trial, String> {
-        // Trials of one number start at one place in every row, so that rows differ by what they
-        // do; their noise is their own.
-        let middle_x = Random::new(seed_of(seed, 0, number), Stream::Start)
-            .between(START_X_M[0], START_X_M[1]);
+        let starts = self.starts(number, seed);
         let seed = seed_of(seed, 1 + self.row.index(), number);
         let mut random = Random::new(seed, Stream::Start);
         let mut robots = Vec::new();
-        for (number, scenario) in self.scenarios.iter().enumerate() {
-            let aside = (number as f64 - (ROBOTS - 1) as f64 / 2.0) * SPACING_M;
+        for (number, (scenario, x)) in self.scenarios.iter().zip(starts).enumerate() {
             let start = Start {
-                position: [middle_x + aside, START_Y_M],
+                position: [x, START_Y_M],
                 heading_rad: std::f64::consts::FRAC_PI_2,
                 seed: seed.wrapping_add((number as u64) << 56),
-                sensors: SensorSettings::PERFECT,
+                sensors: self.variation.sensors(),
             };
             let noise = (random.unit() * 4_294_967_296.0) as u32;
             let pilot = HostPilot::new(scenario.plan().with_seed(noise));
             robots.push(scenario.robot(&start, pilot)?.to_the_end());
         }
-        let radio = Radio::new(&self.terrain, RadioSettings::default(), seed);
+        let radio = Radio::new(&self.air, self.variation.radio, seed);
         let mut simulation = self.scenarios[0].simulation(robots).with_radio(radio);
         let mut connection = Connection::default();
         let mut coverage = Coverage::new(&self.ground, ROBOTS);
@@ -266,6 +277,25 @@ impl Team {
             unfinished: outcomes.iter().filter(|outcome| !outcome.reached()).count() as u32,
         })
     }
+
+    /// Where the robots start, metres east. Trials of one number start at one place in every row, so
+    /// that rows differ by what they do; their noise is their own.
+    fn starts(&self, number: u32, seed: u64) -> [f64; ROBOTS] {
+        let mut random = Random::new(seed_of(seed, 0, number), Stream::Start);
+        let aside = |robot: usize| (robot as f64 - (ROBOTS - 1) as f64 / 2.0) * SPACING_M;
+        let mut draw = || random.between(START_X_M[0], START_X_M[1]);
+        if !self.variation.starts_apart {
+            let middle = draw();
+            return std::array::from_fn(|robot| middle + aside(robot));
+        }
+        loop {
+            let mut starts: [f64; ROBOTS] = std::array::from_fn(|_| draw());
+            starts.sort_by(f64::total_cmp);
+            if starts.windows(2).all(|pair| pair[1] - pair[0] >= SPACING_M) {
+                return starts;
+            }
+        }
+    }
 }
 
 /// Which trials to run.
@@ -279,6 +309,8 @@ pub struct Campaign {
     pub seed: u64,
     /// Seed of the posts.
     pub field: u64,
+    /// What differs from the paper's experiment.
+    pub variation: Variation,
     /// Index and count of shards: runs only trials whose number leaves that remainder.
     pub shard: (u32, u32),
 }
@@ -307,7 +339,7 @@ impl Campaign {
             })
             .collect();
         let run = |(row, block, numbers): &(Row, u32, Vec<u32>)| {
-            let team = Team::new(*row, seed_of(self.field, 0, *block))?;
+            let team = Team::new(*row, seed_of(self.field, 0, *block), &self.variation)?;
             let run = |&number: &u32| {
                 let trial = team.trial(number, self.seed);
                 step();
@@ -337,7 +369,7 @@ fn ground(map: &Map) -> Ground {
 }
 
 /// Where a goal is, if it is given in metres.
-fn place(goal: &Goal) -> Option<Point> {
+fn place(goal: Goal) -> Option<Point> {
     match goal.at {
         GoalAt::Position(at) => Some(at),
         GoalAt::PointOfMap(_) | GoalAt::Globe(_) => None,

@@ -55,7 +55,7 @@ pub use network::{Connection, Links};
 pub use outcome::{Ending, Limits, Outcome};
 pub use pilot::{HostPilot, Pilot, PilotError};
 pub use placement::Placement;
-pub use radio::{Air, Radio, RadioSettings, Terrain};
+pub use radio::{Air, Radio, RadioSettings};
 pub use random::{Random, Stream};
 pub use receiver::{Dialect, Mode, Receiver, ReceiverSettings};
 pub use robot::Robot;

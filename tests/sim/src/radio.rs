@@ -9,7 +9,8 @@
 use std::fmt;
 
 use crate::network::Links;
-use crate::{Point, Random, Stream, TICK_US, World};
+use crate::{Point, Random, Stream, TICK_US};
+use maps::radio::{Model, Sight};
 use robot_io::limits::MAX_MATES;
 use robot_io::{Heard, News};
 
@@ -22,16 +23,23 @@ pub trait Air {
     fn quality(&self, a: Point, b: Point) -> Option<f64>;
 }
 
-/// The rule of the paper's experiments: terrain between two robots ends their link, and nothing
-/// else does (W, section 4).
-#[derive(Clone, Debug)]
-pub struct Terrain(pub World);
-
-impl Air for Terrain {
+/// The rule of the paper's experiments (W, section 4): a link is up or it is not.
+impl Air for Sight {
     fn quality(&self, a: Point, b: Point) -> Option<f64> {
-        self.0.nearest_along(a, b, f64::EPSILON).is_none().then_some(1.0)
+        self.is_linked(a, b).then_some(1.0)
     }
 }
+
+/// Computed losses: the quality is that of the signal, 1 from [`GOOD_DB`] above the sensitivity on.
+impl Air for Model {
+    fn quality(&self, a: Point, b: Point) -> Option<f64> {
+        let margin_db = self.margin_db(a, b);
+        (margin_db >= 0.0).then_some((margin_db / GOOD_DB).min(1.0))
+    }
+}
+
+/// A signal this far above the sensitivity of the receiver is as good as any, dB.
+const GOOD_DB: f64 = 20.0;
 
 /// How the robots of a team send.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,15 +156,35 @@ impl fmt::Debug for Radio<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maps::Shape;
+    use maps::radio::Settings;
+    use maps::{Extent, Feature, Map, Role, Shape};
 
     /// A wall east of the first robot; the third is north of both.
-    fn air() -> Terrain {
-        let wall = Shape::Polyline(vec![[5.0, -1.0], [5.0, 1.0]]);
-        Terrain(World::new([&wall]))
+    fn map() -> Map {
+        let mut map = Map::empty(Extent { corner: [-20.0, -20.0], size: [60.0, 60.0] });
+        let shape = Shape::Polyline(vec![[5.0, -4.0], [5.0, 4.0]]);
+        let (role, name, height_m) = (Role::Obstacle, "wall".to_owned(), None);
+        map.features = vec![Feature { shape, role, name, height_m, span: 0..0 }];
+        map
+    }
+
+    fn air() -> Sight {
+        Sight::of(&map(), &Settings::default())
     }
 
     const AT: [Point; 3] = [[0.0, 0.0], [10.0, 0.0], [5.0, 9.0]];
+
+    /// In the open at 2.4 GHz the signal is far above the sensitivity; with a weak transmitter it
+    /// comes near it, and behind the wall it is lost.
+    #[test]
+    fn computed_losses_make_the_quality() {
+        let of = |power_dbm| Model::of(&map(), &Settings { power_dbm, ..Settings::default() });
+        let far = [30.0, 30.0];
+        assert_eq!(of(24.0).quality(AT[0], AT[2]), Some(1.0));
+        let weak = of(-30.0).quality(AT[2], far).expect("there is nothing between");
+        assert!((0.0..1.0).contains(&weak), "{weak}");
+        assert_eq!(of(-42.0).quality(AT[0], AT[1]), None);
+    }
 
     fn news() -> [Option<News>; 3] {
         [0, 1, 2].map(|robot| Some(News { robot, position_m: None, signal: 0 }))

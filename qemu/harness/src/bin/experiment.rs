@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
+use harness::experiment::variation::Variation;
 use harness::experiment::{Campaign, Row, Trial, table};
 use indicatif::{ProgressBar, ProgressStyle};
 use plan_compiler::output;
@@ -92,6 +93,7 @@ fn experiment(arguments: &Arguments) -> Result<(String, Vec<Trial>), String> {
         trials: arguments.trials,
         seed: arguments.seed,
         field: arguments.field,
+        variation: Variation::default(),
         shard: arguments.shard,
     };
     let style = ProgressStyle::with_template("{bar:40} {pos} of {len} trials, {eta} left");
