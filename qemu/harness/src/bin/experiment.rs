@@ -33,6 +33,14 @@ struct Arguments {
     /// Only these rows
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = row)]
     rows: Vec<Row>,
+    /// Change a setting on which a finding depends: no-turn-limit, constant-speed, no-posts,
+    /// common-goal, independent-starts, open-area
+    #[arg(long, value_name = "NAME", value_parser = variant)]
+    variant: Option<Variation>,
+    /// Go beyond the paper: a table for each of wrong maps, GPS errors, unmapped posts, a lost robot,
+    /// a bad radio
+    #[arg(long, conflicts_with_all = ["variant", "merge", "csv", "json"])]
+    beyond: bool,
     /// Run only every N-th trial of each row, from number I on; --merge puts the parts together
     #[arg(long, value_name = "I/N", value_parser = shard, default_value = "0/1")]
     shard: (u32, u32),
@@ -50,6 +58,12 @@ struct Arguments {
 fn row(name: &str) -> Result<Row, String> {
     let names = || Row::ALL.map(Row::name).join(", ");
     Row::named(name).ok_or_else(|| format!("not a row; the rows are {}", names()))
+}
+
+fn variant(name: &str) -> Result<Variation, String> {
+    let names = || Variation::variants().into_iter().map(|(name, _)| name).collect::<Vec<_>>();
+    Variation::named(name)
+        .ok_or_else(|| format!("not a variant; the variants are {}", names().join(", ")))
 }
 
 fn shard(text: &str) -> Result<(u32, u32), String> {
@@ -75,8 +89,14 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<String, String> {
-    let (campaign, trials) =
-        if arguments.merge.is_empty() { experiment(arguments)? } else { merge(&arguments.merge)? };
+    if arguments.beyond {
+        return beyond(arguments);
+    }
+    let (campaign, trials) = if arguments.merge.is_empty() {
+        experiment(arguments, arguments.variant.unwrap_or_default())?
+    } else {
+        merge(&arguments.merge)?
+    };
     if let Some(path) = &arguments.csv {
         let text = table::csv(&campaign, &trials);
         output::write_file(path, |out| out.write_all(text.as_bytes()))
@@ -86,14 +106,14 @@ fn run(arguments: &Arguments) -> Result<String, String> {
 }
 
 /// Runs the trials; the text describes the campaign.
-fn experiment(arguments: &Arguments) -> Result<(String, Vec<Trial>), String> {
+fn experiment(arguments: &Arguments, variation: Variation) -> Result<(String, Vec<Trial>), String> {
     let is_wanted = |row: &Row| arguments.rows.is_empty() || arguments.rows.contains(row);
     let campaign = Campaign {
         rows: Row::ALL.into_iter().filter(is_wanted).collect(),
         trials: arguments.trials,
         seed: arguments.seed,
         field: arguments.field,
-        variation: Variation::default(),
+        variation,
         shard: arguments.shard,
     };
     let style = ProgressStyle::with_template("{bar:40} {pos} of {len} trials, {eta} left");
@@ -102,7 +122,20 @@ fn experiment(arguments: &Arguments) -> Result<(String, Vec<Trial>), String> {
     let trials = campaign.run(&|| bar.inc(1))?;
     bar.finish_and_clear();
     let Arguments { seed, field, .. } = arguments;
-    Ok((format!("cargo experiment, seed {seed}, field {field}"), trials))
+    let known = Variation::variants().into_iter().find(|(_, known)| *known == variation);
+    let variant = known.map(|(name, _)| format!(", variant {name}")).unwrap_or_default();
+    Ok((format!("cargo experiment, seed {seed}, field {field}{variant}"), trials))
+}
+
+/// The means under each condition beyond the paper, the paper's own first.
+fn beyond(arguments: &Arguments) -> Result<String, String> {
+    let usual = [("as in the paper", Variation::default())];
+    let mut text = String::new();
+    for (name, variation) in usual.into_iter().chain(Variation::beyond()) {
+        let (_, trials) = experiment(arguments, variation)?;
+        text += &format!("{name}\n{}\n", table::short(&trials));
+    }
+    Ok(text)
 }
 
 fn merge(paths: &[PathBuf]) -> Result<(String, Vec<Trial>), String> {

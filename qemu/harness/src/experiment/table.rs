@@ -64,6 +64,27 @@ fn means(trials: &[Trial]) -> String {
     text + "The paper's times are steps of unknown length; its table has no areas.\n"
 }
 
+/// The means alone, and how many trials did not finish.
+pub fn short(trials: &[Trial]) -> String {
+    let rows = Rows(trials);
+    let mut text = format!("{:10}", "");
+    for metric in Metric::ALL {
+        let _ = write!(text, "{:>16}", metric.heading());
+    }
+    text += "  unfinished\n";
+    for row in present(trials) {
+        let _ = write!(text, "{:10}", row.name());
+        for metric in Metric::ALL {
+            let mean = rows.summary(row, metric).map_or(f64::NAN, |summary| summary.mean);
+            let _ = write!(text, "{:>16.1}", mean * metric.scale());
+        }
+        let of_row = trials.iter().filter(|trial| trial.row == row);
+        let unfinished = of_row.clone().filter(|trial| trial.unfinished > 0).count();
+        let _ = writeln!(text, "{:>6} of {}", unfinished, of_row.count());
+    }
+    text
+}
+
 fn cell(summary: Option<(f64, f64)>) -> String {
     summary.map_or_else(|| "-".to_owned(), |(mean, sd)| format!("{mean:.1} ({sd:.1})"))
 }

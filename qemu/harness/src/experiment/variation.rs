@@ -67,6 +67,24 @@ impl Default for Variation {
 }
 
 impl Variation {
+    /// Settings of which each breaks a finding: it shows on what the finding depends.
+    pub fn variants() -> Vec<(&'static str, Self)> {
+        let usual = Self::default();
+        vec![
+            ("no-turn-limit", Self { turns_freely: true, ..usual }),
+            ("constant-speed", Self { is_constant_speed: true, ..usual }),
+            ("no-posts", Self { posts: 0, ..usual }),
+            ("common-goal", Self { has_common_goal: true, ..usual }),
+            ("independent-starts", Self { starts_apart: true, ..usual }),
+            ("open-area", Self { is_open: true, ..usual }),
+        ]
+    }
+
+    /// The variant with a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::variants().into_iter().find(|(known, _)| *known == name).map(|(_, variant)| variant)
+    }
+
     /// The conditions beyond the paper, each with its name.
     pub fn beyond() -> Vec<(&'static str, Self)> {
         let usual = Self::default();
