@@ -7,6 +7,7 @@
 //! any number of threads, and for any division into shards.
 
 pub mod field;
+pub mod figures;
 pub mod findings;
 pub mod metric;
 pub mod statistics;
@@ -321,6 +322,11 @@ impl Campaign {
         (0..self.trials).filter(move |number| number % count == index)
     }
 
+    /// The seed of the posts of a trial.
+    fn field_of(&self, number: u32) -> u64 {
+        seed_of(self.field, 0, number / PER_FIELD)
+    }
+
     /// Number of trials.
     pub fn count(&self) -> usize {
         self.rows.len() * self.numbers().count()
@@ -330,16 +336,16 @@ impl Campaign {
     /// rows and numbers. The error is a message for the user.
     pub fn run(&self, step: &(dyn Fn() + Sync)) -> Result<Vec<Trial>, String> {
         let rows = self.rows.iter();
-        let parts: Vec<(Row, u32, Vec<u32>)> = rows
+        let parts: Vec<(Row, Vec<u32>)> = rows
             .flat_map(|&row| {
                 let numbers: Vec<u32> = self.numbers().collect();
                 let blocks = numbers.chunk_by(|a, b| a / PER_FIELD == b / PER_FIELD);
                 let blocks: Vec<Vec<u32>> = blocks.map(<[u32]>::to_vec).collect();
-                blocks.into_iter().map(move |block| (row, block[0] / PER_FIELD, block))
+                blocks.into_iter().map(move |block| (row, block))
             })
             .collect();
-        let run = |(row, block, numbers): &(Row, u32, Vec<u32>)| {
-            let team = Team::new(*row, seed_of(self.field, 0, *block), &self.variation)?;
+        let run = |(row, numbers): &(Row, Vec<u32>)| {
+            let team = Team::new(*row, self.field_of(numbers[0]), &self.variation)?;
             let run = |&number: &u32| {
                 let trial = team.trial(number, self.seed);
                 step();

@@ -17,6 +17,7 @@ mod opar;
 mod overlays;
 mod qemu;
 mod runs;
+mod team;
 mod team_plans;
 mod wording;
 mod work;

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use harness::experiment::variation::Variation;
-use harness::experiment::{Campaign, Row, Trial, table};
+use harness::experiment::{Campaign, Row, Trial, figures, table};
 use indicatif::{ProgressBar, ProgressStyle};
 use plan_compiler::output;
 
@@ -50,6 +50,9 @@ struct Arguments {
     /// Write every trial to a file
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Draw routes and means to this folder
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["merge", "beyond"])]
+    figures: Option<PathBuf>,
     /// Print one JSON object with the numbers of every trial
     #[arg(long)]
     json: bool,
@@ -116,15 +119,23 @@ fn experiment(arguments: &Arguments, variation: Variation) -> Result<(String, Ve
         variation,
         shard: arguments.shard,
     };
+    let trials = run_with_bar(&campaign)?;
+    if let Some(folder) = &arguments.figures {
+        figures::draw(folder, &campaign, &trials)?;
+    }
+    let Arguments { seed, field, .. } = arguments;
+    let known = Variation::variants().into_iter().find(|(_, known)| *known == variation);
+    let variant = known.map(|(name, _)| format!(", variant {name}")).unwrap_or_default();
+    Ok((format!("cargo experiment, seed {seed}, field {field}{variant}"), trials))
+}
+
+fn run_with_bar(campaign: &Campaign) -> Result<Vec<Trial>, String> {
     let style = ProgressStyle::with_template("{bar:40} {pos} of {len} trials, {eta} left");
     let bar = ProgressBar::new(campaign.count() as u64);
     bar.set_style(style.expect("the template is well-formed"));
     let trials = campaign.run(&|| bar.inc(1))?;
     bar.finish_and_clear();
-    let Arguments { seed, field, .. } = arguments;
-    let known = Variation::variants().into_iter().find(|(_, known)| *known == variation);
-    let variant = known.map(|(name, _)| format!(", variant {name}")).unwrap_or_default();
-    Ok((format!("cargo experiment, seed {seed}, field {field}{variant}"), trials))
+    Ok(trials)
 }
 
 /// The means under each condition beyond the paper, the paper's own first.

@@ -54,7 +54,10 @@ pub(super) struct Contact {
 /// the contacts of each mover. Of two that clash, those go back that move towards the other: none
 /// has precedence. A mover that goes back may block another one, which then goes back too.
 /// `is_at_fault` tells of a robot and what it moves towards whether the robot is to blame.
-pub(super) fn keep_apart(movers: &mut [Mover], is_at_fault: &dyn Fn(usize, usize) -> bool) -> Vec<Contact> {
+pub(super) fn keep_apart(
+    movers: &mut [Mover],
+    is_at_fault: &dyn Fn(usize, usize) -> bool,
+) -> Vec<Contact> {
     let mut contacts = vec![Contact::default(); movers.len()];
     loop {
         let seen: Vec<Mover> = movers.to_vec();
