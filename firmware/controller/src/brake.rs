@@ -22,7 +22,7 @@ use plan_format::parameters::{Steering, Vehicle};
 
 use crate::closing::FASTEST_MPS;
 use crate::drive::Twist;
-use crate::obstacles::{Body, Kind, Obstacles, Way};
+use crate::obstacles::{Arc, Body, Kind, Obstacles};
 
 /// Speeds tried in one tick. Each try halves the interval that holds the highest safe speed.
 const TRIES: usize = 4;
@@ -129,10 +129,10 @@ pub fn brake(
         let turn_radps = turn_rate_radps.abs().max(now.turn_rate_radps.abs());
         let drift_m = drift_s2 * speed_mps.max(least_mps) * turn_radps;
         let body = Body { aside_m: aside_m(speed_mps) + drift_m, ..bare };
-        let way = Way::new(length_m + vehicle.stop_distance_m, curvature);
-        near.leave_free(Kind::Seen, &body, &way)
-            && near.leave_free(Kind::Hidden, &bare, &Way::new(length_m, curvature))
-            && near.let_pass(&body, &way, stopping_s(vehicle, speed_mps) + moving.age_s)
+        let arc = Arc::new(length_m + vehicle.stop_distance_m, curvature);
+        near.leave_free(Kind::Seen, &body, &arc)
+            && near.leave_free(Kind::Hidden, &bare, &Arc::new(length_m, curvature))
+            && near.let_pass(&body, &arc, stopping_s(vehicle, speed_mps) + moving.age_s)
     };
     let is_steady = (now.turn_rate_radps - wanted.turn_rate_radps).abs() < STEADY_RADPS;
     let is_safe = |speed_mps: f32| {

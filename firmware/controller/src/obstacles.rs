@@ -205,14 +205,14 @@ impl Obstacles {
         Openings { closed, count }
     }
 
-    /// Whether a body that drives along `way` touches none of these points.
-    pub fn leave_free(&self, kind: Kind, body: &Body, way: &Way) -> bool {
-        self.points(kind).all(|(point, distance_m)| way.is_clear_of(body, point, distance_m))
+    /// Whether a body that drives along `arc` touches none of these points.
+    pub fn leave_free(&self, kind: Kind, body: &Body, arc: &Arc) -> bool {
+        self.points(kind).all(|(point, distance_m)| arc.is_clear_of(body, point, distance_m))
     }
 
-    /// Whether a body that drives along `way` touches nothing that moves, wherever these obstacles
+    /// Whether a body that drives along `arc` touches nothing that moves, wherever these obstacles
     /// are within `time_s`.
-    pub fn let_pass(&self, body: &Body, way: &Way, time_s: f32) -> bool {
+    pub fn let_pass(&self, body: &Body, arc: &Arc, time_s: f32) -> bool {
         let points = self.points.get(..self.count).unwrap_or_default();
         let moving = points.iter().filter(|point| point.velocity != Vec2::zeros());
         moving.into_iter().all(|point| {
@@ -226,16 +226,16 @@ impl Obstacles {
             [point.velocity * time_s, straight_here].into_iter().all(|run| {
                 (1..=count as u32).all(|place| {
                     let at = point.seen + run * (place as f32 / count);
-                    way.is_clear_of(body, at, vector::length(at).max(LEAST_DISTANCE_M))
+                    arc.is_clear_of(body, at, vector::length(at).max(LEAST_DISTANCE_M))
                 })
             })
         })
     }
 }
 
-/// The way that a body drives ahead: an arc. Arcs of more than half a turn count as whole circles.
+/// What a body drives along, ahead: an arc or a straight line. Arcs of more than half a turn count as whole circles.
 #[derive(Clone, Copy, Debug)]
-pub struct Way {
+pub struct Arc {
     length_m: f32,
     turned_rad: f32,
     is_to_the_right: bool,
@@ -245,7 +245,7 @@ pub struct Way {
     end: Vec2,
 }
 
-impl Way {
+impl Arc {
     /// A way of this length and curvature, 1/m, positive to the left.
     pub fn new(length_m: f32, curvature_per_m: f32) -> Self {
         let turned_rad = length_m * curvature_per_m.abs();
@@ -319,7 +319,7 @@ mod tests {
         ] {
             let obstacles = at(&[point]);
             assert_eq!(
-                obstacles.leave_free(Kind::Seen, &body(0.5), &Way::new(length_m, 0.0)),
+                obstacles.leave_free(Kind::Seen, &body(0.5), &Arc::new(length_m, 0.0)),
                 is_open,
                 "{point:?} {length_m}"
             );
@@ -329,19 +329,19 @@ mod tests {
     #[test]
     fn an_arc_passes_what_a_straight_way_meets() {
         // An obstacle straight ahead, and one where the arc leads.
-        assert!(!at(&[(1.5, 0.0)]).leave_free(Kind::Seen, &body(0.3), &Way::new(1.5, 0.0)));
-        assert!(at(&[(1.5, 0.0)]).leave_free(Kind::Seen, &body(0.3), &Way::new(1.5, 1.0)));
-        assert!(!at(&[(1.0, 1.0)]).leave_free(Kind::Seen, &body(0.3), &Way::new(1.5, 1.0)));
-        assert!(at(&[(1.0, 1.0)]).leave_free(Kind::Seen, &body(0.3), &Way::new(1.5, -1.0)));
-        assert!(!at(&[(1.0, -1.0)]).leave_free(Kind::Seen, &body(0.3), &Way::new(1.5, -1.0)));
+        assert!(!at(&[(1.5, 0.0)]).leave_free(Kind::Seen, &body(0.3), &Arc::new(1.5, 0.0)));
+        assert!(at(&[(1.5, 0.0)]).leave_free(Kind::Seen, &body(0.3), &Arc::new(1.5, 1.0)));
+        assert!(!at(&[(1.0, 1.0)]).leave_free(Kind::Seen, &body(0.3), &Arc::new(1.5, 1.0)));
+        assert!(at(&[(1.0, 1.0)]).leave_free(Kind::Seen, &body(0.3), &Arc::new(1.5, -1.0)));
+        assert!(!at(&[(1.0, -1.0)]).leave_free(Kind::Seen, &body(0.3), &Arc::new(1.5, -1.0)));
         // A turn on the spot meets nothing outside the body.
         assert!(at(&[(0.4, 0.0), (0.0, 0.4)]).leave_free(
             Kind::Seen,
             &body(0.3),
-            &Way::new(0.0, 1e3)
+            &Arc::new(0.0, 1e3)
         ));
         // A circle meets what lies behind.
-        assert!(!at(&[(0.0, 2.0)]).leave_free(Kind::Seen, &body(0.3), &Way::new(6.3, 1.0)));
+        assert!(!at(&[(0.0, 2.0)]).leave_free(Kind::Seen, &body(0.3), &Arc::new(6.3, 1.0)));
     }
 
     #[test]
@@ -368,7 +368,7 @@ mod tests {
         ) {
             let point = Vec2::new(x, y);
             prop_assume!(vector::length(point) > radius_m + 0.01);
-            let is_free = at(&[(x, y)]).leave_free(Kind::Seen, &body(radius_m), &Way::new(length_m, curvature));
+            let is_free = at(&[(x, y)]).leave_free(Kind::Seen, &body(radius_m), &Arc::new(length_m, curvature));
             let mut nearest = f32::INFINITY;
             for step in 0..=200 {
                 let turn = length_m * step as f32 / 200.0 * curvature;
