@@ -96,9 +96,19 @@ impl Tags {
     }
 }
 
-/// A length in tags: metres, with or without the unit.
+/// A length in tags: metres, with or without the unit, or feet and inches: `12 ft`, `7'`, `7'4"`.
 fn length_m(text: &str) -> Option<f64> {
-    text.strip_suffix('m').unwrap_or(text).trim().parse().ok()
+    const FOOT_M: f64 = 0.3048;
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    if let Some(feet) = text.strip_suffix("ft") {
+        return Some(number(feet)? * FOOT_M);
+    }
+    if let Some((feet, inches)) = text.split_once('\'') {
+        let inches = inches.trim().trim_end_matches('"');
+        let inches = if inches.is_empty() { 0.0 } else { number(inches)? };
+        return Some((number(feet)? + inches / 12.0) * FOOT_M);
+    }
+    number(text.strip_suffix('m').unwrap_or(text))
 }
 
 fn is_no(value: &str) -> bool {

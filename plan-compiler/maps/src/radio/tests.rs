@@ -136,6 +136,34 @@ fn occupied_cells_break_a_line() {
     check([5.5, 1.5], [7.5, 1.5], true);
 }
 
+#[test]
+fn diagonal_walls_and_touching_houses_have_no_gaps() {
+    let usual = Settings::default();
+    let diagonal = cell_map(&[
+        "#....", //
+        ".#...", //
+        "..#..", //
+        "...#.",
+    ]);
+    let at = |column: f64, row: f64| [-4.0 + 2.0 * column, 10.0 + 2.0 * row];
+    for shift in [0.0, 1.0] {
+        let (a, b) = (at(0.5 + shift, 0.5 + shift), at(1.5 + shift, 1.5 + shift));
+        check_sight(&diagonal, &usual, a, b, shift == 0.0);
+    }
+    // Exactly through the corner where two occupied cells touch.
+    let (a, b) = (at(0.5, 2.5), at(1.5, 3.5));
+    check_sight(&diagonal, &usual, a, b, false);
+    let model = Model::of(&diagonal, &usual);
+    let free = free_space_db(wide::hypot(2.0, 2.0), wavelength_m(2.4));
+    assert!(model.loss_db(a, b) > free + 20.0);
+    let touching =
+        obstacles(vec![rectangle([0.0, 0.0, 10.0, 10.0]), rectangle([10.0, 10.0, 20.0, 20.0])]);
+    check_sight(&touching, &usual, [5.0, 15.0], [15.0, 5.0], false);
+    let beside =
+        obstacles(vec![rectangle([0.0, 0.0, 10.0, 10.0]), rectangle([10.0, 0.0, 20.0, 10.0])]);
+    check_sight(&beside, &usual, [10.0, -5.0], [10.0, 15.0], false);
+}
+
 /// Whether a point lies inside a shape.
 fn holds(shape: &Shape, [x, y]: Point) -> bool {
     match shape {

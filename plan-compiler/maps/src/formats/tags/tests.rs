@@ -164,7 +164,8 @@ fn what_lies_on_the_ground_has_no_height() {
     let check = |text: &str, block: &[&str], expected: Option<f64>| {
         let rules = rules(block, &[], false);
         let meaning = Judge::new(&rules).meaning(&tags(text), false).expect("an obstacle");
-        assert_eq!(meaning.height_m, expected, "{text}");
+        let height_m = meaning.height_m.map(|height| (height * 1e6).round() / 1e6);
+        assert_eq!(height_m, expected, "{text}");
     };
     check("natural=water", &[], Some(0.0));
     check("waterway=canal", &[], Some(0.0));
@@ -176,4 +177,9 @@ fn what_lies_on_the_ground_has_no_height() {
     check("natural=wood", &[], None);
     check("waterway=canal, height=2", &[], Some(2.0));
     check("building=yes, building:levels=3", &[], Some(9.0));
+    check("building=yes, height=22 m, building:levels=3", &[], Some(22.0));
+    check("building=yes, height=10 ft", &[], Some(3.048));
+    check("building=yes, height=5'", &[], Some(1.524));
+    check("building=yes, height=5'6\"", &[], Some(1.6764));
+    check("building=yes, height=tall, building:levels=2", &[], Some(6.0));
 }

@@ -82,6 +82,9 @@ impl Cells {
                 return true;
             }
             part = part.max(to);
+            if leaves[0] == leaves[1] && !self.passes_corner(cell, along, next, &mut visit) {
+                return false;
+            }
             for axis in 0..2 {
                 if leaves[axis] == next {
                     cell[axis] += along[axis].signum();
@@ -90,6 +93,30 @@ impl Cells {
             if (0..2).any(|axis| !(0.0..size[axis]).contains(&cell[axis])) {
                 return true;
             }
+        }
+    }
+
+    /// Visits a cell beside the corner through which the ray leaves a cell, if both cells beside the
+    /// corner are occupied: a wall of diagonal cells has no gaps.
+    fn passes_corner(
+        &self,
+        cell: Point,
+        along: Point,
+        part: f64,
+        visit: &mut impl FnMut(Cell, [f64; 2]) -> bool,
+    ) -> bool {
+        let beside = [0, 1].map(|axis| {
+            let mut beside = cell;
+            beside[axis] += along[axis].signum();
+            // Off the grid there are no cells.
+            let is_there = beside.iter().all(|index| *index >= 0.0);
+            is_there.then(|| Cell::new(beside[0] as u32, beside[1] as u32))
+        });
+        match beside {
+            [Some(a), Some(b)] if self.occupied.get(a) && self.occupied.get(b) => {
+                visit(a, [part; 2])
+            }
+            _ => true,
         }
     }
 }
