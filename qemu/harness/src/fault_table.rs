@@ -29,6 +29,8 @@ const STRANDED_S: f64 = 9.0;
 const PATIENCE: f64 = 3.0;
 /// And this much longer, seconds.
 const PATIENCE_S: f64 = 60.0;
+/// The robot has confirmed its position after this time, seconds: five fixes.
+const CONFIRMED_S: f64 = 1.2;
 
 /// The maps of the table, in `tests/maps`, with the receiver of the robots there.
 const MAPS: [(&str, SensorSettings); 3] = [
@@ -53,11 +55,65 @@ impl Row {
     pub const WITHOUT: Self =
         Self { channel: Channel::Gps, kind: "none", fault: Fault::Drop { chance: 0.0 } };
 
-    /// Whether the robot can do something about it. A body whose motors follow other commands than
-    /// the robot's cannot be stopped.
+    /// Whether the robot can do something about it.
     pub fn is_judged(&self) -> bool {
-        let obeys = matches!(self.kind, "lost" | "intermittent" | "delayed");
-        self.channel != Channel::Actuators || obeys
+        self.channel != Channel::Actuators || self.limit().is_none()
+    }
+
+    /// The true reasons to stand still with this fault.
+    pub fn true_reasons(&self) -> &'static [Reason] {
+        use Channel::{Actuators, Battery, Clock, Gps, Heading, Link, Ranges};
+        use Reason::{
+            ClockStopped, FaultyRanges, FrozenFix, JumpedFix, LinkLost, LowBattery, NoFix,
+            NoHeading, NoProgress, PoorFix, SilentRanges, StaleFix, UnreadableReceiver,
+            WrongHeading,
+        };
+        match (self.channel, self.kind) {
+            (Gps, "lost" | "intermittent") => &[NoFix, StaleFix],
+            (Gps, "frozen") => &[FrozenFix],
+            (Gps, "offset") => &[JumpedFix],
+            (Gps, "delayed") => &[NoFix, StaleFix],
+            (Gps, "garbled") => &[NoFix, StaleFix, PoorFix, UnreadableReceiver],
+            (Heading, _) => &[NoHeading, WrongHeading],
+            (Ranges, "lost" | "intermittent") => &[SilentRanges],
+            (Ranges, _) => &[FaultyRanges],
+            (Link, "lost" | "garbled") => &[LinkLost],
+            (Battery, _) => &[LowBattery],
+            (Clock, "lost" | "frozen" | "garbled") => &[ClockStopped],
+            // A clock that runs unevenly makes fixes late.
+            (Clock, "intermittent") => &[ClockStopped, StaleFix],
+            (Actuators, "lost" | "intermittent") => &[NoProgress],
+            _ => &[],
+        }
+    }
+
+    /// The robot stands within this time of the fault, seconds. It needs longer where the fault does
+    /// not show at first: garbled ranges in the open, motors that answer now and then.
+    pub fn within_s(&self) -> f64 {
+        match (self.channel, self.kind) {
+            (Channel::Ranges, "garbled") => 60.0,
+            (Channel::Actuators, "intermittent") => 300.0,
+            (Channel::Actuators, _) => 15.0,
+            (Channel::Clock, "intermittent") => 300.0,
+            _ => 5.0,
+        }
+    }
+
+    /// What no robot with these sensors can know or do.
+    pub fn limit(&self) -> Option<&'static str> {
+        match (self.channel, self.kind) {
+            (Channel::Gps, "offset") => {
+                Some("not detectable: an offset from the first fixes on, before any was confirmed")
+            }
+            // The brakes count on the vehicle's latency.
+            (Channel::Actuators, "delayed") => {
+                Some("not judged, not detected: motors that answer later than vehicle.latency says")
+            }
+            (Channel::Actuators, "frozen" | "offset" | "garbled") => {
+                Some("not judged: a body that follows other commands cannot be stopped by them")
+            }
+            _ => None,
+        }
     }
 }
 
@@ -124,15 +180,26 @@ pub struct Case {
 }
 
 impl Run {
-    /// Whether the robot reports that it is at the goal, and is not.
-    pub fn is_at_false_goal(&self) -> bool {
-        matches!(self.stood, Some((Reason::AtGoal, _)))
+    /// Whether nothing went wrong, for this fault.
+    pub fn is_sound(&self, row: &Row) -> bool {
+        let stands = self.stands_truly(row) || self.was_wrong_from_the_start(row);
+        (self.is_reached || stands) && !self.has_left && !self.has_touched
     }
 
-    /// Whether nothing went wrong.
-    pub fn is_sound(&self) -> bool {
-        let has_ended = self.is_reached || self.stood.is_some() && !self.is_at_false_goal();
-        has_ended && !self.has_left && !self.has_touched
+    /// Whether the robot stands in time for a true reason.
+    pub fn stands_truly(&self, row: &Row) -> bool {
+        let is_true =
+            |(reason, after_s)| row.true_reasons().contains(&reason) && after_s <= row.within_s();
+        self.stood.is_some_and(is_true)
+    }
+
+    /// The position is off from the first fixes on, so the robot stands where it believes to be off
+    /// the map.
+    fn was_wrong_from_the_start(&self, row: &Row) -> bool {
+        let is_offset = (row.channel, row.kind) == (Channel::Gps, "offset");
+        is_offset
+            && self.journey.from_s < CONFIRMED_S
+            && matches!(self.stood, Some((Reason::OffMap, _)))
     }
 }
 
@@ -153,7 +220,7 @@ impl Filled {
 
     /// The runs that are not sound.
     pub fn failures(&self) -> impl Iterator<Item = &Run> {
-        let is_wanted = |run: &&Run| !run.is_sound() && self.row.is_judged();
+        let is_wanted = |run: &&Run| !run.is_sound(&self.row) && self.row.is_judged();
         self.runs.iter().filter(is_wanted)
     }
 
@@ -174,7 +241,7 @@ impl Filled {
     /// Whether all runs are sound, or the row is not judged. Without a fault, all must arrive.
     pub fn is_sound(&self) -> bool {
         let is_without = self.row == Row::WITHOUT;
-        let holds = |run: &Run| run.is_sound() && (run.is_reached || !is_without);
+        let holds = |run: &Run| run.is_sound(&self.row) && (run.is_reached || !is_without);
         !self.row.is_judged() || self.runs.iter().all(holds)
     }
 }
@@ -357,18 +424,35 @@ mod tests {
             has_left: false,
             has_touched: false,
             last: Reason::Driving,
-            journey: Case::default(),
+            journey: Case { from_s: 9.0, ..Case::default() },
         };
-        let stood = |reason| Run { is_reached: false, stood: Some((reason, 3.0)), ..reached };
-        for (run, is_sound) in [
-            (reached, true),
-            (stood(Reason::StaleFix), true),
-            (stood(Reason::AtGoal), false),
-            (Run { is_reached: false, ..reached }, false),
-            (Run { has_left: true, ..reached }, false),
-            (Run { has_touched: true, ..stood(Reason::StaleFix) }, false),
+        let after = |seconds, reason| {
+            let stood = Some((reason, seconds));
+            Run { is_reached: false, stood, ..reached }
+        };
+        let stood = |reason| after(3.0, reason);
+        let early = Case { from_s: 0.5, ..Case::default() };
+        let row = |channel, kind| {
+            let has = |row: &Row| (row.channel, row.kind) == (channel, kind);
+            rows().into_iter().find(has).expect("a row")
+        };
+        let (lost, offset) = (row(Channel::Gps, "lost"), row(Channel::Gps, "offset"));
+        for (run, row, is_sound) in [
+            (reached, lost, true),
+            (stood(Reason::StaleFix), lost, true),
+            (after(9.0, Reason::StaleFix), lost, false),
+            (stood(Reason::FaultyRanges), lost, false),
+            (stood(Reason::AtGoal), lost, false),
+            (Run { is_reached: false, ..reached }, lost, false),
+            (Run { has_left: true, ..reached }, lost, false),
+            (Run { has_touched: true, ..stood(Reason::StaleFix) }, lost, false),
+            (stood(Reason::JumpedFix), offset, true),
+            (stood(Reason::OffMap), offset, false),
+            (Run { journey: early, ..stood(Reason::OffMap) }, offset, true),
+            (Run { journey: early, ..stood(Reason::AtGoal) }, offset, false),
+            (stood(Reason::StaleFix), row(Channel::Odometry, "offset"), false),
         ] {
-            assert_eq!(run.is_sound(), is_sound, "{run:?}");
+            assert_eq!(run.is_sound(&row), is_sound, "{run:?} {row:?}");
         }
     }
 
@@ -377,7 +461,7 @@ mod tests {
         let rows = rows();
         assert_eq!(rows.len(), 8 * 6 - 1);
         let judged = rows.iter().filter(|row| row.is_judged()).count();
-        assert_eq!(judged, rows.len() - 3);
+        assert_eq!(judged, rows.len() - 4);
     }
 
     #[test]

@@ -8,12 +8,13 @@ use harness::fault_table::{Case, Filled, Row, Run, fill, rows, run_count};
 use indicatif::{ProgressBar, ProgressStyle};
 
 const JUDGEMENT: &str = "\
-A run is sound if the robot arrives, or stands still with a reason other than being at the goal,
-within three times its time without a fault plus 60 s; and if it neither left the map nor touched an
-obstacle. Each fault lasts from a random time to the end. Motors that follow other commands than the
-robot's cannot be stopped by it: those rows are shown and not judged.
+A run is sound if the robot arrives within three times its time without a fault plus 60 s, or stands
+still for a true reason within the time that the column `within s` states; and if it neither left the
+map nor touched an obstacle. Each fault lasts from a random time to the end.
 
-The first row is without a fault; there, every robot must arrive.
+`stood` counts the runs that end standing, `latest s` is the longest time from the fault until the
+robot stood. Notes below the table say what no robot with these sensors can know or do. The first row
+is without a fault; there, every robot must arrive.
 
 Exit status: 0 all judged runs are sound, 1 some are not, 2 the command line is wrong, 3 a map of the
 table is missing or wrong.";
@@ -77,13 +78,13 @@ fn main() -> ExitCode {
 
 fn text(table: &[Filled]) -> String {
     let mut text = String::from(
-        "sensor     kind          runs  reached  stood  neither  false goal  left map  touched  \
-         latest s  sound  reasons\n",
+        "sensor     kind          runs  reached  stood  neither  untrue  left map  touched  \
+         latest s  within s  sound  reasons\n",
     );
+    let mut notes = String::new();
     for filled in table {
         let Row { kind, .. } = filled.row;
         let name = name(filled);
-        let stood = filled.count(|run| run.stood.is_some() && !run.is_at_false_goal());
         let neither = filled.count(|run| !run.is_reached && run.stood.is_none());
         let latest = filled.latest_stand_s().map_or("-".to_owned(), |s| format!("{s:.1}"));
         let verdict = match (filled.row.is_judged(), filled.is_sound()) {
@@ -93,18 +94,25 @@ fn text(table: &[Filled]) -> String {
         };
         let reasons = filled.reasons();
         let reasons = reasons.iter().map(|(reason, count)| format!("{reason} {count}"));
-        text += &format!(
-            "{name:<9}  {kind:<12}  {:>4}  {:>7}  {stood:>5}  {neither:>7}  {:>10}  {:>8}  {:>7}  \
-             {latest:>8}  {verdict:<5}  {}\n",
+        let reasons = reasons.collect::<Vec<_>>().join(", ");
+        let line = format!(
+            "{name:<9}  {kind:<12}  {:>4}  {:>7}  {:>5}  {neither:>7}  {:>6}  {:>8}  {:>7}  \
+             {latest:>8}  {:>8}  {verdict:<5}  {reasons}",
             filled.runs.len(),
             filled.count(|run| run.is_reached),
-            filled.count(Run::is_at_false_goal),
+            filled.count(|run| run.stood.is_some()),
+            filled.count(|run| run.stood.is_some() && !run.stands_truly(&filled.row)),
             filled.count(|run| run.has_left),
             filled.count(|run| run.has_touched),
-            reasons.collect::<Vec<_>>().join(", "),
+            filled.row.within_s(),
         );
+        text += line.trim_end();
+        text += "\n";
+        if let Some(limit) = filled.row.limit() {
+            notes += &format!("{name} {kind}: {limit}\n");
+        }
     }
-    text
+    text + &notes
 }
 
 /// A line for each run of a row that is not sound.
@@ -144,9 +152,11 @@ fn json(table: &[Filled]) -> String {
             "stood": filled.reasons(),
             "stood_after_s": stood_s,
             "neither": filled.count(|run| !run.is_reached && run.stood.is_none()),
-            "false_goal": filled.count(Run::is_at_false_goal),
+            "untrue": filled.count(|run| run.stood.is_some() && !run.stands_truly(&filled.row)),
             "left_map": filled.count(|run| run.has_left),
             "touched": filled.count(|run| run.has_touched),
+            "within_s": filled.row.within_s(),
+            "limit": filled.row.limit(),
             "judged": filled.row.is_judged(),
             "sound": filled.is_sound(),
         })
