@@ -22,7 +22,7 @@ pub use memory::{Need, gib};
 use crate::behaviours::{self, PlanNames, Plans};
 use crate::input::Input;
 use crate::layers::{Layer, Stack};
-use crate::mission::{RadioRule, brakes, follow};
+use crate::mission::{RadioRule, brakes, follow, layer_gains};
 use crate::pack::pack;
 use crate::recipe;
 use crate::search::{Corners, MAX_COST, Query, Solver, is_cut_short};
@@ -137,10 +137,12 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     problems.extend(warnings::of_cells(input, &grid));
     problems.extend(warnings::nearly_blocked(input, &grid, radius, physical));
     problems.extend(warnings::of_places(input, &grid, physical));
+    let names: Vec<&str> = layers.iter().map(|layer| layer.name.as_str()).collect();
+    let selection = layer_gains::selection(input.mission, &names, problems);
     let goals = goals::place(input, &grid, layers, problems);
     let plan = goals::followed(input, &goals, problems);
     let mut parameters =
-        Parameters { plan, vehicle: vehicle(input, radius), ..input.mission.parameters };
+        Parameters { plan, selection, vehicle: vehicle(input, radius), ..input.mission.parameters };
     if let Some(given) = &input.mission.given {
         // Once more: an option may have changed the radius.
         follow::complete(&mut parameters, given);
@@ -253,10 +255,13 @@ impl Prepared {
         problems: &mut Vec<Problem>,
     ) -> Option<Vec<PlanDraft>> {
         let layers = self.stack.layers();
-        let jobs: Vec<(&Placed, &Layer)> = self
+        // A stack has at most `limits::MAX_LAYERS` layers.
+        let jobs: Vec<(&Placed, &Layer, u8)> = self
             .goals
             .iter()
-            .flat_map(|goal| goal.layers.iter().map(move |&index| (goal, &layers[index])))
+            .flat_map(|goal| {
+                goal.layers.iter().map(move |&index| (goal, &layers[index], index as u8))
+            })
             .collect();
         let steps = jobs.len() * STEPS_A_LAYER;
         progress(0, steps);
@@ -266,7 +271,7 @@ impl Prepared {
         // The first layer is `physical`.
         let solid = layers.first().map_or(&none, |layer| &layer.terrain.blocked);
         let site = width::Site { grid: &self.grid, solid, grown_m: self.grown_m, need };
-        let solve = |solver: &mut Solver, &(goal, layer): &(&Placed, &Layer)| {
+        let solve = |solver: &mut Solver, &(goal, layer, rank): &(&Placed, &Layer, u8)| {
             if bytes.load(Ordering::Relaxed) > PACKED_BUDGET_BYTES {
                 return None;
             }
@@ -283,7 +288,8 @@ impl Prepared {
             let packed = pack(&field);
             bytes.fetch_add(packed.bytes(), Ordering::Relaxed);
             step();
-            Some((LayerDraft { name: layer.name.clone(), packed }, is_cut_short, passages))
+            let draft = LayerDraft { name: layer.name.clone(), rank, packed };
+            Some((draft, is_cut_short, passages))
         };
         let solve_all = || jobs.par_iter().map_init(Solver::new, solve).collect::<Option<Vec<_>>>();
         // A machine may refuse new threads: then use rayon's shared pool.
@@ -293,7 +299,7 @@ impl Prepared {
             Err(_) => solve_all(),
         };
         let solved = solved?;
-        for ((goal, layer), (_, is_cut_short, _)) in jobs.iter().zip(&solved) {
+        for ((goal, layer, _), (_, is_cut_short, _)) in jobs.iter().zip(&solved) {
             problems.extend(is_cut_short.then(|| too_far(&goal.name, &layer.name, &self.grid)));
         }
         let mut left = solved.as_slice();

@@ -12,6 +12,7 @@ pub(crate) mod follow;
 mod given;
 mod key;
 pub mod keys;
+pub(crate) mod layer_gains;
 mod masks;
 mod place;
 mod radio;
@@ -20,6 +21,7 @@ mod speeds;
 pub mod words;
 
 pub use given::Given;
+pub use layer_gains::NamedGain;
 pub use masks::Mask;
 pub use place::{geo_uri, is_geo_uri, place_of};
 pub use radio::{NEEDS, RADIO_KEYS, RadioKey, RadioRule};
@@ -67,6 +69,10 @@ pub struct Mission {
     pub goals: Option<Vec<Goal>>,
     /// Areas that become obstacles, layer by layer, in the file's order.
     pub layers: Vec<LayerRule>,
+    /// What a metre of a layer counts, where layers are selected by gains.
+    pub layer_gains: Vec<NamedGain>,
+    /// By how much better, as a share, another layer must be then.
+    pub selection_hysteresis: Option<f64>,
     /// Maps of where the robot must not go.
     pub masks: Vec<Mask>,
     /// How layer `comms` is computed; `None` if it has the map's areas.
@@ -259,6 +265,7 @@ impl Reader<'_> {
                     self.layer(name, item, span);
                 }
             }
+            "layer_gains" => self.layer_gains(table),
             // Read later: masks once the layers are known.
             "masks" | "radio" => {}
             parameters => self.section(parameters, table),

@@ -29,7 +29,7 @@ type Actions = u64;
 const _: () = assert!(plan_format::limits::MAX_ACTIONS <= Actions::BITS as usize);
 
 /// Explores the waits of a team whose missions are in one file. Robots whose part has mistakes, or
-/// that have no behaviours, wait for nobody: building them reports the mistakes.
+/// that have no behaviours, wait for no mate: building them reports the mistakes.
 pub fn check(source: &Arc<Source>, team: &Team) -> Vec<Problem> {
     let robots: Vec<Robot> = team
         .robots

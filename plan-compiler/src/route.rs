@@ -87,7 +87,7 @@ mod tests {
             corners: Corners::Forbid,
         }));
         let goal_m = grid.centre(goal);
-        let layers = vec![LayerDraft { name: "physical".into(), packed }];
+        let layers = vec![LayerDraft { name: "physical".into(), rank: 0, packed }];
         let blob = write(&Draft {
             grid,
             origin: None,

@@ -69,7 +69,7 @@ pub(crate) fn part(file: &Table, robot: Option<&str>, report: &mut Report<'_>) -
         }
         None => {
             let message = format!(
-                "the mission is for a team of {} robots, each of which needs a blob of its own",
+                "the mission is for a team of {} robots, and each needs a blob of its own",
                 team.robots.len()
             );
             report.error(message, &place, "this team", &one_of(&team));
@@ -237,9 +237,7 @@ tether = "left"
             (
                 TEAM,
                 None,
-                &[
-                    "3: the mission is for a team of 2 robots, each of which needs a blob of its own",
-                ],
+                &["3: the mission is for a team of 2 robots, and each needs a blob of its own"],
             ),
             (TEAM, Some("lefd"), &["3: there is no robot `lefd`"]),
             ("seed = 3\n", Some("a"), &["1: there is no robot `a`: the mission has no team"]),

@@ -10,6 +10,8 @@
 //!   route, the answer is [`Kind::NoRoute`] and the mission's policy decides. A mission that
 //!   wants the next layer instead selects dynamically.
 //! - [`Selection::Dynamic`] chooses every tick, and returns to a more constrained layer too.
+//! - [`Selection::Gains`] follows the layer with the lowest cost times its gain, the paper's second
+//!   rule. [`advise_by_gains`] takes gains that change while the robot drives.
 //!
 //! In an obstacle of the followed layer the advice is the escape from it. The robot leaves an
 //! obstacle of a less constrained layer first, and no escape leads into one.
@@ -34,10 +36,10 @@
 //! Source: W (Wagner and Arkin, "Internalized Plans for Communication-Sensitive Robot Team
 //! Behaviors"), sections 2.2 and 2.3; the escapes from blocked cells are an addition.
 //!
-//! Deliberately absent: searching, smoothing of the eight directions (the blend does that),
-//! selection by gains.
+//! Deliberately absent: searching, smoothing of the eight directions (the blend does that).
 #![no_std]
 
+use plan_format::limits::MAX_LAYERS;
 use plan_format::parameters::Selection;
 use plan_format::{Answer, Cell, Direction, ParallelPlan, Step};
 use serde::{Deserialize, Serialize};
@@ -72,7 +74,7 @@ pub enum Kind {
     OffMap,
 }
 
-/// The layer that a static selection chose. Part of the controller's state.
+/// The layer that a static selection, or one by gains, chose. Part of the controller's state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Choice(Option<u8>);
 
@@ -94,13 +96,17 @@ impl Advice {
 
 /// What `plan` advises in `cell` (`None`: off the map).
 ///
-/// Only the static selection reads and sets `choice`.
+/// Selection by gains uses the gains of the blob; [`advise_by_gains`] takes others. The dynamic
+/// selection neither reads nor sets `choice`.
 pub fn advise(
     plan: &ParallelPlan<'_>,
     cell: Option<Cell>,
     selection: Selection,
     choice: &mut Choice,
 ) -> Advice {
+    if let Selection::Gains(rule) = selection {
+        return advise_by_gains(plan, cell, &rule.of_channels(&[]), rule.hysteresis, choice);
+    }
     let Some(cell) = cell else { return Advice::OFF_MAP };
     if let (Selection::Static, Some(layer)) = (selection, choice.0) {
         return followed(plan, cell, layer);
@@ -111,6 +117,44 @@ pub fn advise(
     if selection == Selection::Static {
         choice.0 = Some(layer);
     }
+    advice
+}
+
+/// What `plan` advises in `cell` (`None`: off the map) if a metre of each layer counts as much as its
+/// gain, by the layers' ranks: the advice of the layer with the lowest weighted cost, and among
+/// equals of the most constrained one.
+///
+/// The layer of the last tick, in `choice`, is followed until another one is better by the share
+/// `hysteresis` of its weighted cost, or until it has no route. Gains are read in every tick, so a
+/// change counts in the next one. Source: W, section 5, "cost functions".
+pub fn advise_by_gains(
+    plan: &ParallelPlan<'_>,
+    cell: Option<Cell>,
+    gains: &[f32; MAX_LAYERS],
+    hysteresis: f32,
+    choice: &mut Choice,
+) -> Advice {
+    let Some(cell) = cell else { return Advice::OFF_MAP };
+    let mut best: Option<(f32, Advice)> = None;
+    let mut followed: Option<(f32, Advice)> = None;
+    for index in layers(plan).rev() {
+        let Some(layer) = plan.layer(usize::from(index)) else { continue };
+        let Some(advice) = route(layer.look_up(cell), index) else { continue };
+        let gain = gains.get(layer.rank()).copied().unwrap_or(1.0);
+        let weighted = gain * advice.cost.unwrap_or(0) as f32;
+        if best.is_none_or(|(lowest, _)| weighted < lowest) {
+            best = Some((weighted, advice));
+        }
+        if choice.0 == Some(index) {
+            followed = Some((weighted, advice));
+        }
+    }
+    let Some((lowest, best)) = best else { return out_of_the_least_constrained(plan, cell) };
+    let advice = match followed {
+        Some((weighted, followed)) if lowest >= weighted * (1.0 - hysteresis) => followed,
+        _ => best,
+    };
+    choice.0 = advice.layer;
     advice
 }
 

@@ -174,6 +174,7 @@ fn with_plan<T>(layers: &[&str], test: impl FnOnce(&ParallelPlan<'_>) -> T) -> T
         Grid { columns: first.columns, rows: first.rows, resolution_m: 1.0, corner_m: [0.0, 0.0] };
     let layer = |(index, (field, _)): (usize, &(Field, Cell))| LayerDraft {
         name: format!("layer {index}"),
+        rank: index as u8,
         packed: plan_compiler::pack::pack(field),
     };
     let blob = PlanDraft {

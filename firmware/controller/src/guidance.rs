@@ -1,9 +1,9 @@
 //! Puts the advice into context: decides whether to drive, where to and with which gains.
 
-use advice::{Advice, Choice, Kind, advise};
+use advice::{Advice, Choice, Kind, advise, advise_by_gains};
 use math::{Vec2, scalar, vector};
 use plan_format::grid::STRAIGHT_STEP;
-use plan_format::parameters::{Blend, Gains, OnTrouble};
+use plan_format::parameters::{Blend, Gains, OnTrouble, Selection};
 use plan_format::{Blob, Cell, Direction, ParallelPlan, Step};
 use robot_io::Reason;
 
@@ -69,7 +69,8 @@ const MOST_CELLS_AHEAD: f32 = 8.0;
 /// square root of 4 - 2 sqrt 2, at 22.5 degrees.
 const OCTILE_EXCESS: f32 = 1.082_392_2;
 
-/// Looks up the plan. The error is the reason to stand still.
+/// Looks up the plan; `channels` are the input channels, which may hold gains of layers. The error is
+/// the reason to stand still.
 ///
 /// Every choice is provisional until the operator arms the robot, because the mission starts at
 /// that position. So disarming resets the static selection and the arrival.
@@ -78,6 +79,7 @@ pub fn guide(
     target: &Target,
     progress: &mut Progress,
     position: Vec2,
+    channels: &[Option<f32>],
     is_armed: bool,
 ) -> Result<Guidance, Reason> {
     if !is_armed || progress.plan != target.plan {
@@ -86,8 +88,7 @@ pub fn guide(
     let parallel_plan = blob.parallel_plan(usize::from(target.plan));
     // Without a map, only the fallback can have a goal.
     let goal = parallel_plan.map(|plan| plan.goal()).or(blob.goal()).ok_or(Reason::NoPlan)?;
-    let distance_m = vector::length(goal - position);
-    let guided = weigh(blob, target, progress, position, goal, distance_m);
+    let guided = weigh(blob, target, progress, position, channels, goal);
     progress.is_at_goal = guided == Err(Reason::AtGoal);
     guided
 }
@@ -97,10 +98,11 @@ fn weigh(
     target: &Target,
     progress: &mut Progress,
     position: Vec2,
+    channels: &[Option<f32>],
     goal: Vec2,
-    distance_m: f32,
 ) -> Result<Guidance, Reason> {
     let parameters = blob.parameters();
+    let distance_m = vector::length(goal - position);
     let tolerance_m = parameters.schemas.goal_tolerance_m;
     if progress.is_at_goal && distance_m <= LEAVING * tolerance_m {
         return Err(Reason::AtGoal);
@@ -120,7 +122,14 @@ fn weigh(
         return without_advice(target.gains, Reason::Driving);
     }
     let cell = blob.cell_at(position);
-    let advice = advise(&parallel_plan, cell, parameters.selection, &mut progress.choice);
+    let advice = match parameters.selection {
+        Selection::Gains(rule) => {
+            let gains = rule.of_channels(channels);
+            let hysteresis = rule.hysteresis;
+            advise_by_gains(&parallel_plan, cell, &gains, hysteresis, &mut progress.choice)
+        }
+        selection => advise(&parallel_plan, cell, selection, &mut progress.choice),
+    };
     let in_trouble = |policy, reason| match policy {
         OnTrouble::Stop => Err(reason),
         OnTrouble::Reactive => without_advice(reactive_only, reason),

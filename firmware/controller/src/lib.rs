@@ -299,10 +299,15 @@ fn decide(
     let position = sensed.position?;
     let is_armed = percepts.operator.is_armed;
     let guidance = match intent.approach(position)? {
-        behave::Approach::ByPlan(target) => {
-            guidance::guide(blob, &target, &mut state.progress, position, is_armed)?
-        }
         behave::Approach::Straight(_) if is_lost(blob, position) => return Err(Reason::OffMap),
+        behave::Approach::ByPlan(target) => guidance::guide(
+            blob,
+            &target,
+            &mut state.progress,
+            position,
+            &percepts.inputs,
+            is_armed,
+        )?,
         behave::Approach::Straight(guidance) => guidance,
     };
     let progress = &parameters.progress;

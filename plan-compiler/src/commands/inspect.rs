@@ -141,6 +141,7 @@ fn write_robot(out: &mut dyn Write, blob: &Blob<'_>) -> io::Result<()> {
     let when = match parameters.selection {
         Selection::Static => "once at the start",
         Selection::Dynamic => "every tick",
+        Selection::Gains(_) => "every tick by its cost and gain",
     };
     let gains = parameters.gains;
     writeln!(out, "  robot   follows {}, layer chosen {when}", name.unwrap_or("no plan"))?;

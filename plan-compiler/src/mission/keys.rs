@@ -6,14 +6,30 @@ use super::Mission;
 use super::key::{counted, flag, number, ranged, text, word};
 use crate::search::Corners;
 use plan_format::parameters::{
-    ArmingChecks, Blend, Gains, OnLinkLoss, OnNoProgress, OnTrouble, Selection, Steering,
+    ArmingChecks, Blend, Gains, LayerGains, OnLinkLoss, OnNoProgress, OnTrouble, Selection,
+    Steering,
 };
 use plan_format::{Parameters, limits};
 
 /// The tables of a mission file.
-pub const SECTIONS: [&str; 16] = [
-    "goals", "layers", "masks", "gains", "vehicle", "schemas", "fixes", "trouble", "link",
-    "ranges", "progress", "arming", "fence", "battery", "team", "radio",
+pub const SECTIONS: [&str; 17] = [
+    "goals",
+    "layers",
+    "masks",
+    "gains",
+    "vehicle",
+    "schemas",
+    "fixes",
+    "trouble",
+    "link",
+    "ranges",
+    "progress",
+    "arming",
+    "fence",
+    "battery",
+    "team",
+    "radio",
+    "layer_gains",
 ];
 
 /// Sets the weights, and the blend that they are meant for.
@@ -113,11 +129,24 @@ pub const KEYS: &[Key] = &[
         "",
         "selection",
         "\"static\"",
-        "When the robot chooses its layer, the most constrained one with a route from its position: once at the start, or every tick.",
+        "How the robot chooses its layer: the most constrained one with a route from its position, once at the start or every tick; or the one with the lowest cost times its gain, every tick.",
         &[
             ("static", |m| m.parameters.selection = Selection::Static),
             ("dynamic", |m| m.parameters.selection = Selection::Dynamic),
+            ("gains", |m| m.parameters.selection = Selection::Gains(LayerGains::default())),
         ],
+    ),
+    ranged(
+        number(
+            "",
+            "selection_hysteresis",
+            "",
+            "0.02",
+            "With `selection = \"gains\"`, another layer takes over if its weighted cost is lower by this share.",
+            |m, v| m.selection_hysteresis = Some(v),
+        ),
+        0.0,
+        1.0,
     ),
     counted(
         number("", "seed", "", "1", "Seed of the noise schema.", |m, v| {

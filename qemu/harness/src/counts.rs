@@ -100,6 +100,7 @@ fn worst_map() -> Result<Vec<u8>, WriteError> {
         name: "worst".into(),
         goal_m: grid.centre(goal),
         layers: vec![LayerDraft {
+            rank: 0,
             name: "physical".into(),
             packed: pack(&solve(&Query {
                 terrain: &Terrain::new(blocked),

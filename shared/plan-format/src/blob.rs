@@ -362,6 +362,7 @@ impl<'a> ParallelPlan<'a> {
             counts: record.counts,
             names: self.sections.names,
             name: record.name,
+            rank: record.rank,
         })
     }
 
@@ -384,6 +385,9 @@ impl<'a> ParallelPlan<'a> {
         let earlier = (0..index)
             .map(|other| self.layer_record(other).and_then(|r| r.name.text(self.sections.names)));
         self.sections.check_name(record.name, earlier)?;
+        if usize::from(record.rank) >= limits::MAX_LAYERS {
+            return Err(BlobError::Layers);
+        }
         let number = usize::from(self.record.first_layer) + index;
         let unproved = Unproved::of(number, &record, self.sections.layers);
         self.layer(index).ok_or(BlobError::Cells)?.validate(unproved, work)

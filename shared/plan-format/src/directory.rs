@@ -99,6 +99,8 @@ record! {
     #[derive(Clone, Copy, Debug)]
     pub(crate) struct LayerRecord {
         pub(crate) name: Name,
+        /// Position of its constraints in the mission's order; equal in all plans that have them.
+        pub(crate) rank: u8,
         /// Where the table of plane `terrain` begins.
         pub(crate) terrain: u32,
         /// Where the table of plane `routes` begins.
@@ -132,6 +134,6 @@ mod tests {
 
     #[test]
     fn records_have_the_sizes_of_the_format() {
-        assert_eq!((PlanRecord::SIZE, LayerRecord::SIZE), (22, 33));
+        assert_eq!((PlanRecord::SIZE, LayerRecord::SIZE), (22, 34));
     }
 }

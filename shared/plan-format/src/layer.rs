@@ -78,6 +78,7 @@ pub struct Layer<'a> {
     pub(crate) counts: Counts,
     pub(crate) names: &'a [u8],
     pub(crate) name: Name,
+    pub(crate) rank: u8,
 }
 
 /// The parts of a layer that are not proved yet, because no earlier layer shares them.
@@ -125,6 +126,12 @@ impl<'a> Layer<'a> {
     pub fn name(&self) -> &'a str {
         // Names were validated.
         self.name.text(self.names).unwrap_or_default()
+    }
+
+    /// Position of its constraints in the mission's order, 0 for obstacles only. Layers of one name
+    /// have the same rank in all plans; a plan may lack some of them.
+    pub fn rank(&self) -> usize {
+        usize::from(self.rank)
     }
 
     /// Bytes that the layer added to the blob. Bytes that it shares count for the earliest layer.

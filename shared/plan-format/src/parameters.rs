@@ -1,5 +1,6 @@
 //! What the mission file sets and the tick reads: gains, speeds, limits, policies.
 
+use crate::limits;
 use crate::team::TeamPolicy;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -79,14 +80,72 @@ pub enum Blend {
     Paper,
 }
 
-/// When the layer of a parallel plan is chosen (W, section 2.3). It is always the most constrained
-/// layer that has a route from the robot's cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+/// When and how the layer of a parallel plan is chosen (W, section 2.3).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub enum Selection {
-    /// Chosen once, in the first cell from which any layer has a route.
+    /// The most constrained layer with a route, chosen once, in the first cell from which any layer
+    /// has one.
     Static,
-    /// Chosen every tick, so the robot may return to an earlier layer.
+    /// The most constrained layer with a route, chosen every tick, so the robot may return to an
+    /// earlier layer.
     Dynamic,
+    /// The layer with the lowest cost times its gain, chosen every tick.
+    Gains(LayerGains),
+}
+
+/// What a metre of each layer counts when layers are compared (W, section 5: "cost functions ... with
+/// tunable gains").
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct LayerGains {
+    /// The gains, by the layers' ranks.
+    pub gains: [LayerGain; limits::MAX_LAYERS],
+    /// Another layer takes over only if its weighted cost is lower by this share, 0 ..= 1: costs
+    /// that are nearly equal must not make the robot waver.
+    pub hysteresis: f32,
+}
+
+/// What a metre of one layer counts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct LayerGain {
+    /// The gain, 0 ..= 1000.
+    pub gain: f32,
+    /// The input channel whose value replaces the gain while it has one.
+    pub channel: Option<u8>,
+}
+
+impl Default for LayerGains {
+    fn default() -> Self {
+        Self {
+            gains: [LayerGain { gain: 1.0, channel: None }; limits::MAX_LAYERS],
+            hysteresis: 0.02,
+        }
+    }
+}
+
+impl LayerGains {
+    /// Highest gain.
+    pub const MOST: f32 = 1_000.0;
+
+    /// The gains of a tick, by the layers' ranks, from the values of the input channels.
+    pub fn of_channels(&self, channels: &[Option<f32>]) -> [f32; limits::MAX_LAYERS] {
+        self.gains.map(|LayerGain { gain, channel }| {
+            let channel = channel.and_then(|channel| channels.get(usize::from(channel)));
+            let value = channel.copied().flatten().filter(|value| value.is_finite());
+            value.unwrap_or(gain).clamp(0.0, Self::MOST)
+        })
+    }
+
+    /// The name and the range of the first value that is out of its range.
+    fn check(&self) -> Option<(&'static str, f32, f32)> {
+        let gains = self.gains.iter().map(|gain| ("layer_gains", gain.gain, 0.0, Self::MOST));
+        let last = (limits::MAX_CHANNELS - 1) as f32;
+        let channels = self.gains.iter().filter_map(|gain| gain.channel);
+        let channels = channels.map(|channel| ("layer_gains", f32::from(channel), 0.0, last));
+        let hysteresis = ("selection_hysteresis", self.hysteresis, 0.0, 1.0);
+        let mut all = gains.chain(channels).chain([hysteresis]);
+        all.find(|&(_, value, low, high)| !(low..=high).contains(&value))
+            .map(|(name, _, low, high)| (name, low, high))
+    }
 }
 
 /// How the vehicle turns.
@@ -469,6 +528,10 @@ impl Parameters {
             .find(|&(_, value, low, high)| !(low..=high).contains(&value))
             .map(|(name, _, low, high)| (name, low, high))
             .or_else(|| self.team.check())
+            .or_else(|| match &self.selection {
+                Selection::Gains(gains) => gains.check(),
+                Selection::Static | Selection::Dynamic => None,
+            })
     }
 }
 

@@ -44,6 +44,8 @@ pub struct PlanDraft {
 pub struct LayerDraft {
     /// Unique within the plan; see [`is_name`].
     pub name: String,
+    /// Position of its constraints in the mission's order, below [`limits::MAX_LAYERS`].
+    pub rank: u8,
     /// Its cells.
     pub packed: PackedLayer,
 }
@@ -225,6 +227,7 @@ impl Sections {
             let packed = &layer.packed;
             let record = LayerRecord {
                 name: self.name(&layer.name)?,
+                rank: layer.rank,
                 terrain: self.cells.put_plane(&packed.terrain)?,
                 routes: self.cells.put_plane(&packed.routes)?,
                 roots: self.cells.put_words(&packed.roots)?,
@@ -298,6 +301,7 @@ mod tests {
         let goal = Root { cell: Cell::new(0, 0), cost: 0 };
         LayerDraft {
             name: name.into(),
+            rank: 0,
             packed: PackedLayer {
                 columns: 3,
                 rows: 1,

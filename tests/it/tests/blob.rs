@@ -18,7 +18,7 @@ fn draft(fields: &[Field]) -> Draft {
     let plan = |(number, field): (usize, &Field)| PlanDraft {
         name: format!("goal {number}"),
         goal_m: [0.5, 0.5],
-        layers: vec![LayerDraft { name: "physical".into(), packed: pack(field) }],
+        layers: vec![LayerDraft { name: "physical".into(), rank: 0, packed: pack(field) }],
     };
     let (columns, rows) = fields.first().map_or((0, 0), |field| (field.columns, field.rows));
     Draft {
@@ -74,9 +74,9 @@ fn hex(bytes: &[u8]) -> String {
 const TINY_BYTES: &[(&str, &str)] = &[
     ("WAYFIELD", "57 41 59 46 49 45 4c 44"),
     ("version 2, 28 bytes of header", "02 00 1c 00"),
-    ("436 bytes", "b4 01 00 00"),
-    ("schema hash", "7b 9c f2 d5 4e c9 99 35"),
-    ("checksum", "2b 5f 0c b0"),
+    ("437 bytes", "b5 01 00 00"),
+    ("schema hash", "86 56 66 76 8f 13 66 39"),
+    ("checksum", "71 77 db 20"),
     ("4 columns, 3 rows", "04 03"),
     ("cells of 1 m", "00 00 00 00 00 00 f0 3f"),
     ("corner 0, -0.25", "00 00 00 00 00 00 00 00 00 00 00 00 00 00 d0 bf"),
@@ -111,7 +111,7 @@ const TINY_BYTES: &[(&str, &str)] = &[
     ("seed 1", "01"),
     ("22 bytes of plans: name at 0, 6 bytes, 1 layer from 0", "16 00 00 06 01 00 00"),
     ("goal 0.5, 0.5", "00 00 00 00 00 00 e0 3f 00 00 00 00 00 00 e0 3f"),
-    ("33 bytes of layers: name at 6, 8 bytes", "21 06 00 08"),
+    ("34 bytes of layers: name at 6, 8 bytes, rank 0", "22 06 00 08 00"),
     ("terrain at 13, routes at 26, 2 roots at 27", "0d 00 00 00 1a 00 00 00 1b 00 00 00 02 00"),
     ("124 bytes, 5 free, 4 blocked", "7c 00 00 00 05 00 00 00 04 00 00 00"),
     ("3 unreachable", "03 00 00 00"),
@@ -207,7 +207,8 @@ fn the_limits_hold_on_both_sides() {
     let field = Picture::of(&["G"]).field(false);
     let mut full = draft(&vec![field.clone(); limits::MAX_PLANS]);
     for plan in &mut full.plans {
-        let layer = |number| LayerDraft { name: format!("{number:0>32}"), packed: pack(&field) };
+        let layer =
+            |number| LayerDraft { name: format!("{number:0>32}"), rank: 0, packed: pack(&field) };
         plan.layers = (0..limits::MAX_LAYERS).map(layer).collect();
     }
     let blob = write(&full).unwrap();

@@ -25,6 +25,7 @@ pub fn blob(mission: MissionDraft) -> Result<Vec<u8>, WriteError> {
         goal_m: [f64::from(column) + 0.5, f64::from(row) + 0.5],
         layers: (0..layers)
             .map(|index| LayerDraft {
+                rank: 0,
                 name: format!("layer {index}"),
                 packed: pack(&open_field(column, row)),
             })

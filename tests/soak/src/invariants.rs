@@ -74,11 +74,11 @@ impl Watch {
                 matches!(decision, Decision::Refused { .. }) && !is_anyone_engaged;
             !waits_for_nobody
                 && !matches!(
-                decision,
-                Decision::Conflict(
-                    Signal::Possible { .. } | Signal::Evident { what: Violation::Foreign, .. }
+                    decision,
+                    Decision::Conflict(
+                        Signal::Possible { .. } | Signal::Evident { what: Violation::Foreign, .. }
+                    )
                 )
-            )
         };
         let is_explained =
             report.decisions.iter().filter(is_reason).count() > 0 || report.omitted > 0;

@@ -79,7 +79,7 @@ fn blob_with(
             goal,
             corners: Corners::Forbid,
         }));
-        LayerDraft { name: format!("layer {index}"), packed }
+        LayerDraft { name: format!("layer {index}"), rank: index as u8, packed }
     };
     let plan = PlanDraft {
         name: "goal".into(),

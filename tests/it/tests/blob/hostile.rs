@@ -54,7 +54,7 @@ fn repeated() -> Field {
 /// A blob with `plans` plans of `layers` layers each, all with the same content.
 fn shared(plans: usize, layers: usize) -> Vec<u8> {
     let packed = pack(&repeated());
-    let layer = |number| LayerDraft { name: format!("{number}"), packed: packed.clone() };
+    let layer = |number| LayerDraft { name: format!("{number}"), rank: 0, packed: packed.clone() };
     let layers: Vec<LayerDraft> = (0..layers).map(layer).collect();
     let plan = |number| PlanDraft {
         name: format!("{number}"),
