@@ -260,7 +260,8 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let coming_m = brake::coming_m(&vehicle, sensed.ranges.age_s());
     let coming = state.closing.compared();
     let near = Obstacles::near(&percepts.ranges, within_m, &coming, coming_m);
-    let decided = decide(blob, &vehicle, state, &percepts, &sensed, &intent, &near, &mates);
+    let seen = Seen { percepts: &percepts, sensed: &sensed, near: &near, mates: &mates };
+    let decided = decide(blob, &vehicle, state, &seen, &intent);
     let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));
     let wanted = intent.with_outputs(wanted);
     let vehicle = state.arming.limited(&vehicle);
@@ -278,19 +279,25 @@ fn is_lost(blob: &Blob<'_>, position: Vec2) -> bool {
     blob.parameters().trouble.off_map == OnTrouble::Stop && blob.cell_at(position).is_none()
 }
 
+/// What the robot perceives in a tick, judged.
+struct Seen<'s> {
+    percepts: &'s Percepts,
+    sensed: &'s sense::Sensed,
+    near: &'s Obstacles,
+    mates: &'s team::Mates,
+}
+
 /// The commands before operator and obstacles limit them. The error is the reason to stand
 /// still.
 fn decide(
     blob: &Blob<'_>,
     vehicle: &Vehicle,
     state: &mut State,
-    percepts: &Percepts,
-    sensed: &sense::Sensed,
+    seen: &Seen<'_>,
     intent: &Intent,
-    near: &Obstacles,
-    mates: &team::Mates,
 ) -> Result<(Commands, Option<Blend>), Reason> {
     use plan_format::parameters::Blend::{Paper, Route};
+    let &Seen { percepts, sensed, near, mates } = seen;
     let parameters = blob.parameters();
     let schema = &parameters.schemas;
     if sensed.is_clock_stopped {
