@@ -13,7 +13,7 @@ use thiserror::Error;
 
 /// The first bytes of every trace.
 pub const MAGIC: &[u8; 8] = b"WAYTRACE";
-const VERSION: u16 = 3;
+const VERSION: u16 = 4;
 
 /// A recorded run.
 #[derive(Clone, Debug, PartialEq)]

@@ -87,12 +87,15 @@
 //! - **link**: the radio link to the operator. Example: lost after 1 s of silence.
 //! - **map frame**: the tangent plane that turns latitude and longitude into map metres. Example:
 //!   45.0009 N is 100 m north of a reference at 45 N.
+//! - **mate**: another robot of the team. Example: `left`, linked, 12 m away.
 //! - **mission**: what the robot is to do, as a file or in the blob. Example:
 //!   `plough.mission.toml`.
 //! - **mixer**: turns speed and turn rate into the outputs of two motors. Example: 0.25 left and
 //!   0.75 right.
 //! - **motion**: the resource that every driving action needs, so that at most one drives.
 //!   Example: ploughing and refuelling never drive at the same time.
+//! - **news**: what a robot sends its mates: number, position, last signal. Example: robot 2, at
+//!   (40, 12), signal 7.
 //! - **observer**: watches ticks from outside and changes nothing. Example: the counter of
 //!   instructions.
 //! - **packet**: the bytes of one value on the link, with checksum and end mark. Example: 8 bytes
@@ -120,6 +123,7 @@
 //!   error of 1 m.
 //! - **situation grid**: what live plans assume, and whether it still holds. Example: "fuel is
 //!   needed later, and no step provides it".
+//! - **team**: robots with one mission file, each with its own part. Example: `left` and `right`.
 //! - **tick**: one call of [`tick`]. Example: at 20 Hz, the one 50 ms after the last.
 //! - **transport**: carries records to and from a robot in lockstep. Example: the two pipes to
 //!   QEMU.

@@ -14,8 +14,7 @@
 //! - it has leapt: between two scans, most readings have grown by more than the robot moved, or most
 //!   have shrunk. Obstacles do not do that together, so the zero of the range finder has moved. It
 //!   is trusted again once it leaps back, or once the robot is disarmed.
-//! - it is late: after a silence in which the robot has moved, so many readings are as before that
-//!   they show what was there before. The range finder is trusted again once the robot is disarmed.
+//! - it is late: after a silence in which the robot has moved, too many readings are as before. The range finder is trusted again once the robot is disarmed.
 //!
 //! An empty scan that is repeated cannot be distinguished from open ground, an offset from the start
 //! not from other obstacles, and a delay that grows slowly not from obstacles that move.
@@ -109,9 +108,9 @@ const LATE: [Late; 4] = [
     Late { moved_m: 0.25, turned_rad: 0.25, share: 0.5, needs_telling: false },
     Late { moved_m: 0.25, turned_rad: 0.0, share: 0.4, needs_telling: true },
 ];
-/// A reading that is no farther aside of the robot's way than this must differ, metres, ...
+/// A reading at most this far aside of the robot's way must differ, metres.
 const TELLING_ASIDE_M: f32 = 0.35;
-/// ... if it is not farther away than this: beyond, it may be a wall that leads away.
+/// It must not be farther away than this, metres: it may be a wall that leads away.
 const TELLING_M: f32 = 2.5;
 
 /// When a scan after a silence is late.
@@ -371,7 +370,7 @@ impl Differences {
         }
     }
 
-    /// Whether so many readings are as before that the robot cannot have moved by this since.
+    /// Whether too many readings are as before for a robot that has moved by this since.
     fn show_the_past(&self, moved_m: f32, turned_rad: f32) -> bool {
         let (same, count) = (f32::from(self.same), f32::from(self.count));
         let is_late = |late: &Late| {

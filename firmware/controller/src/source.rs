@@ -115,7 +115,7 @@ impl Source {
         Self { judged_us: self.judged_us, ..Self::default() }
     }
 
-    /// Nobody relies on the anchor: a jump may be believed.
+    /// The anchor is not confirmed: a jump may be believed.
     pub(crate) fn unprove(&mut self) {
         self.confirmed = 0;
         self.delay = Delay::default();

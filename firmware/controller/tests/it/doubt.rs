@@ -435,7 +435,7 @@ fn ranges_that_leap_together_are_wrong_until_they_leap_back() {
         assert_eq!(reasons, expected, "{by_m} m until {until}");
         assert!(expected != [Reason::Driving, Reason::FaultyRanges] || came_m < 0.1, "{came_m} m");
     }
-    // One obstacle that comes out from behind another is no leap.
+    // One obstacle that comes out from behind another has not leapt.
     let (reasons, _) = among_posts(|index, _, percepts| {
         if index >= 50 {
             percepts.ranges[0].distance_m += 0.5;

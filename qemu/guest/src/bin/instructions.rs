@@ -50,15 +50,17 @@ mod counts {
 
         println!("blob-validation {validation}");
         println!("look-up-worst {}", worst_look_up(&blob, &layer, counter, overhead));
-        println!("tick-8-obstacles-worst {}", worst_tick(&blob, &parallel, counter, overhead));
-        println!("tick-crowded-worst {}", crowded_tick(&blob, &parallel, counter, overhead));
-        println!("tick-stack-bytes {}", tick_stack(&blob, &parallel));
+        let start = start(&blob, &parallel);
+        let count = |ticks, change| worst_tick(&blob, start, ticks, change, (counter, overhead));
+        println!("tick-8-obstacles-worst {}", count(TICKS, sparse).0);
+        println!("tick-crowded-worst {}", count(TICKS, crowded).0);
+        println!("tick-stack-bytes {}", tick_stack(&blob, start, 0));
         println!("control-state-bytes {}", size_of::<State>());
         println!("plan-view-bytes {}", size_of::<Blob<'_>>());
         if !blob.mission().behaviours().is_empty() {
-            let (worst, stack) = with_behaviours(&blob, &parallel, counter, overhead);
+            let (worst, tick) = count(BEHAVING_TICKS, sparse);
             println!("behaviours-tick-worst {worst}");
-            println!("behaviours-tick-stack-bytes {stack}");
+            println!("behaviours-tick-stack-bytes {}", tick_stack(&blob, start, tick));
         }
     }
 
@@ -97,10 +99,14 @@ mod counts {
         )
     }
 
-    /// Stack of a whole tick, bytes.
-    fn tick_stack(blob: &Blob<'_>, parallel: &ParallelPlan<'_>) -> usize {
+    /// Stack of a whole tick after `ticks` others, bytes.
+    #[inline(never)]
+    fn tick_stack(blob: &Blob<'_>, start: Vec2, ticks: u64) -> usize {
         let mut state = State::new(blob);
-        let percepts = percepts(blob, start(blob, parallel), 0);
+        for tick in 0..ticks {
+            controller::tick(blob, &mut state, &percepts(blob, start, tick));
+        }
+        let percepts = percepts(blob, start, ticks);
         guest::memory::stack_bytes_of(|| {
             black_box(controller::tick(black_box(blob), &mut state, black_box(&percepts)));
         })
@@ -119,46 +125,34 @@ mod counts {
             .expect("some sample has a route")
     }
 
-    /// Most instructions of a whole tick while driving, with a new fix and obstacles all around.
+    /// Most instructions of a whole tick while driving with a new fix and the percepts that `change`
+    /// makes, and the number of that tick.
+    #[inline(never)]
     fn worst_tick(
         blob: &Blob<'_>,
-        parallel: &ParallelPlan<'_>,
-        counter: Counter,
-        overhead: u32,
-    ) -> u32 {
-        let start = start(blob, parallel);
+        start: Vec2,
+        ticks: u64,
+        change: fn(Percepts, u64) -> Percepts,
+        (counter, overhead): (Counter, u32),
+    ) -> (u32, u64) {
         let mut state = State::new(blob);
-        let mut worst = 0;
-        for tick in 0..TICKS {
-            let percepts = percepts(blob, start, tick);
+        let mut worst = (0, 0);
+        for tick in 0..ticks {
+            let percepts = change(percepts(blob, start, tick), tick);
             let mark = counter.mark();
             let commands = controller::tick(black_box(blob), &mut state, black_box(&percepts));
             let instructions = counter.since(mark) - overhead;
             assert_whole(&commands);
-            worst = worst.max(instructions);
+            if instructions > worst.0 {
+                worst = (instructions, tick);
+            }
         }
         worst
     }
 
-    /// Most instructions of a whole tick among obstacles that close almost every way: brakes and
-    /// detours try all that they may try.
-    fn crowded_tick(
-        blob: &Blob<'_>,
-        parallel: &ParallelPlan<'_>,
-        counter: Counter,
-        overhead: u32,
-    ) -> u32 {
-        let start = start(blob, parallel);
-        let mut state = State::new(blob);
-        let mut worst = 0;
-        for tick in 0..TICKS {
-            let percepts = crowded(percepts(blob, start, tick), tick);
-            let mark = counter.mark();
-            let commands = controller::tick(black_box(blob), &mut state, black_box(&percepts));
-            worst = worst.max(counter.since(mark) - overhead);
-            assert_whole(&commands);
-        }
-        worst
+    /// The percepts as they are.
+    fn sparse(percepts: Percepts, _tick: u64) -> Percepts {
+        percepts
     }
 
     /// Panics if the tick ended before schemas, detour and brakes.
@@ -176,33 +170,6 @@ mod counts {
             distance_m: 0.4 + gap_m + 0.3 * wave(tick * 7 + sector * 5, 13),
         });
         Percepts { ranges: ranges.collect(), ..percepts }
-    }
-
-    /// Most instructions and most bytes of stack of whole ticks in which behaviours alternate.
-    fn with_behaviours(
-        blob: &Blob<'_>,
-        parallel: &ParallelPlan<'_>,
-        counter: Counter,
-        overhead: u32,
-    ) -> (u32, usize) {
-        let start = start(blob, parallel);
-        let mut state = State::new(blob);
-        let (mut worst, mut deepest) = (0, 0);
-        for tick in 0..BEHAVING_TICKS {
-            let percepts = percepts(blob, start, tick);
-            let mut copy = state.clone();
-            let mark = counter.mark();
-            let commands = controller::tick(black_box(blob), &mut state, black_box(&percepts));
-            let instructions = counter.since(mark) - overhead;
-            assert_whole(&commands);
-            if instructions > worst {
-                worst = instructions;
-                deepest = deepest.max(guest::memory::stack_bytes_of(|| {
-                    black_box(controller::tick(blob, &mut copy, &percepts));
-                }));
-            }
-        }
-        (worst, deepest)
     }
 
     fn is_far_from_goal(blob: &Blob<'_>, layer: &Layer<'_>, point: Vec2) -> bool {

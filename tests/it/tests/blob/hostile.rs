@@ -15,12 +15,12 @@ const SUPERBLOCK_CELLS: u32 = 32 * 32;
 /// Size of a blob's header, bytes.
 const HEADER_BYTES: usize = 28;
 /// Size of the record of a layer, bytes.
-const LAYER_BYTES: usize = 33;
+const LAYER_BYTES: usize = 34;
 /// Offsets in the record of the words that point to the tables of its planes.
-const TABLES_AT: [usize; 2] = [3, 7];
+const TABLES_AT: [usize; 2] = [4, 8];
 /// Offset in the record of the number of free cells; the numbers of blocked cells and of cells
 /// without a route follow.
-const FREE_AT: usize = 21;
+const FREE_AT: usize = 22;
 
 /// Checks a blob and counts the beats, which measure the work without a clock.
 fn beats(blob: &[u8]) -> (Result<(), BlobError>, usize) {
