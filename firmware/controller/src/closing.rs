@@ -71,6 +71,9 @@ struct Scan {
     heading_rad: f32,
     /// The nearest reading of each sector in the robot's axes of that moment, metres; zero without.
     nearest_m: [[f32; 2]; MAX_RANGES],
+    /// What is nearer than the square root of this lies in free space, m^2, by sector; 0 without a
+    /// reading. Squares save the roots.
+    free_m2: [f32; MAX_RANGES],
 }
 
 impl Closing {
@@ -121,37 +124,36 @@ impl Closing {
 
 impl Scan {
     fn of(readings: &[RangeReading], time_us: u64, position_m: [f32; 2], heading_rad: f32) -> Self {
-        let mut nearest_m = [[0.0; 2]; MAX_RANGES];
+        let mut scan = Self { time_us: Some(time_us), position_m, heading_rad, ..Self::default() };
         for reading in readings {
             let distance_m = reading.distance_m.max(LEAST_DISTANCE_M);
+            let free_m = free_m(distance_m);
             let (sector, _) = sectors(reading.bearing_rad);
-            let Some(nearest) = nearest_m.get_mut(sector) else { continue };
-            let is_nearer =
-                *nearest == [0.0; 2] || vector::length(Vec2::from(*nearest)) > distance_m;
-            if is_nearer {
+            let slots = scan.nearest_m.get_mut(sector).zip(scan.free_m2.get_mut(sector));
+            let Some((nearest, free_m2)) = slots else { continue };
+            if *nearest == [0.0; 2] || *free_m2 > free_m * free_m {
                 *nearest = (vector::from_angle(reading.bearing_rad) * distance_m).into();
+                *free_m2 = free_m * free_m;
             }
         }
-        Self { time_us: Some(time_us), position_m, heading_rad, nearest_m }
+        scan
     }
 
-    fn nearest_m(&self, sector: usize) -> Option<f32> {
-        let nearest = Vec2::from(*self.nearest_m.get(sector)?);
-        (nearest != Vec2::zeros()).then(|| vector::length(nearest))
-    }
-
-    /// How far the space in the direction of `bearing_rad` was free, metres; 0 if that is unknown.
-    /// An obstacle at the edge of a sector may fall between the beams of two.
-    fn free_m(&self, bearing_rad: f32) -> f32 {
-        let (sector, beside) = sectors(bearing_rad);
-        let both = [self.nearest_m(sector), self.nearest_m(beside)];
-        both.into_iter().flatten().reduce(f32::min).unwrap_or(0.0)
+    /// How far the space in the direction of `point` was free, m^2; 0 if that is unknown. An
+    /// obstacle at the edge of a sector may fall between the beams of two.
+    fn free_m2(&self, point: Vec2) -> f32 {
+        let (sector, beside) = sectors(vector::angle(point));
+        let of = |sector: usize| self.free_m2.get(sector).copied().filter(|free| *free > 0.0);
+        match (of(sector), of(beside)) {
+            (Some(one), Some(other)) => one.min(other),
+            (one, other) => one.or(other).unwrap_or(0.0),
+        }
     }
 }
 
-/// How far a reading at this distance may err, metres.
-fn blurred_m(distance_m: f32) -> f32 {
-    distance_m + BLUR_M + BLUR_SHARE * distance_m
+/// How far the space before a reading at this distance is surely free, metres.
+fn free_m(distance_m: f32) -> f32 {
+    ((distance_m - BLUR_M) / (1.0 + BLUR_SHARE)).max(0.0)
 }
 
 /// The sector of a bearing and the one that may cover it too: the same, or at an edge the next one.
@@ -184,8 +186,7 @@ impl Compared<'_> {
         let (cos, sin) = (self.turned.x, self.turned.y);
         let then =
             self.moved + Vec2::new(cos * point.x - sin * point.y, sin * point.x + cos * point.y);
-        let distance_m = vector::length(then);
-        if blurred_m(distance_m) >= self.scan.free_m(vector::angle(then)) {
+        if then.norm_squared() >= self.scan.free_m2(then) {
             return Vec2::zeros();
         }
         let seen = self.scan.nearest_m.iter().map(|&seen| Vec2::from(seen));

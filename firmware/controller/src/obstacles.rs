@@ -50,8 +50,9 @@ struct Point {
     hidden: Vec2,
     /// Their distance from the body's centre.
     distance_m: f32,
-    /// The obstacle's own velocity, m/s.
+    /// The obstacle's own velocity, m/s, and its length.
     velocity: Vec2,
+    speed_mps: f32,
 }
 
 impl Point {
@@ -60,6 +61,7 @@ impl Point {
         hidden: Vec2::new(0.0, 0.0),
         distance_m: 0.0,
         velocity: Vec2::new(0.0, 0.0),
+        speed_mps: 0.0,
     };
 
     /// The reading of an obstacle that stands.
@@ -67,7 +69,7 @@ impl Point {
         let distance_m = reading.distance_m.max(LEAST_DISTANCE_M);
         let seen = vector::from_angle(reading.bearing_rad) * distance_m;
         let sector = sector(reading.bearing_rad);
-        Self { seen, hidden: hidden(seen, sector, distance_m), distance_m, velocity: Vec2::zeros() }
+        Self { seen, hidden: hidden(seen, sector, distance_m), distance_m, ..Self::NONE }
     }
 
     /// The same in axes that are turned by half a turn.
@@ -154,10 +156,10 @@ impl Obstacles {
             let point = Point::of(reading);
             let velocities = coming.iter().flatten().map(|scan| scan.velocity(point.seen));
             let velocity = velocities.into_iter().find(|velocity| *velocity != Vec2::zeros());
-            Point { velocity: velocity.unwrap_or_default(), ..point }
+            let velocity = velocity.unwrap_or_default();
+            Point { velocity, speed_mps: vector::length(velocity), ..point }
         });
-        let count =
-            points.filter(|point| point.distance_m < within_m || point.velocity != Vec2::zeros());
+        let count = points.filter(|point| point.distance_m < within_m || point.speed_mps > 0.0);
         for (slot, point) in near.points.iter_mut().zip(count) {
             *slot = point;
             near.count += 1;
@@ -214,11 +216,15 @@ impl Obstacles {
     /// are within `time_s`.
     pub fn let_pass(&self, body: &Body, arc: &Arc, time_s: f32) -> bool {
         let points = self.points.get(..self.count).unwrap_or_default();
-        let moving = points.iter().filter(|point| point.velocity != Vec2::zeros());
-        moving.into_iter().all(|point| {
-            let run_m = vector::length(point.velocity) * time_s;
-            // So close together that the body does not pass between two of them.
-            let spacing_m = (body.radius_m + body.aside_m).max(LEAST_DISTANCE_M);
+        // So close together that the body does not pass between two of them.
+        let spacing_m = (body.radius_m + body.aside_m).max(LEAST_DISTANCE_M);
+        let nearest_m = arc.length_m + body.radius_m + body.aside_m;
+        points.iter().filter(|point| point.speed_mps > 0.0).all(|point| {
+            let run_m = point.speed_mps * time_s;
+            // It does not come near enough in that time.
+            if point.distance_m - run_m >= nearest_m {
+                return true;
+            }
             let count = scalar::clamp(scalar::floor(run_m / spacing_m) + 1.0, 1.0, MOST_PLACES);
             // The nearest place that was seen before may be that of another obstacle: then only the
             // speed is right.
@@ -226,7 +232,7 @@ impl Obstacles {
             [point.velocity * time_s, straight_here].into_iter().all(|run| {
                 (1..=count as u32).all(|place| {
                     let at = point.seen + run * (place as f32 / count);
-                    arc.is_clear_of(body, at, vector::length(at).max(LEAST_DISTANCE_M))
+                    arc.is_clear_of_place(body, at)
                 })
             })
         })
@@ -257,13 +263,32 @@ impl Arc {
 
     /// Whether the body touches nothing at `point`, which is `distance_m` away now.
     fn is_clear_of(&self, body: &Body, point: Vec2, distance_m: f32) -> bool {
-        let &Self { length_m, turned_rad, is_to_the_right, arc_m, end } = self;
+        let &Self { length_m, turned_rad, .. } = self;
         let nearest_m = length_m + body.radius_m + body.aside_m;
         // No point of the way is farther from here than its length.
         if distance_m >= nearest_m || point.x <= 0.0 && turned_rad < 0.5 * scalar::PI {
             return true;
         }
-        let reach_m = body.reach_m(distance_m);
+        self.is_clear_by(body.reach_m(distance_m), point)
+    }
+
+    /// The same for a point whose distance is not known; a root is taken only close to the body.
+    fn is_clear_of_place(&self, body: &Body, point: Vec2) -> bool {
+        let wide_m = body.radius_m + body.aside_m;
+        let nearest_m = self.length_m + wide_m;
+        let distance_m2 = point.norm_squared();
+        let is_behind = point.x <= 0.0 && self.turned_rad < 0.5 * scalar::PI;
+        if distance_m2 >= nearest_m * nearest_m || is_behind {
+            return true;
+        }
+        let is_far = KEPT * KEPT * distance_m2 >= wide_m * wide_m;
+        let near_m = || body.reach_m(scalar::sqrt(distance_m2).max(LEAST_DISTANCE_M));
+        self.is_clear_by(if is_far { wide_m } else { near_m() }, point)
+    }
+
+    /// Whether the way keeps `reach_m` from a point that is neither behind it nor too far away.
+    fn is_clear_by(&self, reach_m: f32, point: Vec2) -> bool {
+        let &Self { length_m, turned_rad, is_to_the_right, arc_m, end } = self;
         if arc_m == 0.0 {
             let beyond_m = (point.x - length_m).max(0.0);
             return point.y * point.y + beyond_m * beyond_m >= reach_m * reach_m;
