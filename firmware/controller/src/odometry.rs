@@ -26,10 +26,9 @@ const SOUND: f32 = 0.1;
 /// A measurement counts again after it has agreed with the other witnesses for this time, seconds.
 const CALM_S: f32 = 5.0;
 
-/// The motors do not answer once the robot has done less than this share of what it was commanded
-/// ...
+/// The motors do not answer once the robot has done less than this share of what it was commanded.
 const DEAD_SHARE: f32 = 0.25;
-/// ... for this time, seconds: a heavy vehicle needs some time to gain speed.
+/// It must have done so for this time, seconds: a heavy vehicle needs some time to gain speed.
 const DEAD_S: f32 = 3.0;
 /// Slower commands show nothing, m/s and rad/s.
 const LEAST_MPS: f32 = 0.1;
@@ -39,7 +38,7 @@ const REFERENCE_S: f32 = 1.0;
 
 /// How an axis is judged.
 struct Limits {
-    /// A possible reading is no farther than this from the last one and the command, m/s or rad/s.
+    /// A possible reading is at most this far from the last one and the command, m/s or rad/s.
     margin: f32,
     /// Change of the motion in a second, m/s^2 or rad/s^2.
     rate: f32,

@@ -86,9 +86,9 @@ const LEAP_M: f32 = 0.25;
 const LEAP_PER_M: f32 = 1.0;
 /// It may change by this much more for each second: obstacles move, m/s.
 const LEAP_MPS: f32 = 1.0;
-/// Leaps are looked for between scans while the robot moves by less than this, metres, ...
+/// Leaps are looked for between scans while the robot moves by less than this, metres.
 const LEAP_WITHIN_M: f32 = 0.12;
-/// ... and turns by less than this, radians: then each reading still shows the same obstacle.
+/// It must turn by less than this, radians: then each reading still shows the same obstacle.
 const LEAP_WITHIN_RAD: f32 = 0.15;
 /// The range finder has leapt back once its leaps add up to less than this, metres.
 const BACK_M: f32 = 0.2;

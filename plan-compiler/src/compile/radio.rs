@@ -164,7 +164,7 @@ mod tests {
             weak += usize::from(is_weak);
             wooded += usize::from(!expected && (46..54).contains(&cell.column));
         }
-        assert!(weak > 100 && wooded > 20, "{weak} {wooded}: the wood itself is no obstacle");
+        assert!(weak > 100 && wooded > 20, "{weak} {wooded}: the wood itself is free");
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::toml::{Fields, Span};
 use maps::radio::Settings;
 use toml_edit::{Item, TableLike};
 
-/// Where the robot must have a link, and by which radio.
+/// Where the robot must have a link, and its radio.
 #[derive(Clone, Debug)]
 pub struct RadioRule {
     /// The radio and the heights.

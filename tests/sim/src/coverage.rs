@@ -84,7 +84,7 @@ const SQUARE: u8 = 1;
 const DISC: u8 = 2;
 
 impl<'g> Coverage<'g> {
-    /// Nothing is seen yet by so many robots.
+    /// Nothing is seen yet by any of the robots.
     pub fn new(ground: &'g Ground, robots: usize) -> Self {
         Self { ground, seen: vec![0; ground.blocked.len()], last: vec![None; robots] }
     }

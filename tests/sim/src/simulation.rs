@@ -55,7 +55,7 @@ impl<'w, S: Sensors, P: Pilot> Simulation<'w, S, P> {
         self
     }
 
-    /// Which robots reach each other now; nobody does without a radio.
+    /// Which robots reach each other now; without a radio, none of them.
     pub fn links(&self) -> Links {
         let at = self.positions();
         match &self.radio {

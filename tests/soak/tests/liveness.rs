@@ -1,4 +1,4 @@
-//! H35, H36: whatever sleeps and protects something, nobody idles while a behaviour is critical, and
+//! H35, H36: whatever sleeps and protects something, the robot does not idle while a behaviour is critical, and
 //! the most critical one has its turn within the bound that the compiler reports.
 
 use behaviour::{Behaviours, Decision, Observations, Phase, REST_US, Report, World};
@@ -208,7 +208,7 @@ fn drive(seed: u64, seen: &mut Seen) -> Result<(), String> {
         let is_idle = !has_ended && !(0..count).any(is_engaged) && (0..count).any(wants);
         idle = if is_idle { idle + 1 } else { 0 };
         if idle > 1 {
-            return Err(format!("seed {seed}, tick {tick}: nobody has the robot\n{text}"));
+            return Err(format!("seed {seed}, tick {tick}: no behaviour has the robot\n{text}"));
         }
         for index in 0..count {
             let own = report.criticalities[index];

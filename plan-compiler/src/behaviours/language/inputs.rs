@@ -200,7 +200,7 @@ const FACT: &[&str] = &[
     "signals",
     "missing",
 ];
-/// The keys of which a fact has one.
+/// A fact has exactly one of these keys.
 const KINDS: [&str; 6] = ["input", "near", "inside", "no_progress", "linked", "mate"];
 const FACT_HELP: &str = "write false or true for a symbol's initial value, { inside = [W, S, E, N] }, \
     { near = [X, Y], within = M }, { input = \"fuel\", at_least = 0.9 }, \

@@ -16,7 +16,7 @@ The robot gets what a user measures: radius, top speed and cell size. The suite 
 of the BARN challenge where they lie in ../shared/data/barn or --barn names their folder, and seeded
 fields of the same kind elsewhere. Success is arrival without contact; score is the challenge's, at
 most 0.5. A disc strikes a robot that stands, moves away or could not have seen it in time to stop;
-that is no contact of the robot. The numbers are the same on every machine.
+that is not a contact. The numbers are the same on every machine.
 
 Exit status: 0 done, 1 a run touched something, 2 the command line is wrong, 3 a file is missing or
 wrong.";

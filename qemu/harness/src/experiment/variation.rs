@@ -67,7 +67,7 @@ impl Default for Variation {
 }
 
 impl Variation {
-    /// Settings of which each breaks a finding: it shows on what the finding depends.
+    /// Settings that break one finding each, and so show on what it depends.
     pub fn variants() -> Vec<(&'static str, Self)> {
         let usual = Self::default();
         vec![
