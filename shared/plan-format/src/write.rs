@@ -349,7 +349,7 @@ mod tests {
         let comms = plan.layer(1).unwrap();
         assert_eq!(comms.name(), "comms");
         assert_eq!(comms.look_up(Cell::new(3, 0)), Answer::OffMap);
-        assert!(size_of::<Blob<'_>>() <= 640, "{}", size_of::<Blob<'_>>());
+        assert!(size_of::<Blob<'_>>() <= 704, "{}", size_of::<Blob<'_>>());
     }
 
     #[test]
