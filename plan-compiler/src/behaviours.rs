@@ -20,6 +20,7 @@ pub mod lints;
 mod lower;
 mod syntax;
 
+pub(crate) use language::channel_of;
 pub use language::{TABLES, read};
 pub use lower::{PlanNames, Plans, lower};
 pub use syntax::Syntax;

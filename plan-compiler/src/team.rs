@@ -46,12 +46,14 @@ pub(crate) fn part(file: &Table, robot: Option<&str>, report: &mut Report<'_>) -
     let robots = names(file, report);
     let mut team = Team { robots, robot: 0 };
     if team.robots.is_empty() {
-        if let Some(robot) = robot {
+        // A team whose names have mistakes has been reported.
+        let is_alone = file.get("team").is_none();
+        if let Some(robot) = robot.filter(|_| is_alone) {
             let message = format!("there is no robot `{robot}`: the mission has no team");
             let help = "leave --robot out, or add [team] with robots = [\"NAME\", \"NAME\"]";
             report.error(message, &(0..0), "this mission", help);
         }
-        if parts.is_some() && file.get("team").is_none() {
+        if parts.is_some() && is_alone {
             let help = "add [team] with robots = [\"NAME\", \"NAME\"]";
             let span = key_span(file, "robots");
             report.error("[robots] has parts for a team that is not named", &span, "here", help);
@@ -233,7 +235,7 @@ tether = "left"
 
     #[test]
     fn mistakes_in_a_team_have_their_lines() {
-        let table: [(&str, Option<&str>, &[&str]); 9] = [
+        let table: [(&str, Option<&str>, &[&str]); 10] = [
             (
                 TEAM,
                 None,
@@ -261,6 +263,11 @@ tether = "left"
                 "[team]\nrobots = [\"a\", \"b\"]\ntether = \"a\"\n",
                 Some("a"),
                 &["3: there is no mate `a`"],
+            ),
+            (
+                "[team]\nrobots = [3]\n",
+                Some("a"),
+                &["2: `team.robots` must be a list of two robots or more, by their names"],
             ),
             ("[team]\nlost_after = 3\n", None, &["1: [team] does not name its robots"]),
         ];

@@ -20,13 +20,10 @@ use robot_io::{Percepts, RangeReading};
 use serde::{Deserialize, Serialize};
 
 use crate::drive::Twist;
+use crate::ranges::SECTOR_RAD;
 
 /// A reading nearer than this counts as this far away, metres: at 0 it would have no direction.
 pub(crate) const LEAST_DISTANCE_M: f32 = 0.01;
-
-/// Angle of a sector of the range finder, which reports its nearest obstacle only. The first one is
-/// centred ahead.
-pub(crate) const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
 
 /// Scans that are kept.
 const SCANS: usize = 5;

@@ -4,7 +4,8 @@ use math::{Vec2, scalar, vector};
 use robot_io::RangeReading;
 use robot_io::limits::MAX_RANGES;
 
-use crate::closing::{Compared, LEAST_DISTANCE_M, SECTOR_RAD};
+use crate::closing::{Compared, LEAST_DISTANCE_M};
+use crate::ranges::SECTOR_RAD;
 
 /// Share of the distance to a point that the body may use up by passing it. A body that is nearer
 /// to a point than it should be may pass it and leave it, and approach it a little.
@@ -239,7 +240,8 @@ impl Obstacles {
     }
 }
 
-/// What a body drives along, ahead: an arc or a straight line. Arcs of more than half a turn count as whole circles.
+/// What a body drives along, ahead: an arc or a straight line. Arcs of more than half a turn count
+/// as whole circles.
 #[derive(Clone, Copy, Debug)]
 pub struct Arc {
     length_m: f32,

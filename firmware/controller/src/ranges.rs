@@ -14,7 +14,8 @@
 //! - it has leapt: between two scans, most readings have grown by more than the robot moved, or most
 //!   have shrunk. Obstacles do not do that together, so the zero of the range finder has moved. It
 //!   is trusted again once it leaps back, or once the robot is disarmed.
-//! - it is late: after a silence in which the robot has moved, too many readings are as before. The range finder is trusted again once the robot is disarmed.
+//! - it is late: after a silence in which the robot has moved, too many readings are as before. It
+//!   is trusted again once the robot is disarmed.
 //!
 //! An empty scan that is repeated cannot be distinguished from open ground, an offset from the start
 //! not from other obstacles, and a delay that grows slowly not from obstacles that move.
@@ -77,8 +78,9 @@ const REPEATED_COUNT: u8 = 3;
 /// A leap counts if this many readings leap in one direction, if they are half of all, and if
 /// none stays as it is.
 const LEAP_COUNT: u8 = 4;
-/// Angle of a sector.
-const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
+/// Angle of a sector of the range finder, which reports its nearest obstacle only. The first one is
+/// centred ahead.
+pub(crate) const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
 
 /// A reading leaps if it changes by more than this, metres.
 const LEAP_M: f32 = 0.25;

@@ -10,6 +10,7 @@ use super::syntax::{Behaviour, Literal, Rules, Syntax};
 use super::{DEFAULT_DORMANT, DEFAULT_DWELL_S, DEFAULT_HYSTERESIS, DEFAULT_UNCONDITIONAL};
 use crate::team::Team;
 use crate::toml::{Fields, Report, Span, Spanned, Text, key_span};
+pub(crate) use inputs::channel_of;
 use maps::problem::{Problem, Source};
 use plan_format::limits;
 use plan_format::mission::{Inference, Label, SwitchPoint};

@@ -1,12 +1,11 @@
 //! `[layer_gains]`: what a metre of each layer counts when the layer is selected by gains.
 
 use super::{Mission, Named, Reader};
+use crate::behaviours;
 use crate::toml::{Fields, Report, key_span};
 use maps::names::nearest;
 use maps::problem::Problem;
-use plan_format::limits::MAX_CHANNELS;
 use plan_format::parameters::{LayerGain, LayerGains, Selection};
-use robot_io::percepts::channel;
 use toml_edit::{Item, TableLike};
 
 /// The gain of one layer.
@@ -59,28 +58,13 @@ fn gain(
         let message = format!("`{}` has no gain", fields.path);
         report.error(message, &fields.span, "used while the channel has no value", "add gain = 1");
     }
-    let known = channel.as_ref().map(|channel| (channel, channel_number(channel.as_str())));
+    let known = channel.as_ref().map(|channel| (channel, behaviours::channel_of(channel.as_str())));
     if let Some((channel, None)) = known {
         let message = format!("`{}` is not an input channel", channel.as_str());
         let help = "write battery, fuel, link or custom N";
         report.error(message, &channel.span, "this channel", help);
     }
     Some(LayerGain { gain: gain?.value as f32, channel: known.and_then(|(_, number)| number) })
-}
-
-/// The number of a channel by its name in a mission file.
-fn channel_number(name: &str) -> Option<u8> {
-    match name.split_once(' ').unwrap_or((name, "")) {
-        ("battery", "") => Some(channel::BATTERY),
-        ("fuel", "") => Some(channel::FUEL),
-        ("link", "") => Some(channel::LINK),
-        ("custom", number) => {
-            let number = number.trim().parse::<u8>().ok().filter(|number| *number >= 1)?;
-            let channel = number.checked_add(channel::CUSTOM - 1)?;
-            (usize::from(channel) < MAX_CHANNELS).then_some(channel)
-        }
-        _ => None,
-    }
 }
 
 /// The mission's way to select layers, with its gains by the positions of the layers in the stack.

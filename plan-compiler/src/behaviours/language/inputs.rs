@@ -132,19 +132,31 @@ fn missing(
     (hold_ms, then.map_or(low, |then| then.value as f32))
 }
 
+/// The number of an input channel by its name in a mission file: `battery`, `fuel`, `link` or
+/// `custom N`.
+pub(crate) fn channel_of(text: &str) -> Option<u8> {
+    let (word, rest) = text.split_once(' ').unwrap_or((text, ""));
+    match (word, rest.trim()) {
+        ("battery", "") => Some(channel::BATTERY),
+        ("fuel", "") => Some(channel::FUEL),
+        ("link", "") => Some(channel::LINK),
+        ("custom", number) => {
+            let number = number.parse::<u8>().ok();
+            let number = number.filter(|number| (1..=CUSTOM_COUNT).contains(number));
+            number.map(|number| channel::CUSTOM + number - 1)
+        }
+        _ => None,
+    }
+}
+
 fn source(report: &mut Report<'_>, team: &Team, text: &Text) -> Option<InputSource> {
     let (word, rest) = text.as_str().split_once(' ').unwrap_or((text.as_str(), ""));
     let rest = rest.trim();
     let named = |name: &str| Spanned { value: name.to_owned(), span: text.span.clone() };
     let found = match (word, rest) {
-        ("battery", "") => Some(InputSource::Channel(channel::BATTERY)),
-        ("fuel", "") => Some(InputSource::Channel(channel::FUEL)),
-        ("link", "") => Some(InputSource::Channel(channel::LINK)),
-        ("custom", number) => number
-            .parse::<u8>()
-            .ok()
-            .filter(|&number| (1..=CUSTOM_COUNT).contains(&number))
-            .map(|number| InputSource::Channel(channel::CUSTOM + number - 1)),
+        ("battery" | "fuel" | "link" | "custom", _) => {
+            channel_of(text.as_str()).map(InputSource::Channel)
+        }
         ("distance", place) => pair(place).map(InputSource::DistanceTo),
         ("time", "") => Some(InputSource::Time),
         ("mates-linked", "") => Some(InputSource::MatesLinked),

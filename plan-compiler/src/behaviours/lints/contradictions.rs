@@ -33,10 +33,7 @@ impl Lints<'_> {
             .flat_map(|d| [d.initial, d.transient, d.goal])
             .chain(draft.actions.iter().map(|action| action.until))
             .chain(draft.intervals.iter().map(|interval| interval.condition));
-        let read = conditions.fold(Condition::default(), |all, c| Condition {
-            must: all.must | c.must,
-            must_not: all.must_not | c.must_not,
-        });
+        let read = conditions.fold(Condition::default(), Condition::and);
         for (index, (fact, named)) in draft.facts.iter().zip(&syntax.facts).enumerate() {
             let FactKind::Symbol { is_set } = fact.kind else { continue };
             let bit = 1 << index;

@@ -3,6 +3,7 @@
 use super::Lints;
 use super::recursion::leads;
 use plan_format::limits::MAX_DEPTH;
+use plan_format::mission::effects::below;
 use plan_format::mission::{Condition, Interval, MissionDraft, Symbol};
 use std::collections::HashSet;
 
@@ -109,10 +110,9 @@ pub(super) fn effects(draft: &MissionDraft, behaviour: usize) -> (u64, u64) {
 
 /// What a behaviour protects while it sleeps at any of its points.
 pub(super) fn held_at_points(draft: &MissionDraft, behaviour: usize) -> Condition {
-    points(draft, behaviour).iter().fold(Condition::default(), |all, held| Condition {
-        must: all.must | held.must,
-        must_not: all.must_not | held.must_not,
-    })
+    let conditions = points(draft, behaviour).into_iter();
+    let conditions = conditions.map(|Held { must, must_not, .. }| Condition { must, must_not });
+    conditions.fold(Condition::default(), Condition::and)
 }
 
 /// What the intervals of a plan protect anywhere, below a root frame.
@@ -127,15 +127,13 @@ pub(super) fn protected_anywhere(draft: &MissionDraft, root: usize) -> Condition
         for record in draft.productions.iter().skip(first).take(draft.frames[frame].count.into()) {
             let intervals = draft.intervals.iter().skip(record.first_interval.into());
             for interval in intervals.take(record.intervals.into()) {
-                all.must |= interval.condition.must;
-                all.must_not |= interval.condition.must_not;
+                all = all.and(interval.condition);
             }
-            let edges = draft.edges.iter().skip(record.first_edge.into()).take(record.edges.into());
-            waiting.extend(edges.filter_map(|edge| match edge.symbol {
-                Symbol::PlanFrame(inner) => Some(usize::from(inner)),
-                Symbol::Action(_) => None,
-            }));
         }
+        waiting.extend(below(draft, frame).into_iter().filter_map(|symbol| match symbol {
+            Symbol::PlanFrame(inner) => Some(usize::from(inner)),
+            Symbol::Action(_) => None,
+        }));
     }
     all
 }
@@ -205,8 +203,6 @@ fn protected(
         let begins_later = leads(draft, record, to, interval.from) && !begins_here;
         !begins_later && !leads(draft, record, interval.to, from)
     };
-    all.iter().filter(may_hold).fold(outer, |held, interval| Condition {
-        must: held.must | interval.condition.must,
-        must_not: held.must_not | interval.condition.must_not,
-    })
+    let held = all.iter().filter(may_hold).map(|interval| interval.condition);
+    held.fold(outer, Condition::and)
 }
