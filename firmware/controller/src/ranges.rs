@@ -10,7 +10,7 @@
 //!   readings were sound; an empty scan proves nothing.
 //! - it is frozen: the same distances to the last bit, although the robot has moved. A robot that
 //!   stands sees the same thing, and so does one that drives along a smooth wall without noise. If
-//!   all scans before differed, a short way shows it.
+//!   all scans before differed, a short way shows it. A new order to arm begins a new way.
 //! - it has leapt: between two scans, most readings have grown by more than the robot moved, or most
 //!   have shrunk. Obstacles do not do that together, so the zero of the range finder has moved. It
 //!   is trusted again once it leaps back, or once the robot is disarmed.
@@ -72,6 +72,9 @@ const FROZEN_RAD: f32 = 0.5;
 const NOISY_COUNT: u8 = 20;
 /// The share of both limits that is enough for a range finder with noise.
 const NOISY_SHARE: f32 = 0.1;
+/// A robot that moves and turns less than this stands, metres and radians.
+const STANDS_M: f32 = 0.01;
+const STANDS_RAD: f32 = 0.01;
 /// Repetitions in a row that a range finder with noise does not show by chance.
 const REPEATED_COUNT: u8 = 3;
 
@@ -220,6 +223,7 @@ impl RangeTrack {
         if !percepts.operator.is_armed {
             // A new order to arm is a new attempt.
             (self.leapt_m, self.is_late, self.doubt, self.is_doubted) = (0.0, false, 0, false);
+            (self.unchanged_m, self.unchanged_rad) = (0.0, 0.0);
         }
         // A time stamp from the future would never become stale.
         let scan_us = percepts.scan_us.map(|scan_us| scan_us.min(percepts.time_us));
@@ -294,8 +298,10 @@ impl RangeTrack {
             self.doubt = self.doubt.saturating_sub(1);
         }
         self.is_doubted = self.doubt >= MOST_DOUBT || self.is_doubted && self.doubt > 0;
-        // A noisy range finder does not repeat itself: such a scan is as old as the first of them.
-        let is_repeated = self.repeated > 0 && self.varied >= NOISY_COUNT;
+        // A noisy range finder does not repeat itself on the way: such a scan is as old as the first
+        // of them. What stands still may see the same thing, and would not get going again.
+        let has_moved = self.unchanged_m > STANDS_M || self.unchanged_rad.abs() > STANDS_RAD;
+        let is_repeated = self.repeated > 0 && self.varied >= NOISY_COUNT && has_moved;
         let is_sound = !is_garbled && !is_repeated && !self.is_faulty();
         if !is_sound && !self.is_kept {
             (self.kept, self.is_kept) = (self.heard, true);
@@ -417,6 +423,34 @@ mod tests {
         };
         assert_eq!(judge(1_000_000, before, 0.0, 0.0), RangeTrust::Fresh { age_us: 0 });
         judge(2_000_000, after, moved_m, turned_rad)
+    }
+
+    /// What a range finder without noise sees of a robot that stops does not change, and neither does
+    /// one in steps of a centimetre. The robot can drive on at any time.
+    #[test]
+    fn a_robot_that_stands_still_trusts_the_same_scan_again_and_again() {
+        let policy = Parameters::default().ranges;
+        let mut track = RangeTrack::default();
+        let mut time_us = 0;
+        let mut judge = |distance_m: f32, moved_m, is_armed| {
+            time_us += 50_000;
+            let ranges = [(0.0, distance_m), (1.0, distance_m + 0.5)];
+            let reading = |(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
+            let percepts = Percepts {
+                time_us,
+                scan_us: Some(time_us),
+                ranges: ranges.into_iter().map(reading).collect(),
+                operator: Operator { is_armed, ..Operator::default() },
+                ..Percepts::default()
+            };
+            track.judge(&percepts, &policy, moved_m, 0.0)
+        };
+        let fresh = RangeTrust::Fresh { age_us: 0 };
+        assert!((0..40).all(|tick| judge(6.0 - 0.05 * tick as f32, 0.05, true) == fresh));
+        assert!((0..400).all(|_| judge(4.0, 0.0, true) == fresh));
+        let step = (1..40).find(|_| judge(4.0, 0.05, true) == RangeTrust::Faulty);
+        assert!(step.is_some_and(|step| (2..=5).contains(&step)), "{step:?}");
+        assert_eq!(judge(4.0, 0.0, false), fresh, "a new order to arm is a new attempt");
     }
 
     #[test]
