@@ -4,7 +4,7 @@ use crate::mates::{self, Mate};
 use crate::{Behaviours, Context, fact_bit};
 use math::{Vec2, vector};
 use plan_format::limits::{MAX_CHANNELS, MAX_INPUTS, MAX_RULE_BASES};
-use plan_format::mission::{FactKind, Facts, Input, Mission, Source};
+use plan_format::mission::{Condition, FactKind, Facts, Input, Mission, Source};
 
 /// What the map and the parallel plans give for the robot's position.
 pub trait World {
@@ -50,6 +50,8 @@ pub(crate) struct Senses {
     symbolic: Facts,
     /// Facts about progress.
     about_progress: Facts,
+    /// Whether rules use facts.
+    uses_facts: bool,
     /// For each progress fact, by its number among them: the position and the time of the last
     /// sufficient progress.
     anchors: [Option<(Vec2, u64)>; MAX_PROGRESS_FACTS],
@@ -67,6 +69,7 @@ impl Default for Senses {
             sensed: 0,
             symbolic: 0,
             about_progress: 0,
+            uses_facts: false,
             anchors: [None; MAX_PROGRESS_FACTS],
         }
     }
@@ -101,21 +104,48 @@ impl Senses {
 impl Behaviours {
     /// Evaluates every input, including the results of rules, and every fact.
     pub(crate) fn sense(&mut self, mission: &Mission<'_>, seen: &Observations<'_>) {
-        let mut results_wanted = 0;
+        let (mut results_wanted, mut uses_facts) = (0, false);
         for (index, input) in mission.inputs().iter().enumerate() {
-            if let Source::Rules(rules) = input.source {
-                results_wanted |= rules_bit(rules);
-                continue;
+            match input.source {
+                Source::Rules(rules) => {
+                    results_wanted |= rules_bit(rules);
+                    continue;
+                }
+                Source::Fact(_) => {
+                    uses_facts = true;
+                    continue;
+                }
+                _ => {}
             }
             self.observe(index, &input, seen);
             let value = self.sensed_value(index, &input, seen.time_us);
             self.senses.set(index, &input, value);
         }
+        self.track_progress(mission, seen);
+        self.senses.uses_facts = uses_facts;
+        if uses_facts {
+            // Facts about results of rules count here as in the last tick.
+            self.sense_facts(mission, seen);
+        }
+        self.sense_inputs_of_facts(mission);
         if results_wanted != 0 {
             self.sense_results(mission, results_wanted);
         }
-        self.track_progress(mission, seen);
         self.sense_facts(mission, seen);
+    }
+
+    /// Evaluates the inputs that are facts.
+    pub(crate) fn sense_inputs_of_facts(&mut self, mission: &Mission<'_>) {
+        if !self.senses.uses_facts {
+            return;
+        }
+        let facts = self.facts();
+        for (index, input) in mission.inputs().iter().enumerate() {
+            if let Source::Fact(fact) = input.source {
+                let holds = facts & fact_bit(fact.into()) != 0;
+                self.senses.set(index, &input, if holds { 1.0 } else { 0.0 });
+            }
+        }
     }
 
     /// Evaluates the inputs that are results of these rule bases, in order: each uses earlier
@@ -208,7 +238,7 @@ impl Behaviours {
             Source::OldestNews => mates::oldest_news_s(seen.mates, seen.team),
             Source::DistanceToMate(robots) => mates::distance_m(seen.mates, robots, seen.position),
             Source::LinkToMate(robot) => Some(mates::quality(seen.mates, robot)),
-            Source::Rules(_) => None,
+            Source::Rules(_) | Source::Fact(_) => None,
         };
         let slot = self.senses.last.get_mut(index);
         if let (Some(slot), Some(value)) = (slot, value.filter(|value| value.is_finite())) {
@@ -258,4 +288,9 @@ fn rules_bit(rules: u16) -> u64 {
 /// Whether more than `time_ms` has passed since `since_us`.
 pub(crate) fn is_over(since_us: u64, time_ms: u32, now_us: u64) -> bool {
     now_us.saturating_sub(since_us) > u64::from(time_ms) * 1_000
+}
+
+/// Whether an `until` is given and holds.
+pub(crate) fn is_reached(until: Condition, facts: Facts) -> bool {
+    !until.is_empty() && until.holds(facts)
 }

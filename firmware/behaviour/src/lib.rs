@@ -86,6 +86,11 @@
 //!   stuck.
 //! - At most one signal begins in a tick, so that each is heard; a signal that waits for `until` is
 //!   silent in a tick in which another one begins.
+//! - A frame ends as soon as its `until` holds, like an action, and fails after its timeout; the
+//!   time that its behaviour sleeps does not count.
+//! - A frame takes a production that may violate what its own plan or a sleeping behaviour protects
+//!   only if no other one is applicable.
+//! - A behaviour that is interrupted leaves a place, to which `Return` drives back.
 //! - While motion is not allowed ([`Behaviours::pause`]), time does not advance for actions, dwell
 //!   and rest.
 //! - A behaviour that has failed rests for [`REST_US`] before it is considered again.
@@ -112,6 +117,7 @@ pub use run::{MAX_RUNNING, Running, RunningAction};
 
 use grammar::Forest;
 use inputs::Senses;
+use math::Vec2;
 use monitor::SituationGrid;
 use parts::bits::{bit16, members};
 use parts::{Event, Id, Owner};
@@ -162,6 +168,8 @@ pub(crate) struct Status {
     pub(crate) held: Condition,
     /// Work lost by an interruption at the vertex that it reached last.
     pub(crate) lost_work: u16,
+    /// Where it was interrupted last, map metres.
+    pub(crate) left: Option<Vec2>,
 }
 
 impl Status {
@@ -203,8 +211,11 @@ pub struct Behaviours {
     pub(crate) is_driving: bool,
     /// The signal that has begun in this tick, by its slot.
     pub(crate) signal: Option<Id>,
-    /// When each running action was started, microseconds.
+    /// When each running action was started, and each frame that is timed; of a frame whose
+    /// behaviour sleeps, how long it had lasted. Microseconds.
     pub(crate) started_us: [u64; MAX_COMPONENTS],
+    /// Slots of decomposed frames that end by a condition or by a time, one bit each.
+    pub(crate) timed: u32,
     /// The component whose doubts were reported last.
     pub(crate) last_doubt: u8,
 }
@@ -250,6 +261,7 @@ impl Behaviours {
             is_driving: false,
             signal: None,
             started_us: [0; MAX_COMPONENTS],
+            timed: 0,
             last_doubt: 0,
         }
     }

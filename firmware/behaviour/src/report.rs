@@ -4,7 +4,7 @@ use grammar::Choice;
 use heapless::Vec;
 use monitor::Signal;
 use plan_format::limits::MAX_BEHAVIOURS;
-use plan_format::mission::Facts;
+use plan_format::mission::{Facts, Symbol};
 
 /// Most decisions in one report; further ones are only counted.
 pub const MAX_DECISIONS: usize = 16;
@@ -100,10 +100,10 @@ pub enum Decision {
         /// The behaviour.
         behaviour: u8,
     },
-    /// An action has exceeded its timeout.
+    /// An action or a plan frame has exceeded its timeout.
     TimedOut {
-        /// The component.
-        component: u8,
+        /// Which one.
+        symbol: Symbol,
     },
     /// The situation grid signals a conflict.
     Conflict(Signal),

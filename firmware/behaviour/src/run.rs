@@ -1,13 +1,15 @@
 //! Advances the plans of engaged behaviours.
 
 use crate::choose::Effects;
+use crate::inputs::is_reached;
 use crate::report::{Decision, Refusal};
 use crate::{Behaviours, Context, behaviour_bit, behaviours_in};
 use grammar::Choice;
 use heapless::Vec;
+use parts::bits::bit;
 use parts::{Component, Id, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS, MAX_STEPS};
-use plan_format::mission::{Action, ActionKind, Condition, Mission, Production, Symbol};
+use plan_format::mission::{Action, ActionKind, Condition, Mission, PlanFrame, Production, Symbol};
 
 /// Most atomic actions that run at once; further ones wait.
 pub const MAX_RUNNING: usize = 8;
@@ -143,21 +145,19 @@ impl Behaviours {
     }
 
     fn decompose(&mut self, owner: Owner, id: Id, frame: u16, context: &mut Context<'_>) {
-        let senses = &self.senses;
-        let mut best = 0.0;
-        let mut applicability = |_: u16, production: &Production| {
-            let value = production.rules.map_or(1.0, |rules| senses.infer(context.mission, rules));
-            best = value.max(best);
-            value
-        };
-        let plans = &mut self.plans;
-        let (id, choice) = plans.change(context.mission, |forest, tell| {
-            forest.decompose(context.mission, id, &mut applicability, tell)
-        });
-        match choice {
-            Choice::Production(production) => {
-                context.report.note(Decision::Chose { production, applicability: best });
+        let Some(record) = context.mission.plan_frames().get(usize::from(frame)) else { return };
+        if is_reached(record.until, self.facts()) {
+            return self.complete(owner, id, context);
+        }
+        if (record.timeout_ms != 0 || !record.until.is_empty()) && self.plans.forest.is_new(id) {
+            self.timed |= bit(id);
+            if let Some(started_us) = self.started_us.get_mut(usize::from(id)) {
+                *started_us = self.now_us;
             }
+        }
+        let (id, choice) = self.choose_production(owner, id, &record, context);
+        match choice {
+            Choice::Production(_) => {}
             Choice::LoopEnded => self.complete(owner, id, context),
             Choice::NothingApplicable | Choice::NoRoom | Choice::TooDeep => {
                 context.report.note(Decision::NotDecomposed { frame, why: choice });
@@ -165,6 +165,60 @@ impl Behaviours {
             }
             Choice::NotScheduled => {}
         }
+    }
+
+    /// Lets a frame choose a production: preferably one without a part that may violate what its
+    /// own plan or a sleeping behaviour protects now.
+    fn choose_production(
+        &mut self,
+        owner: Owner,
+        id: Id,
+        frame: &PlanFrame,
+        context: &mut Context<'_>,
+    ) -> (Id, Choice) {
+        let held = if frame.count > 1 {
+            self.foreign().and(self.held_by(owner))
+        } else {
+            // There is nothing to prefer.
+            Condition::default()
+        };
+        let (id, choice, is_last) = self.choose_sparing(id, held, context);
+        if is_last {
+            return (id, choice);
+        }
+        // Only doubtful productions are left.
+        let (id, choice, _) = self.choose_sparing(id, Condition::default(), context);
+        (id, choice)
+    }
+
+    /// Lets a frame choose among the productions that spare what is held. Also returns whether the
+    /// choice is final: it would be the same among all productions, or one was taken.
+    fn choose_sparing(
+        &mut self,
+        id: Id,
+        held: Condition,
+        context: &mut Context<'_>,
+    ) -> (Id, Choice, bool) {
+        let (senses, mission) = (&self.senses, context.mission);
+        let (mut best, mut is_final) = (0.0, true);
+        let mut applicability = |_: u16, production: &Production| {
+            if !held.is_empty() && monitor::endangers(mission, production, held) != 0 {
+                is_final = false;
+                return f32::NEG_INFINITY;
+            }
+            let value = production.rules.map_or(1.0, |rules| senses.infer(mission, rules));
+            best = value.max(best);
+            value
+        };
+        let plans = &mut self.plans;
+        let (id, choice) = plans.change(mission, |forest, tell| {
+            forest.decompose(mission, id, &mut applicability, tell)
+        });
+        if let Choice::Production(production) = choice {
+            context.report.note(Decision::Chose { production, applicability: best });
+            is_final = true;
+        }
+        (id, choice, is_final)
     }
 
     fn start(&mut self, owner: Owner, id: Id, context: &mut Context<'_>) {
@@ -178,13 +232,11 @@ impl Behaviours {
                 let bit = 1_u16.checked_shl(u32::from(output)).unwrap_or(0);
                 self.outputs = if is_on { self.outputs | bit } else { self.outputs & !bit };
             }
-            ActionKind::Follow { .. } | ActionKind::GoTo { .. } | ActionKind::Wander { .. } => {
-                self.senses.forget_progress();
-            }
             ActionKind::Signal { .. } => self.signal = Some(id),
-            ActionKind::Hold { .. } => {}
+            kind if is_driving(kind) => self.senses.forget_progress(),
+            _ => {}
         }
-        if !is_reported(action.kind) && self.is_done(&action, self.now_us, context.seen) {
+        if !is_reported(action.kind) && self.is_done(owner, &action, self.now_us, context.seen) {
             self.complete(owner, id, context);
         }
     }
@@ -231,10 +283,18 @@ impl Behaviours {
                 behaviour,
                 component,
                 action: index,
-                kind: action.kind,
+                kind: self.resolved(owner, action.kind),
                 max_speed_mps,
                 min_distance_m,
             });
+        }
+    }
+
+    /// What an action does now: a return is a drive to the place that the behaviour has left.
+    fn resolved(&self, owner: Owner, kind: ActionKind) -> ActionKind {
+        match (kind, self.left_by(owner)) {
+            (ActionKind::Return, Some(place)) => ActionKind::GoTo { x_m: place.x, y_m: place.y },
+            _ => kind,
         }
     }
 
@@ -257,7 +317,13 @@ impl Behaviours {
 
 /// Whether an action drives the robot.
 fn is_driving(kind: ActionKind) -> bool {
-    matches!(kind, ActionKind::Follow { .. } | ActionKind::GoTo { .. } | ActionKind::Wander { .. })
+    matches!(
+        kind,
+        ActionKind::Follow { .. }
+            | ActionKind::GoTo { .. }
+            | ActionKind::Wander { .. }
+            | ActionKind::Return
+    )
 }
 
 /// Whether the tick must receive an action at least once, even if it ends at once.

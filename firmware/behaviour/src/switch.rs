@@ -4,6 +4,7 @@ use crate::choose::{Claim, Effects};
 use crate::report::Decision;
 use crate::{ACTIVITY, Behaviours, Context, Phase, Status, behaviour_bit, behaviours_in};
 use monitor::{Signal, Violation};
+use parts::bits::members;
 use parts::{Component, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
 use plan_format::mission::{Behaviour, Condition, Mission, Symbol};
@@ -156,6 +157,12 @@ impl Behaviours {
             forest.uproot(owner + ACTIVITY, tell);
             forest.suspend(owner, tell);
         });
+        if status.phase == Phase::Active {
+            self.turn_clocks(owner);
+            if let Some(status) = self.statuses.get_mut(index) {
+                status.left = context.seen.position;
+            }
+        }
         let shut_down = behaviour
             .and_then(|behaviour| behaviour.shut_down)
             .filter(|_| !by.is_urgent && status.phase == Phase::Active);
@@ -184,6 +191,16 @@ impl Behaviours {
             lost_work,
         });
         waits
+    }
+
+    /// Turns the start times of an owner's timed frames into how long they have lasted, or back.
+    fn turn_clocks(&mut self, owner: Owner) {
+        for id in members(self.timed) {
+            let is_own = self.plans.forest.get(id).is_some_and(|frame| frame.owner == owner);
+            if let Some(started_us) = self.started_us.get_mut(usize::from(id)).filter(|_| is_own) {
+                *started_us = self.now_us.saturating_sub(*started_us);
+            }
+        }
     }
 
     /// The lost work of the actions that run now and of the frames above them.
@@ -244,6 +261,7 @@ impl Behaviours {
         let (owner, behaviour) = (index as Owner, index as u8);
         if self.plans.forest.root(owner).is_some() {
             self.plans.change(context.mission, |forest, tell| forest.resume(owner, tell));
+            self.turn_clocks(owner);
             self.set_phase(index, Phase::Active);
             context.report.note(Decision::Resumed { behaviour });
             self.restart_deviating(owner, context);

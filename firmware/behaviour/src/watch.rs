@@ -1,16 +1,17 @@
 //! Reacts to conflicts, and ends actions.
 
 use crate::choose::Effects;
-use crate::inputs::{Observations, is_over};
+use crate::inputs::{Observations, is_over, is_reached};
 use crate::report::Decision;
 use crate::{ACTIVITY, Behaviours, Context, Phase, behaviour_bit, behaviours_in};
 use grammar::Ended;
 use heapless::Vec;
 use math::Vec2;
 use monitor::{Signal, Violation};
-use parts::{Component, Id, Owner};
+use parts::bits::{bit, members};
+use parts::{Component, Id, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
-use plan_format::mission::{Action, ActionKind, Mission};
+use plan_format::mission::{Action, ActionKind, Mission, Symbol};
 
 impl Behaviours {
     /// Handles the conflicts and the finished actions of engaged behaviours, before the tick
@@ -20,6 +21,7 @@ impl Behaviours {
         for index in behaviours_in(self.engaged) {
             let Some(owner) = self.running_owner(index) else { continue };
             self.handle_conflicts(owner, context);
+            self.end_frames(owner, context);
             self.end_actions(owner, context);
         }
         self.report_foreign_conflicts(context);
@@ -89,25 +91,58 @@ impl Behaviours {
         }
     }
 
-    /// Completes the actions that are done, and fails those that exceed their timeout.
-    fn end_actions(&mut self, owner: Owner, context: &mut Context<'_>) {
-        for id in self.plans.forest.running() {
-            let Some((_, action)) = self.running_action(context.mission, owner, id) else {
+    /// Completes the frames whose `until` holds, and fails those that exceed their timeout.
+    fn end_frames(&mut self, owner: Owner, context: &mut Context<'_>) {
+        for id in members(self.timed) {
+            let component = self.plans.forest.get(id).copied();
+            let Some(Component { symbol: Symbol::PlanFrame(index), owner: own, life, .. }) =
+                component
+            else {
+                self.timed &= !bit(id);
+                continue;
+            };
+            let frame = context.mission.plan_frames().get(usize::from(index));
+            let Some(frame) = frame.filter(|_| own == owner && life == Life::Started) else {
                 continue;
             };
             let started_us = self.started_us.get(usize::from(id)).copied().unwrap_or(0);
-            if self.is_done(&action, started_us, context.seen) {
+            if is_reached(frame.until, self.facts()) {
                 if !self.is_deferred(owner, id, context) {
                     self.complete(owner, id, context);
                 }
-            } else if is_over(started_us, action.timeout_ms, self.now_us) {
-                context.report.note(Decision::TimedOut { component: id });
+            } else if frame.timeout_ms != 0 && is_over(started_us, frame.timeout_ms, self.now_us) {
+                context.report.note(Decision::TimedOut { symbol: Symbol::PlanFrame(index) });
                 self.fail(owner, id, context);
             }
         }
     }
 
-    /// Whether an action that is done may not end yet, because its end would violate what another
+    /// Completes the actions that are done, and fails those that exceed their timeout.
+    fn end_actions(&mut self, owner: Owner, context: &mut Context<'_>) {
+        for id in self.plans.forest.running() {
+            let Some((index, action)) = self.running_action(context.mission, owner, id) else {
+                continue;
+            };
+            let started_us = self.started_us.get(usize::from(id)).copied().unwrap_or(0);
+            if self.is_done(owner, &action, started_us, context.seen) {
+                if !self.is_deferred(owner, id, context) {
+                    self.complete(owner, id, context);
+                }
+            } else if is_over(started_us, action.timeout_ms, self.now_us) {
+                context.report.note(Decision::TimedOut { symbol: Symbol::Action(index) });
+                self.fail(owner, id, context);
+            }
+        }
+    }
+
+    /// Where the behaviour to which an owner belongs was interrupted, if it has a plan to go on
+    /// with.
+    pub(crate) fn left_by(&self, owner: Owner) -> Option<Vec2> {
+        let index = owner % ACTIVITY;
+        self.plans.forest.root(index).and(self.status(usize::from(index)).left)
+    }
+
+    /// Whether an action or a frame that is done may not end yet, because its end would violate what another
     /// engaged behaviour protects, which does not wait for anybody itself. Reported.
     fn is_deferred(&mut self, owner: Owner, id: Id, context: &mut Context<'_>) -> bool {
         let index = usize::from(owner);
@@ -135,11 +170,12 @@ impl Behaviours {
     /// Whether an action that started at `started_us` has achieved its purpose.
     pub(crate) fn is_done(
         &self,
+        owner: Owner,
         action: &Action,
         started_us: u64,
         seen: &Observations<'_>,
     ) -> bool {
-        if !action.until.is_empty() && action.until.holds(self.facts()) {
+        if is_reached(action.until, self.facts()) {
             return true;
         }
         let has_lasted =
@@ -147,6 +183,7 @@ impl Behaviours {
         match action.kind {
             ActionKind::Follow { plan, .. } => seen.world.is_at_goal(plan),
             ActionKind::GoTo { x_m, y_m } => seen.world.is_at(Vec2::new(x_m, y_m)),
+            ActionKind::Return => self.left_by(owner).is_none_or(|place| seen.world.is_at(place)),
             ActionKind::Hold { for_ms } | ActionKind::Wander { for_ms } => has_lasted(for_ms),
             // Done at once, unless they wait for `until`.
             ActionKind::Signal { .. } | ActionKind::SetOutput { .. } => action.until.is_empty(),
@@ -168,6 +205,10 @@ impl Behaviours {
                     context.report.note(Decision::Conflict(signal));
                 }
                 return self.fail(owner, id, context);
+            }
+            if self.symbols != before {
+                // The next choice already depends on them.
+                self.sense_inputs_of_facts(context.mission);
             }
             self.reach(context.mission, owner, &component);
             match self
@@ -214,7 +255,14 @@ impl Behaviours {
     /// Handles the end of a whole plan: a behaviour's own, or an activity's.
     fn end_plan(&mut self, owner: Owner, context: &mut Context<'_>) {
         let Some(index) = owner.checked_sub(ACTIVITY).map(usize::from) else {
-            self.set_phase(usize::from(owner), Phase::Idle);
+            let index = usize::from(owner);
+            self.set_phase(index, Phase::Idle);
+            let behaviour = context.mission.behaviours().get(index);
+            if let Some(status) = self.statuses.get_mut(index)
+                && behaviour.is_some_and(|behaviour| behaviour.once)
+            {
+                status.rests_until_us = u64::MAX;
+            }
             context.report.note(Decision::Finished { behaviour: owner });
             return;
         };

@@ -111,7 +111,8 @@ impl Intent {
                 ActionKind::Hold { .. } if intent.drives() => intent.errand,
                 ActionKind::Hold { .. } => Errand::None(Reason::Holding),
                 ActionKind::Signal { code } => return Self { signal: code, ..intent },
-                ActionKind::SetOutput { .. } => intent.errand,
+                // A return without a place to return to is over at once.
+                ActionKind::SetOutput { .. } | ActionKind::Return => intent.errand,
             };
             Self {
                 errand,

@@ -129,6 +129,11 @@ impl Forest {
         self.len() == 0
     }
 
+    /// Whether a frame has not been decomposed since it was planned or began anew.
+    pub fn is_new(&self, id: Id) -> bool {
+        self.slot(id).is_some_and(|slot| slot.tried == 0 && !slot.has_restarted)
+    }
+
     /// The root of an owner's plan.
     pub fn root(&self, owner: Owner) -> Option<Id> {
         let mut all = self.iter();
@@ -349,12 +354,20 @@ impl Forest {
             if above_symbol == symbol {
                 return Some(above);
             }
-            if !mission.description(above_symbol).is_some_and(is_silent) {
+            if !self.is_silent(mission, above_symbol) {
                 return None;
             }
             below = above;
         }
         None
+    }
+
+    /// Whether a frame has nothing to check while it runs or when it ends, and no effects.
+    fn is_silent(&self, mission: &Mission<'_>, symbol: Symbol) -> bool {
+        let Symbol::PlanFrame(index) = symbol else { return false };
+        let frame = mission.plan_frames().get(usize::from(index));
+        frame.is_some_and(|frame| frame.until.is_empty() && frame.timeout_ms == 0)
+            && mission.description(symbol).is_some_and(is_silent)
     }
 
     /// Whether a protection interval of the frame's production spans one of its edges.
@@ -482,7 +495,8 @@ fn choose(
     best.map(|(_, number, production)| (number, production))
 }
 
-/// Whether a frame has nothing to check while it runs or when it ends, and no effects.
+/// Whether a description has nothing to check while its component runs or when it ends, and no
+/// effects.
 fn is_silent(description: Description) -> bool {
     description.transient.is_empty()
         && description.goal.is_empty()

@@ -321,6 +321,103 @@ fn h28_a_plan_sleeps_and_wakes_as_it_was() {
     assert_eq!(run.go(10, |_| true, |_| 1.0), "a b done");
 }
 
+/// An interval that ends before the last edge does not prevent a restart.
+#[test]
+fn an_interval_before_the_last_edge_lets_the_loop_come_round() {
+    let grammar = Grammar::with("A = a b A", |draft| {
+        draft.intervals.push(Interval {
+            from: 0,
+            to: 2,
+            condition: Condition::default(),
+            is_derived: false,
+        });
+        draft.productions[0].intervals = 1;
+    });
+    let mut run = Run::new(&grammar);
+    run.go(12, |_| true, |_| 1.0);
+    assert!(run.forest.iter().all(|(_, component)| component.depth < 2));
+}
+
+/// The plans of several owners share the pool and nothing else.
+#[test]
+fn owners_do_not_touch_each_other() {
+    let grammar = Grammar::new("A = a b");
+    let mission = grammar.mission();
+    let (mut forest, mut tell) = (Forest::default(), |_| {});
+    assert!(forest.is_empty());
+    let roots = [7, 2].map(|owner| forest.plant(owner, 0, &mut tell).expect("there is room"));
+    assert!(!forest.is_empty());
+    assert_eq!([7, 2, 0].map(|owner| forest.root(owner)), [Some(roots[0]), Some(roots[1]), None]);
+    for root in roots {
+        forest.decompose(&mission, root, &mut |_, _| 1.0, &mut tell);
+    }
+    let [first, second] = [7, 2].map(|owner| forest.scheduled(owner).expect("a is due"));
+    forest.start(first, &mut tell);
+    forest.start(second, &mut tell);
+    assert!(forest.running().eq([first, second]));
+    forest.suspend(2, &mut tell);
+    assert!(forest.running().eq([first]));
+    assert_eq!(forest.get(second).map(|component| component.life), Some(Life::Suspended));
+    forest.uproot(7, &mut tell);
+    assert_eq!((forest.root(7), forest.root(2), forest.len()), (None, Some(roots[1]), 3));
+    forest.uproot(2, &mut tell);
+    assert!(forest.is_empty());
+}
+
+/// A frame is started by its decomposition only.
+#[test]
+fn a_frame_cannot_be_started() {
+    let grammar = Grammar::new("A = a");
+    let mut run = Run::new(&grammar);
+    run.forest.start(0, &mut |_| {});
+    assert_eq!(run.forest.get(0).map(|component| component.life), Some(Life::Scheduled));
+    assert_eq!(run.go(10, |_| true, |_| 1.0), "a done");
+}
+
+/// A frame that begins anew may try every production again; one that falls back may not.
+#[test]
+fn beginning_anew_forgets_what_was_tried() {
+    let grammar = Grammar::new("A = a / b");
+    for (anew, expected) in [(true, "a a! b done"), (false, "a b done")] {
+        let mut run = Run::new(&grammar);
+        assert!(run.forest.is_new(0));
+        run.go(1, |_| true, |_| 1.0);
+        assert!(!run.forest.is_new(0));
+        let action = run.forest.scheduled(0).expect("a is due");
+        run.forest.start(action, &mut |_| {});
+        run.log.push('a');
+        if anew {
+            run.forest.begin_anew(0, &mut |_| {});
+        } else {
+            run.forest.fall_back(0, &mut |_| {});
+        }
+        assert_eq!(run.forest.is_new(0), anew);
+        assert_eq!(run.go(10, |name| name != "a", |_| 1.0), expected);
+    }
+}
+
+/// A production that fills the last slot of the pool is accepted; one more component is not.
+#[test]
+fn the_pool_can_be_filled_to_the_last_slot() {
+    let parallel = |name: char, count: usize| vec![String::from(name); count].join("|");
+    for (beside, below, expected) in
+        [(14, 16, (Choice::Production(1), 32)), (15, 16, (Choice::NoRoom, 17))]
+    {
+        let text = format!("A = B|{}\nB = {}", parallel('a', beside), parallel('a', below));
+        let grammar = Grammar::new(&text);
+        let mut run = Run::new(&grammar);
+        run.go(1, |_| true, |_| 1.0);
+        let inner = run.forest.iter().find(|(_, c)| c.symbol == grammar.names["B"]);
+        let (inner, _) = inner.expect("B is due");
+        let (_, choice) = run.forest.decompose(&run.mission, inner, &mut |_, _| 1.0, &mut |_| {});
+        assert_eq!((choice, run.forest.len()), expected);
+    }
+    assert_eq!(MAX_COMPONENTS, 32);
+    let mut forest = Forest::default();
+    let planted = (0..40).filter_map(|owner| forest.plant(owner, 0, &mut |_| {}));
+    assert!(planted.eq(0..32), "a full pool takes no root");
+}
+
 /// H16: the life cycle allows exactly the transitions of this table.
 #[test]
 fn h16_the_life_cycle_is_the_table() {

@@ -3,7 +3,7 @@
 use crate::relation::{Node, Relation};
 use crate::situation_grid::SituationGrid;
 use parts::{Component, Id, Life, Owner};
-use plan_format::mission::{Condition, Description, Facts, Mission, Symbol};
+use plan_format::mission::{Condition, Description, Facts, Mission, Production, Symbol};
 
 /// A conflict between the plan and the world, or within the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +76,14 @@ fn effects(mission: &Mission<'_>, symbol: Symbol) -> (Facts, Facts) {
             .description(symbol)
             .map_or((0, 0), |d| (d.add | d.goal.must, d.delete | d.goal.must_not)),
     }
+}
+
+/// The facts of a condition that a part of a production may violate.
+pub fn endangers(mission: &Mission<'_>, production: &Production, held: Condition) -> Facts {
+    mission.edges_of(production).fold(0, |facts, edge| {
+        let (adds, deletes) = effects(mission, edge.symbol);
+        facts | held.must & deletes | held.must_not & adds
+    })
 }
 
 impl SituationGrid {
@@ -167,12 +175,7 @@ impl SituationGrid {
         let numbers = (frame.first..).zip(0..frame.count);
         for production in numbers.map(|(production, _)| production) {
             let Some(record) = mission.productions().get(usize::from(production)) else { continue };
-            let edges = mission.edges_of(&record);
-            let (adds, deletes) = edges.fold((0, 0), |(adds, deletes), edge| {
-                let (more, less) = effects(mission, edge.symbol);
-                (adds | more, deletes | less)
-            });
-            let facts = held.must & deletes | held.must_not & adds;
+            let facts = endangers(mission, &record, held);
             if facts != 0 {
                 tell(Signal::Possible { id, why: Doubt::Choice(production), facts });
             }

@@ -69,7 +69,7 @@ mod points;
 mod relation;
 mod situation_grid;
 
-pub use conflicts::{Doubt, Signal, Violation};
+pub use conflicts::{Doubt, Signal, Violation, endangers};
 pub use parts::{Component, Id, Life, Owner};
 pub use points::Point;
 pub use relation::{Node, Relation};

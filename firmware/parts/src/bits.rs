@@ -23,6 +23,11 @@ pub const fn bit(number: u8) -> u32 {
 }
 
 /// As [`bit`], for a set of 16 bits; empty if the number is 16 or more.
+///
+/// ```
+/// assert_eq!(parts::bits::bit16(3), 0b1000);
+/// assert_eq!(parts::bits::bit16(16), 0);
+/// ```
 pub const fn bit16(number: u8) -> u16 {
     bit(number) as u16
 }

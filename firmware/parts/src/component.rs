@@ -34,6 +34,17 @@ pub struct Component {
 
 impl Component {
     /// Whether it is an atomic action that runs.
+    ///
+    /// ```
+    /// use parts::{Component, Life};
+    /// use plan_format::mission::Symbol;
+    /// let component = |symbol, life| Component {
+    ///     symbol, owner: 0, parent: None, edge: 0, from: 0, to: 1, life, depth: 1, production: None,
+    /// };
+    /// assert!(component(Symbol::Action(0), Life::Started).is_running());
+    /// assert!(!component(Symbol::Action(0), Life::Scheduled).is_running());
+    /// assert!(!component(Symbol::PlanFrame(0), Life::Started).is_running());
+    /// ```
     pub fn is_running(&self) -> bool {
         self.life == Life::Started && matches!(self.symbol, Symbol::Action(_))
     }

@@ -99,6 +99,7 @@ impl<'d> Drawn<'d> {
             ActionKind::SetOutput { output, is_on } => {
                 format!("set-output {output} {}", if is_on { "on" } else { "off" })
             }
+            ActionKind::Return => "return".to_owned(),
         }
     }
 
@@ -111,6 +112,16 @@ impl<'d> Drawn<'d> {
             lines.push(self.doing(&action));
             if !action.until.is_empty() {
                 lines.push(format!("until {}", self.condition(action.until)));
+            }
+        }
+        if let Symbol::PlanFrame(index) = symbol
+            && let Some(frame) = self.mission.plan_frames().get(usize::from(index))
+        {
+            if !frame.until.is_empty() {
+                lines.push(format!("until {}", self.condition(frame.until)));
+            }
+            if frame.timeout_ms != 0 {
+                lines.push(format!("timeout {} s", f64::from(frame.timeout_ms) / 1e3));
             }
         }
         if let Some(description) = self.mission.description(symbol) {
@@ -145,6 +156,9 @@ impl<'d> Drawn<'d> {
         ));
         let (dwell_s, hysteresis) = (f64::from(behaviour.dwell_ms) / 1e3, behaviour.hysteresis);
         lines.push(format!("hysteresis {hysteresis}, dwell {dwell_s} s"));
+        if behaviour.once {
+            lines.push("once".to_owned());
+        }
         lines
     }
 

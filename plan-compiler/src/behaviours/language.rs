@@ -6,7 +6,7 @@ mod mates;
 mod templates;
 
 use super::graph_text::tidy;
-use super::syntax::{Behaviour, Literal, Rules, Syntax};
+use super::syntax::{Behaviour, Literal, Row, Rules, Syntax};
 use super::{DEFAULT_DORMANT, DEFAULT_DWELL_S, DEFAULT_HYSTERESIS, DEFAULT_UNCONDITIONAL};
 use crate::team::Team;
 use crate::toml::{Fields, Report, Span, Spanned, Text, key_span};
@@ -131,6 +131,7 @@ const BEHAVIOUR: &[&str] = &[
     "hysteresis",
     "dwell_s",
     "switch",
+    "once",
     "start_up",
     "shut_down",
     "resources",
@@ -166,6 +167,7 @@ fn behaviour(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Behavio
     let dwell_ms =
         milliseconds(report, &fields, "dwell_s").unwrap_or((DEFAULT_DWELL_S * 1e3) as u32);
     let switch_point = fields.word(report, "switch", &switch).unwrap_or(SwitchPoint::Earliest);
+    let once = fields.flag(report, "once").unwrap_or(false);
     let resources = fields.texts(report, "resources", "arm");
     let rules = rules(report, &fields, "criticality");
     if fields.lacks("criticality") {
@@ -186,6 +188,7 @@ fn behaviour(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Behavio
         hysteresis,
         dwell_ms,
         switch_point,
+        once,
         resources,
     })
 }
@@ -208,10 +211,11 @@ fn rules(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Option<Rule
         report.error(message, &span, "an empty table decides nothing", help);
         return None;
     }
-    let rows: Vec<Option<(Text, [Label; 7])>> = table
+    let rows: Vec<Option<(Text, Row)>> = table
         .iter()
         .map(|(input, item)| {
-            let name = Spanned { value: input.trim().to_owned(), span: key_span(table, input) };
+            let name =
+                Spanned { value: tidy(input.trim()).into_owned(), span: key_span(table, input) };
             Some((name, row(report, input, item, key_span(table, input))?))
         })
         .collect();
@@ -220,11 +224,13 @@ fn rules(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Option<Rule
 
 const LABELS: [&str; 7] = ["NB", "NM", "NS", "ZO", "PS", "PM", "PB"];
 
-/// Seven labels: the result for each label of the input.
-fn row(report: &mut Report<'_>, input: &str, item: &Item, key: Span) -> Option<[Label; 7]> {
+/// Seven labels: the result for each label of the input. Two labels: the results for a fact that
+/// does not hold, and for one that holds.
+fn row(report: &mut Report<'_>, input: &str, item: &Item, key: Span) -> Option<Row> {
     let span = item.span().unwrap_or(key);
+    let quoted = if input.contains(' ') { format!("\"{input}\"") } else { input.to_owned() };
     let help =
-        format!("write {input} = \"PB PB PM PM NB NB NB\", for NB NM NS ZO PS PM PB in turn");
+        format!("write {quoted} = \"PB PB PM PM NB NB NB\", for NB NM NS ZO PS PM PB in turn");
     let Some(text) = item.as_str() else {
         report.wrong_type(input, item, &span, "a row of seven labels", &help[6..]);
         return None;
@@ -238,13 +244,18 @@ fn row(report: &mut Report<'_>, input: &str, item: &Item, key: Span) -> Option<[
     }
     let labels = words.iter().filter_map(|word| LABELS.iter().position(|label| label == word));
     let labels: Vec<Label> = labels.map(|index| Label::from_index(index as u8)).collect();
-    let count = labels.len();
-    let labels = <[Label; 7]>::try_from(labels).ok();
-    if labels.is_none() {
-        let message = format!("the row of `{input}` has {count} labels instead of seven");
-        report.error(message, &span, "one for each label of the input", &help);
+    match *labels.as_slice() {
+        [a, b, c, d, e, f, g] => Some(Row::OfInput([a, b, c, d, e, f, g])),
+        [unless, holds] => Some(Row::OfFact([unless, holds])),
+        _ => {
+            let message =
+                format!("the row of `{input}` has {} labels instead of seven", labels.len());
+            let help =
+                format!("{help}; the row of a fact has two, for `does not hold` and `holds`");
+            report.error(message, &span, "one for each label of the input", &help);
+            None
+        }
     }
-    labels
 }
 
 /// Facts that must hold, and facts after `not` that must not hold.

@@ -23,7 +23,7 @@ pub use waits::Wait;
 use super::syntax::Syntax;
 use crate::toml::Report;
 use maps::problem::{Problem, has_errors};
-use plan_format::mission::{MissionDraft, Symbol};
+use plan_format::mission::{MissionDraft, Source, Symbol};
 use situations::Situations;
 
 /// What the lints find out about a mission.
@@ -79,7 +79,14 @@ struct Lints<'l> {
 impl Lints<'_> {
     /// A situation in words, for messages.
     fn describe(&self, situation: usize) -> String {
-        let names: Vec<&str> = self.syntax.inputs.iter().map(|i| i.name.as_str()).collect();
+        let syntax = self.syntax;
+        let own = syntax.inputs.iter().map(|input| input.name.as_str());
+        // Facts with rows are inputs after those of the mission.
+        let facts = self.draft.inputs.iter().filter_map(|input| match input.source {
+            Source::Fact(fact) => Some(syntax.facts[usize::from(fact)].name.as_str()),
+            _ => None,
+        });
+        let names: Vec<&str> = own.chain(facts).collect();
         let situations = self.situations.as_ref();
         situations.map_or(String::new(), |all| all.describe(situation, self.draft, &names))
     }

@@ -3,13 +3,13 @@
 mod components;
 mod intervals;
 
-use super::syntax::{FactSyntax, InputSource, Literal, Rules, Syntax};
+use super::syntax::{FactSyntax, InputSource, Literal, Row, Rules, Syntax};
 use crate::toml::{Report, Span, Text};
 use maps::problem::{Problem, Severity};
 use plan_format::limits;
 use plan_format::mission::effects;
 use plan_format::mission::{
-    Behaviour, Condition, Fact, FactKind, Facts, Input, MissionDraft, Rule, RuleBase, Source,
+    Behaviour, Condition, Fact, FactKind, Facts, Input, Label, MissionDraft, Rule, RuleBase, Source,
 };
 
 /// The parallel plans that a mission may refer to by name.
@@ -43,6 +43,7 @@ pub fn lower(syntax: &Syntax, plans: &Plans, problems: &mut Vec<Problem>) -> Opt
         // `Any` numbers plans by the order in which they are named.
         plans_named: Vec::new(),
         resources: Vec::new(),
+        facts_in_rules: Vec::new(),
     };
     if lowering.counts_fit() {
         lowering.facts();
@@ -51,6 +52,7 @@ pub fn lower(syntax: &Syntax, plans: &Plans, problems: &mut Vec<Problem>) -> Opt
         effects::spread(&mut lowering.draft);
         lowering.intervals();
         lowering.behaviours();
+        lowering.inputs_of_facts();
         lowering.tables_fit();
     }
     let draft = lowering.draft;
@@ -65,6 +67,8 @@ struct Lowering<'l> {
     draft: MissionDraft,
     plans_named: Vec<String>,
     resources: Vec<String>,
+    /// Facts with rows in rule bases, by index. Each becomes an input after those of the mission.
+    facts_in_rules: Vec<usize>,
 }
 
 impl Lowering<'_> {
@@ -108,6 +112,7 @@ impl Lowering<'_> {
     fn tables_fit(&mut self) {
         let draft = &self.draft;
         let tables = [
+            ("inputs and facts in rules", draft.inputs.len(), limits::MAX_INPUTS),
             ("rules", draft.rules.len(), limits::MAX_RULES),
             ("rule bases", draft.rule_bases.len(), limits::MAX_RULE_BASES),
             ("different descriptions", draft.descriptions.len(), limits::MAX_DESCRIPTIONS),
@@ -222,14 +227,52 @@ impl Lowering<'_> {
 
     fn rule_base(&mut self, rules: &Rules) -> u16 {
         let first = self.draft.rules.len() as u16;
-        for (name, labels) in &rules.rows {
-            let input = self.input(name).unwrap_or(0);
-            self.draft.rules.push(Rule { input, labels: (*labels).into() });
+        for (name, row) in &rules.rows {
+            let (input, labels) = match *row {
+                Row::OfInput(labels) => (self.input(name).unwrap_or(0), labels),
+                Row::OfFact([unless, holds]) => {
+                    (self.fact_in_rules(name).unwrap_or(0), of_fact(unless, holds))
+                }
+            };
+            self.draft.rules.push(Rule { input, labels: labels.into() });
         }
         // Rows belong to different inputs, so there are few.
         let count = rules.rows.len().min(usize::from(u8::MAX)) as u8;
         self.draft.rule_bases.push(RuleBase { first, count, inference: rules.inference });
         (self.draft.rule_bases.len() - 1) as u16
+    }
+
+    /// The index of the input for a fact with a row.
+    fn fact_in_rules(&mut self, name: &Text) -> Option<u8> {
+        let syntax = self.syntax;
+        let Some(fact) = syntax.facts.iter().position(|fact| fact.name.value == name.value) else {
+            if syntax.inputs.iter().any(|input| input.name.value == name.value) {
+                let message = format!("the row of the input `{}` has two labels", name.as_str());
+                let label = "an input has seven, a fact has two";
+                let help = "write a label for each of NB NM NS ZO PS PM PB";
+                self.report.error(message, &name.span, label, help);
+            } else {
+                let names = syntax.facts.iter().map(|fact| fact.name.as_str());
+                self.unknown("fact", name, names, "define it in [facts]");
+            }
+            return None;
+        };
+        let known = self.facts_in_rules.iter().position(|&known| known == fact);
+        let index = known.unwrap_or_else(|| {
+            self.facts_in_rules.push(fact);
+            self.facts_in_rules.len() - 1
+        });
+        u8::try_from(syntax.inputs.len() + index).ok()
+    }
+
+    /// The inputs for facts with rows: 1 while the fact holds, otherwise 0.
+    fn inputs_of_facts(&mut self) {
+        for &fact in &self.facts_in_rules {
+            let name = self.draft.name(self.syntax.facts[fact].name.as_str());
+            let source = Source::Fact(fact as u8);
+            let input = Input { name, source, low: 0.0, high: 1.0, hold_ms: 0, missing: 0.0 };
+            self.draft.inputs.push(input);
+        }
     }
 
     fn behaviours(&mut self) {
@@ -261,6 +304,7 @@ impl Lowering<'_> {
                 hysteresis: behaviour.hysteresis,
                 dwell_ms: behaviour.dwell_ms,
                 switch_point: behaviour.switch_point,
+                once: behaviour.once,
                 resources,
             });
         }
@@ -269,7 +313,12 @@ impl Lowering<'_> {
     fn input(&mut self, name: &Text) -> Option<u8> {
         let names = self.syntax.inputs.iter().map(|input| input.name.as_str());
         let found = names.clone().position(|known| known == name.as_str());
-        if found.is_none() {
+        let is_fact = || self.syntax.facts.iter().any(|fact| fact.name.value == name.value);
+        if found.is_none() && is_fact() {
+            let message = format!("`{}` is a fact, not an input", name.as_str());
+            let help = "in rules write two labels for a fact: for `does not hold` and for `holds`";
+            self.report.error(message, &name.span, "used as an input", help);
+        } else if found.is_none() {
             self.unknown("input", name, names, "define it in [inputs]");
         }
         found.map(|index| index as u8)
@@ -384,4 +433,10 @@ impl Lowering<'_> {
         }
         1_u16.checked_shl(index as u32).unwrap_or(0)
     }
+}
+
+/// The row of a fact's input, whose only values are 0 and 1.
+fn of_fact(unless: Label, holds: Label) -> [Label; 7] {
+    let middle = Label::ALL.len() / 2;
+    core::array::from_fn(|label| if label <= middle { unless } else { holds })
 }

@@ -91,15 +91,24 @@ pub enum InputSource {
     MateLink(u8),
 }
 
-/// A rule base: a row of seven labels for each input.
+/// A rule base: a row of labels for each input and each fact.
 #[derive(Clone, Debug)]
 pub struct Rules {
-    /// Each input with its row.
-    pub rows: Vec<(Text, [Label; 7])>,
+    /// Each input or fact with its row.
+    pub rows: Vec<(Text, Row)>,
     /// How the rules' consequences are limited.
     pub inference: Inference,
     /// Where it is written.
     pub span: Span,
+}
+
+/// The results of one row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Row {
+    /// For each label of an input.
+    OfInput([Label; 7]),
+    /// For a fact that does not hold, and for one that holds.
+    OfFact([Label; 2]),
 }
 
 /// A proposition.
@@ -232,6 +241,7 @@ pub enum Doing {
         output: u8,
         is_on: bool,
     },
+    Return,
 }
 
 /// A plan frame.
@@ -243,6 +253,10 @@ pub struct PlanFrame {
     pub description: Description,
     /// Productions below this applicability are not considered.
     pub threshold: Spanned<f32>,
+    /// It ends as soon as this holds.
+    pub until: Vec<Literal>,
+    /// It fails after this time, milliseconds; 0 for never.
+    pub timeout_ms: u32,
     /// The alternative ways to carry it out.
     pub productions: Vec<Production>,
 }
@@ -287,6 +301,8 @@ pub struct Behaviour {
     pub dwell_ms: u32,
     /// The switching point at which it yields.
     pub switch_point: SwitchPoint,
+    /// Whether it is never engaged again after its plan has finished.
+    pub once: bool,
     /// Resources that it occupies in addition to those of its actions.
     pub resources: Vec<Text>,
 }

@@ -4,7 +4,7 @@ use behaviour::{Choice, Decision, Phase, Refusal};
 use controller::State;
 use monitor::{Doubt, Signal, Violation};
 use plan_format::Blob;
-use plan_format::mission::{Facts, Mission};
+use plan_format::mission::{Facts, Mission, Symbol};
 use robot_io::Percepts;
 
 /// How the behaviours took turns in a run.
@@ -118,7 +118,7 @@ pub fn decided(mission: &Mission<'_>, decision: &Decision) -> String {
         }
         Decision::Finished { behaviour: who } => format!("{} is finished", behaviour(who)),
         Decision::Failed { behaviour: who } => format!("{} has failed", behaviour(who)),
-        Decision::TimedOut { component } => format!("component {component} has timed out"),
+        Decision::TimedOut { symbol } => format!("`{}` has timed out", name_of(mission, symbol)),
         Decision::Conflict(signal) => conflict(mission, signal),
     }
 }
@@ -158,4 +158,13 @@ pub fn facts(mission: &Mission<'_>, set: Facts) -> String {
         .map(|(_, fact)| mission.name(fact.name))
         .collect();
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+/// The name of a frame or an action.
+fn name_of<'m>(mission: &Mission<'m>, symbol: Symbol) -> &'m str {
+    let name = match symbol {
+        Symbol::PlanFrame(index) => mission.plan_frames().get(index.into()).map(|frame| frame.name),
+        Symbol::Action(index) => mission.actions().get(index.into()).map(|action| action.name),
+    };
+    name.map_or("?", |name| mission.name(name))
 }

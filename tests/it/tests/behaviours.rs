@@ -1,6 +1,7 @@
 //! The mission language: its compiled form, and the messages about mistakes and about missions that
 //! would fail. The messages are in `tests/golden/behaviours`, one file per topic.
 
+mod carried_out;
 mod lints;
 mod mistakes;
 mod pictures;

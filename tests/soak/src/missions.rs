@@ -100,6 +100,8 @@ impl Artist<'_> {
                 2 => Source::CostToGoal { plan: self.random.index(2) as u16 },
                 3 => Source::PriceOfConstraint { plan: 0, layer: self.random.index(2) as u8 },
                 4 => Source::Output(self.random.index(MAX_OUTPUTS) as u8),
+                // Every mission has a fact.
+                5 => Source::Fact(0),
                 _ => Source::Channel(self.random.index(MAX_CHANNELS) as u8),
             };
             self.input(source);
@@ -215,7 +217,7 @@ impl Artist<'_> {
         let name = self.draft.name("");
         for _ in 0..self.random.count(2, 10) {
             let short_ms = self.random.below(1_000) as u32;
-            let kind = match self.random.index(9) {
+            let kind = match self.random.index(10) {
                 0 => ActionKind::Follow {
                     plan: self.random.index(2) as u16,
                     reactive: self.random.unit(),
@@ -229,6 +231,7 @@ impl Artist<'_> {
                     output: self.random.index(MAX_OUTPUTS) as u8,
                     is_on: self.random.chance(0.5),
                 },
+                6 => ActionKind::Return,
                 _ => ActionKind::Hold { for_ms: short_ms },
             };
             let action = Action {
@@ -258,6 +261,12 @@ impl Artist<'_> {
                 count,
                 description: self.description(),
                 threshold: self.random.between(0.0, 0.5),
+                until: self.condition(0.1),
+                timeout_ms: if self.random.chance(0.1) {
+                    1 + self.random.below(5_000) as u32
+                } else {
+                    0
+                },
                 may_add: 0,
                 may_delete: 0,
                 resources: 1,
@@ -342,6 +351,7 @@ impl Artist<'_> {
                 } else {
                     SwitchPoint::Best
                 },
+                once: self.random.chance(0.1),
                 resources: self.random.below(8) as u16,
             };
             self.draft.behaviours.push(behaviour);

@@ -6,7 +6,7 @@
 use behaviour::{Behaviours, Decision, Observations, Refusal, Report, Running, World};
 use math::{Vec2, vector};
 use monitor::{Doubt, Signal, Violation};
-use plan_format::mission::{Facts, Mission};
+use plan_format::mission::{ActionKind, Facts, Mission, Symbol};
 use std::fmt::Write;
 
 /// Runs a script and compares the log, line by line, without regard to indentation.
@@ -167,6 +167,12 @@ impl<'a> Robot<'a> {
             if part.max_speed_mps.is_finite() {
                 write!(text, "<={}", part.max_speed_mps).expect("a string takes everything");
             }
+            if let ActionKind::GoTo { x_m, y_m } = part.kind {
+                let to = self.mission.actions().get(usize::from(part.action)).expect("an action");
+                if to.kind != part.kind {
+                    write!(text, " to {x_m},{y_m}").expect("a string takes everything");
+                }
+            }
             if part.min_distance_m > 0.0 {
                 write!(text, ">={}", part.min_distance_m).expect("a string takes everything");
             }
@@ -214,10 +220,12 @@ impl<'a> Robot<'a> {
                 let record = self.mission.productions().get(usize::from(production));
                 format!("[{}]", self.mission.name(record.expect("a production").name))
             }
-            Decision::TimedOut { component } => {
-                let mut running = self.running.iter();
-                let part = running.find(|part| part.component == component);
-                format!("{} timed out", part.map_or("?", |part| self.action(part.action)))
+            Decision::TimedOut { symbol: Symbol::Action(index) } => {
+                format!("{} timed out", self.action(index))
+            }
+            Decision::TimedOut { symbol: Symbol::PlanFrame(index) } => {
+                let record = self.mission.plan_frames().get(usize::from(index)).expect("a frame");
+                format!("{} timed out", self.mission.name(record.name))
             }
             Decision::Conflict(signal) => return self.conflict(signal),
         })

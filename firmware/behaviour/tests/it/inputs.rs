@@ -120,3 +120,43 @@ fn a_clock_that_jumps_back_stops_nothing() {
          5: a finished, a engaged, [step], step",
     );
 }
+
+/// A fact is an aspect of interest too: 1 in each tick in which it holds, otherwise 0. Sensed facts
+/// count as they are in this tick, and symbols as the last tick left them.
+#[test]
+fn facts_are_aspects_of_interest() {
+    let mission = "
+        input fuel
+        input low; of fact low
+        input drawn; of rules low NB NB NB NB PM PM PM
+        input over; of fact done
+        fact low level fuel 0 0.25
+        fact done symbol
+        fact high level drawn 0.5 1
+        action step hold 200; adds done
+        frame work
+        = step
+        behaviour a work; when low NB NB NB NB PS PS PS
+        behaviour b work; when drawn NB NM NS ZO PS PM PB; dormant 0.99
+        behaviour c work; when over PS PS PS PS NB NB NB
+    ";
+    let bytes = blob(mission);
+    let mut robot = Robot::new(&bytes);
+    let table = [
+        // The first tick already knows the fact.
+        ("fuel=0.2", [0.6667, 0.8333, 0.6667], "low high"),
+        ("fuel=0.3", [0.0556, 0.1296, 0.6667], ""),
+        // The step of 200 ms ends at the start of the tick after the criticalities.
+        ("x1", [0.0556, 0.1296, 0.6667], "done"),
+        ("x1", [0.0556, 0.1296, 0.0556], "done"),
+        ("fuel=0.25", [0.6667, 0.8333, 0.0556], "low done high"),
+    ];
+    for (line, expected, facts) in table {
+        robot.go(line);
+        for (behaviour, expected) in expected.into_iter().enumerate() {
+            let found = robot.report.criticalities[behaviour];
+            assert!((found - expected).abs() < 0.001, "{line}, {behaviour}: {found}");
+        }
+        assert_eq!(robot.facts(), facts, "{line}");
+    }
+}

@@ -3,7 +3,9 @@
 mod bench;
 mod inputs;
 mod monitoring;
+mod plan_frames;
 mod ploughing;
+mod protecting;
 mod states;
 mod switching;
 mod together;

@@ -1,6 +1,8 @@
 //! Behaviours that run together (H30, H31), and the bounds.
 
-use crate::bench::check;
+use crate::bench::{Robot, blob, check};
+use monitor::{Node, Relation};
+use proptest::prelude::*;
 
 const THREE: &str = "
     input a
@@ -141,4 +143,44 @@ fn what_finds_no_room_fails_with_a_reason() {
         "x1",
         "1: a engaged, b engaged, c engaged, [step|step|step|step|step|step|st], wide NoRoom, b failed, [step|step|step|step|step|step|st], step & step & step & step & step & step & step & step",
     );
+}
+
+/// Productions of four stages of up to three components, over short and long actions and a frame.
+fn random_productions() -> impl Strategy<Value = String> {
+    let part = prop::sample::select(vec!["short", "long", "inner"]);
+    let stage = prop::collection::vec(part, 1..4).prop_map(|parts| parts.join("|"));
+    prop::collection::vec(stage, 1..4).prop_map(|stages| stages.join(" "))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// H18: two components run at the same time only if the grid has no entry for them: no path of
+    /// the graph leads from one to the other.
+    #[test]
+    fn h18_only_components_without_order_run_at_once(outer in random_productions()) {
+        let bytes = blob(&format!(
+            "input a
+             action short hold 100
+             action long hold 300
+             action last hold 200
+             frame work
+             = {outer}
+             frame inner
+             = long short|last long
+             behaviour a work; when always PS"
+        ));
+        let mut robot = Robot::new(&bytes);
+        for _ in 0..30 {
+            robot.go("x1");
+            let grid = robot.behaviours.grid();
+            for (at, one) in robot.running.iter().enumerate() {
+                for other in &robot.running[..at] {
+                    let [x, y] = [one, other].map(|part| Node::from(part.component));
+                    let relation = grid.relation(&robot.mission, x, y);
+                    prop_assert_eq!(relation, Some(Relation::NE), "{}", outer);
+                }
+            }
+        }
+    }
 }

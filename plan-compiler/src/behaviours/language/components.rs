@@ -78,9 +78,10 @@ fn facts(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Vec<Text> {
     names.map(|text| Spanned { value: tidy(text.as_str()).into_owned(), span: text.span }).collect()
 }
 
-const VERBS: &[&str] = &["follow", "go-to", "hold", "wait", "wander", "signal", "set-output"];
-const DOING_HELP: &str = "write follow PLAN at 34:66, go-to X, Y, hold 5 s, wait 5 s, wander 5 s, signal 3 or \
-    set-output 2 on";
+const VERBS: &[&str] =
+    &["follow", "go-to", "return", "hold", "wait", "wander", "signal", "set-output"];
+const DOING_HELP: &str = "write follow PLAN at 34:66, go-to X, Y, return, hold 5 s, wait 5 s, wander 5 s, \
+    signal 3 or set-output 2 on";
 
 fn doing(report: &mut Report<'_>, text: &Text) -> Option<Doing> {
     let (verb, rest) = text.as_str().split_once(' ').unwrap_or((text.as_str(), ""));
@@ -93,6 +94,7 @@ fn doing(report: &mut Report<'_>, text: &Text) -> Option<Doing> {
         "wander" => seconds(rest).map(|for_ms| Doing::Wander { for_ms }),
         "signal" => rest.parse().ok().map(|code| Doing::Signal { code }),
         "set-output" => set_output(rest),
+        "return" if rest.is_empty() => Some(Doing::Return),
         _ => None,
     };
     if found.is_none() {
@@ -141,6 +143,8 @@ fn set_output(rest: &str) -> Option<Doing> {
 const FRAME: &[&str] = &[
     "productions",
     "threshold",
+    "until",
+    "timeout_s",
     "initial",
     "transient",
     "goal",
@@ -161,6 +165,9 @@ pub(super) fn frame(report: &mut Report<'_>, name: Text, item: &Item) -> Option<
         span: given.as_ref().map_or(name.span.clone(), |given| given.span.clone()),
         value: given.map_or(DEFAULT_THRESHOLD, |given| given.value as f32),
     };
+    let until = literals(report, &fields, "until");
+    let timeout = fields.number(report, "timeout_s", MIN_TIMEOUT_S..=MAX_TIME_S, "s");
+    let timeout_ms = timeout.map_or(0, |timeout| (timeout.value * 1e3).round() as u32);
     let found = fields.item("productions").map(|(item, _)| items(item)).unwrap_or_default();
     // What was not understood is missing here; after an error nothing else is judged by it.
     let productions = found.iter().enumerate();
@@ -175,7 +182,7 @@ pub(super) fn frame(report: &mut Report<'_>, name: Text, item: &Item) -> Option<
             &format!("add {FRAME_EXAMPLE}"),
         );
     }
-    Some(PlanFrame { name, description, threshold, productions })
+    Some(PlanFrame { name, description, threshold, until, timeout_ms, productions })
 }
 
 /// The entries of a list in any of the forms of TOML; a single text is a list of one.

@@ -32,6 +32,7 @@ impl Lints<'_> {
             .iter()
             .flat_map(|d| [d.initial, d.transient, d.goal])
             .chain(draft.actions.iter().map(|action| action.until))
+            .chain(draft.frames.iter().map(|frame| frame.until))
             .chain(draft.intervals.iter().map(|interval| interval.condition));
         let read = conditions.fold(Condition::default(), Condition::and);
         for (index, (fact, named)) in draft.facts.iter().zip(&syntax.facts).enumerate() {

@@ -2,7 +2,7 @@
 
 use super::Lints;
 use plan_format::mission::effects::below;
-use plan_format::mission::{Description, MissionDraft, Production, Symbol};
+use plan_format::mission::{MissionDraft, PlanFrame, Production, Symbol};
 
 /// Whether an edge of a production is the last component that its frame waits for: it leads to the
 /// exit and all other edges come before it.
@@ -56,8 +56,11 @@ pub(super) fn reaches(draft: &MissionDraft, from: usize, to: usize) -> bool {
 
 /// Whether a frame may be left out between a loop's head and its end, as the robot's own crate
 /// decides.
-fn is_silent(description: &Description) -> bool {
-    description.transient.is_empty()
+fn is_silent(draft: &MissionDraft, frame: &PlanFrame) -> bool {
+    let description = &draft.descriptions[usize::from(frame.description)];
+    frame.until.is_empty()
+        && frame.timeout_ms == 0
+        && description.transient.is_empty()
         && description.goal.is_empty()
         && description.add == 0
         && description.delete == 0
@@ -118,10 +121,11 @@ impl Lints<'_> {
         // A frame in between stays live as long as its description is not empty. The frame through
         // which the loop is entered is its head and may have any description.
         let is_head = |index: usize| self.is_entered_from_outside(index);
-        let description = usize::from(draft.frames[frame].description);
-        if inner != frame && !is_head(frame) && !is_silent(&draft.descriptions[description]) {
-            let label =
-                format!("`{}` in between has a goal or constraints of its own", name(frame));
+        if inner != frame && !is_head(frame) && !is_silent(draft, &draft.frames[frame]) {
+            let label = format!(
+                "`{}` in between has a goal, an `until`, a timeout or constraints of its own",
+                name(frame)
+            );
             return Some((message, label, "move them to the frame at which the loop begins"));
         }
         None

@@ -1,7 +1,7 @@
 //! Every situation that the rules distinguish: all combinations of the inputs' labels.
 //!
 //! The robot's own crate evaluates the rules at every combination of labels of the inputs that
-//! rules use; with few inputs, also halfway between labels.
+//! rules use; with few inputs, also halfway between labels. A fact holds or does not hold.
 
 use plan_format::mission::{Label, MissionDraft, Source};
 
@@ -12,8 +12,8 @@ const MAX_SITUATIONS: usize = 120_000;
 pub(crate) struct Situations {
     /// Indices of the inputs that are varied.
     inputs: Vec<usize>,
-    /// Positions along each of them: 7, or 13 with those halfway.
-    steps: usize,
+    /// Number of positions along each of them: 7, or 13 with those halfway; 2 of a fact.
+    steps: Vec<usize>,
     /// Results of the rule bases, combination by combination.
     results: Vec<f32>,
     bases: usize,
@@ -27,18 +27,20 @@ impl Situations {
             !matches!(draft.inputs[*index].source, Source::Rules(_)) && used(*index)
         };
         let inputs: Vec<usize> = (0..draft.inputs.len()).filter(is_primary).collect();
-        let fits = |steps: usize| {
-            let count = (0..inputs.len()).try_fold(1_usize, |count, _| count.checked_mul(steps));
-            count.filter(|&count| count <= MAX_SITUATIONS)
+        let is_fact = |index: usize| matches!(draft.inputs[index].source, Source::Fact(_));
+        let fit = |most: usize| {
+            let steps = inputs.iter().map(|&input| if is_fact(input) { 2 } else { most });
+            let steps: Vec<usize> = steps.collect();
+            let count = steps.iter().try_fold(1_usize, |count, steps| count.checked_mul(*steps));
+            Some((steps, count.filter(|&count| count <= MAX_SITUATIONS)?))
         };
-        let (steps, count) =
-            fits(13).map(|count| (13, count)).or_else(|| fits(7).map(|count| (7, count)))?;
+        let (steps, count) = fit(13).or_else(|| fit(7))?;
         let bases = draft.rule_bases.len();
         let mut results = Vec::with_capacity(count * bases);
         let mut positions = vec![0.0; draft.inputs.len()];
         for situation in 0..count {
             let mut rest = situation;
-            for &input in &inputs {
+            for (&input, steps) in inputs.iter().zip(&steps) {
                 positions[input] = (rest % steps) as f32 / (steps - 1) as f32;
                 rest /= steps;
             }
@@ -66,14 +68,14 @@ impl Situations {
     /// Situations that differ from one by a single step of a single input.
     pub(crate) fn neighbours(&self, situation: usize) -> impl Iterator<Item = usize> + '_ {
         let mut stride = 1;
-        let strides = self.inputs.iter().map(move |_| {
+        let strides = self.steps.iter().map(move |steps| {
             let this = stride;
-            stride *= self.steps;
-            this
+            stride *= steps;
+            (this, *steps)
         });
-        strides.filter_map(move |stride| {
-            let at = situation / stride % self.steps;
-            (at + 1 < self.steps).then_some(situation + stride)
+        strides.filter_map(move |(stride, steps)| {
+            let at = situation / stride % steps;
+            (at + 1 < steps).then_some(situation + stride)
         })
     }
 
@@ -86,11 +88,13 @@ impl Situations {
     ) -> String {
         let mut rest = situation;
         let mut parts = Vec::new();
-        for &input in &self.inputs {
-            let at = rest % self.steps;
-            rest /= self.steps;
+        for (&input, &steps) in self.inputs.iter().zip(&self.steps) {
+            let at = rest % steps;
+            rest /= steps;
             let label = |index: usize| format!("{:?}", Label::from_index(index as u8));
-            let place = match self.steps {
+            let place = match steps {
+                2 if at == 0 => "does not hold".to_owned(),
+                2 => "holds".to_owned(),
                 13 if at % 2 == 1 => format!("between {} and {}", label(at / 2), label(at / 2 + 1)),
                 13 => label(at / 2),
                 _ => label(at),

@@ -148,8 +148,8 @@ impl Lints<'_> {
                 "behaviour `{}` never ends by itself, only by interruption or failure",
                 behaviour.name.as_str()
             );
-            let help = "give the loop's productions an `applicable` table that ends the loop, or add \
-                a production that leaves it";
+            let help = "give the loop's productions an `applicable` table that ends the loop, its \
+                frame an `until`, or add a production that leaves it";
             let label = "its loop is always applicable";
             self.report.warning(message, &behaviour.root.span, label, help);
         }
@@ -158,6 +158,9 @@ impl Lints<'_> {
     fn may_end(&self, frame: usize, ends: &[bool]) -> bool {
         let draft = self.draft;
         let record = &draft.frames[frame];
+        if !record.until.is_empty() {
+            return true;
+        }
         let first = usize::from(record.first);
         let mut is_loop = false;
         let mut always = false;

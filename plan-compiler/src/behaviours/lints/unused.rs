@@ -52,8 +52,10 @@ impl Lints<'_> {
         let conditions = read
             .flatten()
             .chain(draft.actions.iter().map(|action| action.until))
+            .chain(draft.frames.iter().map(|frame| frame.until))
             .chain(draft.intervals.iter().map(|interval| interval.condition));
         conditions.fold(0, |bits, c| bits | c.must | c.must_not) & 1 << index != 0
+            || draft.inputs.iter().any(|input| input.source == Source::Fact(index as u8))
     }
 
     fn is_input_used(&self, index: usize) -> bool {

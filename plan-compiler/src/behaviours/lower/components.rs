@@ -34,12 +34,15 @@ impl Lowering<'_> {
             for production in &frame.productions {
                 self.production(production);
             }
+            let until = self.condition(&frame.until);
             self.draft.frames.push(PlanFrame {
                 name,
                 first,
                 count: frame.productions.len().min(usize::from(u8::MAX)) as u8,
                 description,
                 threshold: frame.threshold.value,
+                until,
+                timeout_ms: frame.timeout_ms,
                 may_add: 0,
                 may_delete: 0,
                 resources: 0,
@@ -60,6 +63,7 @@ impl Lowering<'_> {
             &Doing::GoTo([x_m, y_m]) => (ActionKind::GoTo { x_m, y_m }, motion(self)),
             &Doing::Hold { for_ms } => (ActionKind::Hold { for_ms }, motion(self)),
             &Doing::Wait { for_ms } => (ActionKind::Hold { for_ms }, 0),
+            Doing::Return => (ActionKind::Return, motion(self)),
             &Doing::Wander { for_ms } => (ActionKind::Wander { for_ms }, motion(self)),
             &Doing::Signal { code } => (ActionKind::Signal { code }, 0),
             &Doing::SetOutput { output, is_on } => {

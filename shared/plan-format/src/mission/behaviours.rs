@@ -40,6 +40,8 @@ record! {
         pub dwell_ms: u32,
         /// Where it yields.
         pub switch_point: SwitchPoint,
+        /// Whether it is never engaged again after its plan has finished.
+        pub once: bool,
         /// Resources that it occupies, one bit each; behaviours that share none run together.
         pub resources: u16,
     }

@@ -153,6 +153,7 @@ fn inputs_and_rules(mission: &Mission<'_>) -> Checked {
             Source::Output(output) => below(output, limits::MAX_OUTPUTS)?,
             Source::DistanceToMate(robots) => team(robots)?,
             Source::LinkToMate(robot) => below(robot, limits::MAX_ROBOTS)?,
+            Source::Fact(fact) => exists(mission.facts(), fact)?,
             // The blob checks references to parallel plans and layers.
             Source::Time
             | Source::CostToGoal { .. }
@@ -232,7 +233,10 @@ fn components(mission: &Mission<'_>) -> Checked {
             }
             ActionKind::GoTo { x_m, y_m } => finite(&[x_m, y_m])?,
             ActionKind::SetOutput { output, .. } => below(output, limits::MAX_OUTPUTS)?,
-            ActionKind::Hold { .. } | ActionKind::Wander { .. } | ActionKind::Signal { .. } => {}
+            ActionKind::Hold { .. }
+            | ActionKind::Wander { .. }
+            | ActionKind::Signal { .. }
+            | ActionKind::Return => {}
         }
     }
     referred(mission.plan_frames().iter().map(|frame| frame.count), limits::MAX_PRODUCTIONS)?;

@@ -68,6 +68,8 @@ pub enum ActionKind {
         /// Whether to switch it on.
         is_on: bool,
     },
+    /// Drive straight back to the place at which the behaviour was interrupted.
+    Return,
 }
 
 record! {
@@ -94,6 +96,7 @@ impl ActionKind {
             3 => Self::Wander { for_ms: number },
             4 => Self::Signal { code: number as u16 },
             5 => Self::SetOutput { output: number as u8, is_on: x > 0.0 },
+            6 => Self::Return,
             _ => return None,
         })
     }
@@ -110,6 +113,7 @@ impl ActionKind {
             Self::SetOutput { output, is_on } => {
                 (5, output.into(), [u8::from(is_on).into(), 0.0, 0.0])
             }
+            Self::Return => (6, 0, [0.0; 3]),
         };
         ActionBytes { tag, number, x: x.to_bits(), y: y.to_bits(), z: z.to_bits() }
     }
@@ -150,6 +154,11 @@ record! {
         pub description: u16,
         /// Minimum applicability of a production.
         pub threshold: f32,
+        /// It ends as soon as this holds; if empty, only its production ends it.
+        pub until: Condition,
+        /// It fails after this time since its first decomposition, milliseconds; 0 for never. The
+        /// time that its behaviour sleeps does not count.
+        pub timeout_ms: u32,
         /// Facts that some action below it may make true.
         pub may_add: Facts,
         /// Facts that some action below it may make false.

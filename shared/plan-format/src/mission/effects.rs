@@ -113,6 +113,8 @@ mod tests {
                 count: 1,
                 description: (index % effects.len()) as u16,
                 threshold: 0.0,
+                until: Condition::default(),
+                timeout_ms: 0,
                 may_add: 0,
                 may_delete: 0,
                 resources: 0,

@@ -215,6 +215,8 @@ mod tests {
             count: 2,
             description: 0,
             threshold: 0.2,
+            until: Condition { must: 0, must_not: 1 << 62 },
+            timeout_ms: 70_000,
             may_add: 4,
             may_delete: 8,
             resources: 1,
@@ -254,6 +256,7 @@ mod tests {
             hysteresis: 0.05,
             dwell_ms: 1_000,
             switch_point: SwitchPoint::Best,
+            once: true,
             resources: 1,
         });
         draft
@@ -291,6 +294,7 @@ mod tests {
             Source::PriceOfConstraint { plan: 301, layer: 2 },
             Source::Output(15),
             Source::Rules(0),
+            Source::Fact(0),
         ];
         draft.inputs.extend(sources.map(|source| Input { source, ..input }));
         let facts = [
@@ -307,9 +311,10 @@ mod tests {
             ActionKind::Wander { for_ms: 110_000 },
             ActionKind::Signal { code: 1_200 },
             ActionKind::SetOutput { output: 13, is_on: true },
+            ActionKind::Return,
         ];
         draft.actions.extend(actions.map(|kind| Action { kind, ..action }));
-        assert_eq!(crate::seal::crc32(&[&draft.write().unwrap()], || ()), 1_455_390_616);
+        assert_eq!(crate::seal::crc32(&[&draft.write().unwrap()], || ()), 4_087_682_101);
     }
 
     #[test]
@@ -352,6 +357,7 @@ mod tests {
         assert_eq!(refused(&|d| d.inputs[0].source = Source::Rules(0)), MissionError::Reference);
         assert_eq!(refused(&|d| d.inputs[0].source = Source::Channel(8)), MissionError::Number);
         assert_eq!(refused(&|d| d.inputs[0].source = Source::Output(16)), MissionError::Number);
+        assert_eq!(refused(&|d| d.inputs[0].source = Source::Fact(1)), MissionError::Reference);
         let name = Name { offset: 500, length: 2 };
         assert_eq!(refused(&|d| d.actions[0].name = name), MissionError::Name);
         // Three rows that 64 rule bases share are 192 evaluations.

@@ -132,6 +132,8 @@ pub enum Source {
     DistanceToMate(u8),
     /// Quality of the link to a mate, by number: 0 while it is lost.
     LinkToMate(u8),
+    /// A fact, by its bit: 1 while it holds, otherwise 0.
+    Fact(u8),
 }
 
 record! {
@@ -162,6 +164,7 @@ impl Source {
             8 => Self::OldestNews,
             9 => Self::DistanceToMate(index as u8),
             10 => Self::LinkToMate(index as u8),
+            11 => Self::Fact(index as u8),
             _ => return None,
         })
     }
@@ -184,6 +187,7 @@ impl Source {
             Self::OldestNews => SourceBytes { tag: 8, ..none },
             Self::DistanceToMate(robots) => SourceBytes { tag: 9, index: robots.into(), ..none },
             Self::LinkToMate(robot) => SourceBytes { tag: 10, index: robot.into(), ..none },
+            Self::Fact(fact) => SourceBytes { tag: 11, index: fact.into(), ..none },
         }
     }
 }

@@ -103,6 +103,68 @@ criticality = { fuel = "NB NB PM PM PM PM PM", battery = "PM PM PM PM PM PM PM" 
     );
 }
 
+/// The situations of a fact in rules are that it holds and that it does not hold.
+#[test]
+fn facts_in_rules() {
+    in_world(
+        "lint_facts_in_rules",
+        r#"
+[facts]
+loaded = false
+[frames.fetch]
+add = ["loaded"]
+productions = ["entry -> drive -> exit"]
+[frames.bring]
+delete = ["loaded"]
+productions = [
+  { graph = "entry -> drive -> exit", applicable = { loaded = "NB PB" } },
+  { name = "never", graph = "entry -> wait -> exit", applicable = { loaded = "NB NM" }, inference = "product" },
+]
+threshold = 0.3
+[behaviours.fetch]
+criticality = { loaded = "PM NB" }
+dwell_s = 0
+[behaviours.bring]
+criticality = { loaded = "NB PM", fuel = "PB PB PB PB PB PB PB" }
+dwell_s = 0
+[behaviours.never]
+plan = "bring"
+criticality = { loaded = "NB NB" }
+"#,
+    );
+}
+
+/// A loop that its frame's `until` ends, and one that only a timeout ends. The symbol that ends
+/// one of them is never added.
+#[test]
+fn frames_that_end() {
+    in_world(
+        "lint_frames_that_end",
+        r#"
+[facts]
+done = false
+low = { input = "fuel", at_most = 0.2 }
+[frames.patrol]
+until = ["low"]
+productions = ["entry -> drive -> wait -> patrol -> exit"]
+[frames.search]
+timeout_s = 60
+productions = [{ graph = "entry -> drive -> beep -> search -> exit", protect = ["not low from drive to beep"] }]
+[frames.wait_for]
+until = ["done"]
+productions = ["entry -> wait -> exit"]
+[frames.outer]
+productions = ["entry -> wait -> wait_for -> exit"]
+[behaviours.patrol]
+criticality = { fuel = "NB NB PM PM PM PM PM", battery = "PM PM PM PM PM PM PM" }
+[behaviours.search]
+criticality = { battery = "NB NB PM PM PM PM PB" }
+[behaviours.outer]
+criticality = { battery = "NB NB PM PM PM PM PB" }
+"#,
+    );
+}
+
 #[test]
 fn h32_mutual_interruption() {
     in_world(

@@ -56,6 +56,57 @@ plan = "nothing"
     );
 }
 
+/// A fact has two labels, an input seven.
+#[test]
+fn rows_of_facts() {
+    check(
+        "mistakes_in_rows_of_facts",
+        r#"
+[inputs]
+fuel = { source = "fuel", missing = { then = 0 } }
+[facts]
+"tank full" = { input = "fuel", at_least = 0.98 }
+[actions]
+go = { do = "go-to 1, 2" }
+[frames]
+go_on = { productions = ["entry -> go -> exit"] }
+[behaviours.a]
+plan = "go_on"
+criticality = { "tank full" = "PB PB PM PM NB NB NB" }
+[behaviours.b]
+plan = "go_on"
+criticality = { fuel = "PB NB" }
+[behaviours.c]
+plan = "go_on"
+criticality = { "tank fall" = "PB NB" }
+[behaviours.d]
+plan = "go_on"
+criticality = { "tank full" = "PB PM NB" }
+"#,
+    );
+}
+
+/// Frames and behaviours that end by themselves.
+#[test]
+fn ends() {
+    check(
+        "mistakes_in_ends",
+        r#"
+[facts]
+full = false
+[actions]
+go = { do = "go-to 1, 2" }
+back = { do = "return 1, 2" }
+[frames]
+a = { productions = ["entry -> go -> exit"], until = ["ful"], timeout_s = 0 }
+b = { productions = ["entry -> go -> back -> exit"], until = ["full", "not full"], timout_s = 5 }
+[behaviours.a]
+criticality = { full = "PS NB" }
+once = "yes"
+"#,
+    );
+}
+
 #[test]
 fn facts() {
     check(

@@ -1,7 +1,7 @@
 //! H36: no behaviour waits longer for the robot than the bound that the compiler reports.
 
 use super::compiled;
-use behaviour::{Behaviours, Decision, Observations, Phase, Report, World};
+use behaviour::{Behaviours, Decision, Observations, Phase, Refusal, Report, World};
 use maps::problem::Problem;
 use math::Vec2;
 use plan_format::mission::Mission;
@@ -90,6 +90,40 @@ fn five() -> String {
     text
 }
 
+/// Each protects a fact from its first step to its last but one and violates that of the next one at
+/// its end, so one that is interrupted shuts another out. A sixth one, which violates nothing, interrupts them all.
+fn holding() -> String {
+    let mut text = mission(6, |_| "dwell_s = 0".into());
+    text = text.replace(
+        "ready = false",
+        "held0 = true\nheld1 = true\nheld2 = true\nheld3 = true\nheld4 = true",
+    );
+    for index in 0..6 {
+        text = text.replace(
+            &format!("begin{index} = {{ do = "),
+            &format!("step{index} = {{ do = \"hold 0.2 s\" }}\nbegin{index} = {{ do = "),
+        );
+    }
+    text = text.replace(", add = [\"ready\"]", "").replace(", delete = [\"ready\"]", "");
+    for index in 0..5 {
+        let next = (index + 1) % 5;
+        let end = format!("end{index} = {{ do = \"hold 0.2 s\" }}");
+        assert!(text.contains(&end));
+        text = text.replace(&end, &format!("end{index} = {{ do = \"hold 0.2 s\", delete = [\"held{next}\"], add = [\"held{index}\"] }}"));
+    }
+    text += "[frames]\n";
+    for index in 0..6 {
+        let graph = format!("entry -> begin{index} -> step{index} -> end{index} -> exit");
+        let protect = match index {
+            5 => String::new(),
+            _ => format!(", protect = [\"held{index} from begin{index} to step{index}\"]"),
+        };
+        writeln!(text, "work{index} = {{ productions = [{{ graph = \"{graph}\"{protect} }}] }}")
+            .unwrap();
+    }
+    text
+}
+
 /// The bound that the compiler reports for each behaviour's wait, milliseconds.
 fn bounds(problems: &[Problem], count: usize) -> Vec<u64> {
     let said: Vec<String> = problems.iter().map(ToString::to_string).collect();
@@ -108,8 +142,9 @@ fn bounds(problems: &[Problem], count: usize) -> Vec<u64> {
         .collect()
 }
 
+/// Returns how often a behaviour was excluded by what another one protects.
 #[track_caller]
-fn check(text: &str, count: usize) {
+fn check(text: &str, count: usize) -> usize {
     let (draft, problems) = compiled(text);
     let bounds = bounds(&problems, count);
     let section = draft.expect("the mission is sound").write().expect("it fits");
@@ -117,6 +152,7 @@ fn check(text: &str, count: usize) {
     let hysteresis = mission.behaviours().iter().map(|b| b.hysteresis).fold(0.0, f32::max);
     let mut behaviours = Behaviours::new(&mission);
     let (mut waits, mut longest, mut changes) = ([0_u64; 16], [0_u64; 16], 0);
+    let mut exclusions = 0;
     for tick in 1..=40_000_u64 {
         // Triangle waves of eight periods: the most critical behaviour changes within seconds.
         let wave = |channel: u64| {
@@ -137,6 +173,9 @@ fn check(text: &str, count: usize) {
         let changed =
             |d: &&Decision| matches!(d, Decision::Engaged { .. } | Decision::Resumed { .. });
         changes += report.decisions.iter().filter(changed).count();
+        let excluded =
+            |d: &&Decision| matches!(d, Decision::Refused { why: Refusal::Excluded, .. });
+        exclusions += report.decisions.iter().filter(excluded).count();
         for (index, wait) in waits.iter_mut().enumerate().take(count) {
             let own = report.criticalities[index];
             let others = report.criticalities.iter().enumerate();
@@ -153,10 +192,16 @@ fn check(text: &str, count: usize) {
     for (index, (wait, bound)) in longest.iter().zip(&bounds).enumerate() {
         assert!(*wait <= bound + SEEN_MS, "b{index} waited {wait} ms, and {bound} were said");
     }
+    exclusions
 }
 
 #[test]
 fn h36_no_behaviour_waits_longer_than_its_bound() {
     check(&sixteen(), 16);
     check(&five(), 5);
+    let exclusions = check(&holding(), 6);
+    assert!(
+        exclusions > 100,
+        "only {exclusions} exclusions: no behaviour is interrupted while it holds"
+    );
 }

@@ -26,7 +26,7 @@ pub(super) struct States {
     is_complete: bool,
 }
 
-/// The end of one action.
+/// The end of one action, or of a frame that ends by a condition or by its timeout.
 struct Transition {
     /// Longest time until the end, milliseconds.
     time_ms: u64,
@@ -102,13 +102,15 @@ impl States {
             let running = plan.running(&mission);
             let time_ms = running.iter().map(|&(_, time_ms)| time_ms).min().unwrap_or(0) + EVENT_MS;
             let mut transitions = Vec::new();
+            let mut ends = plan.ends_of_frames(&mission);
             for (id, _) in running {
-                for has_failed in [false, true] {
-                    let mut after = plan.clone();
-                    let stop = after.end(&mission, id, has_failed);
-                    let next = states.add(&mission, after, &mut known, &mut waiting, work);
-                    transitions.push(Transition { time_ms, stop, next });
-                }
+                ends.extend([(id, false), (id, true)]);
+            }
+            for (id, has_failed) in ends {
+                let mut after = plan.clone();
+                let stop = after.end(&mission, id, has_failed);
+                let next = states.add(&mission, after, &mut known, &mut waiting, work);
+                transitions.push(Transition { time_ms, stop, next });
             }
             states.transitions[index] = transitions;
             if !states.is_complete {
@@ -220,7 +222,24 @@ impl PlanState {
         running.collect()
     }
 
-    /// Ends an action. Returns the point that is then reached, unless another action still runs.
+    /// The decomposed frames that may end at any time, and whether that is a failure.
+    fn ends_of_frames(&self, mission: &Mission<'_>) -> Vec<(Id, bool)> {
+        let mut ends = Vec::new();
+        for (id, component) in self.forest.iter() {
+            let Symbol::PlanFrame(index) = component.symbol else { continue };
+            let frame = mission.plan_frames().get(usize::from(index));
+            let Some(frame) = frame.filter(|_| component.life == Life::Started) else { continue };
+            if !frame.until.is_empty() {
+                ends.push((id, false));
+            }
+            if frame.timeout_ms != 0 {
+                ends.push((id, true));
+            }
+        }
+        ends
+    }
+
+    /// Ends a component. Returns the point that is then reached, unless another action still runs.
     fn end(&mut self, mission: &Mission<'_>, id: Id, has_failed: bool) -> Option<Stop> {
         let work = self.work_after(mission, id);
         if has_failed {
@@ -300,6 +319,12 @@ impl PlanState {
     /// applicable.
     fn choices(&self, mission: &Mission<'_>, id: Id, frame: u16, open: &mut Vec<Self>) {
         let Some(frame) = mission.plan_frames().get(usize::from(frame)) else { return };
+        if !frame.until.is_empty() {
+            // It may hold already.
+            let mut plan = self.clone();
+            plan.complete(mission, id);
+            open.push(plan);
+        }
         let decompose = |plan: &mut Self, value: &mut dyn FnMut(u16, &Production) -> f32| {
             plan.change(mission, |forest, tell| forest.decompose(mission, id, value, tell))
         };

@@ -1,0 +1,147 @@
+//! Missions from their text to the actions that run: frames that end, facts in rules, behaviours
+//! that run once, and the way back.
+
+use super::compiled;
+use behaviour::{Behaviours, Observations, Report, World};
+use math::{Vec2, vector};
+use plan_format::mission::{ActionKind, Mission};
+
+/// An open field.
+struct Open(Vec2);
+
+impl World for Open {
+    fn cost_to_goal(&self, _: u16) -> Option<f32> {
+        None
+    }
+    fn price(&self, _: u16, _: u8) -> Option<f32> {
+        None
+    }
+    fn is_at_goal(&self, _: u16) -> bool {
+        false
+    }
+    fn is_at(&self, point: Vec2) -> bool {
+        vector::length(point - self.0) < 0.5
+    }
+}
+
+/// Carries out a mission with ticks of 100 ms. Fuel is given for each tick. The robot moves 1 m a
+/// tick towards the point to which an action drives. Returns the actions that run, each with the
+/// tick in which it begins.
+fn carried_out(text: &str, fuel: impl Fn(usize) -> f32, ticks: usize) -> String {
+    let (draft, problems) = compiled(text);
+    let draft = draft.unwrap_or_else(|| panic!("{}", maps::problem::draw(&problems, false)));
+    let section = draft.write().expect("it fits");
+    let mission = Mission::parse(&section).expect("it is sound");
+    let mut behaviours = Behaviours::new(&mission);
+    let (mut at, mut log, mut last) = (Vec2::new(0.0, 0.0), Vec::new(), String::new());
+    for tick in 0..ticks {
+        let mut channels = [None; 8];
+        channels[1] = Some(fuel(tick));
+        let seen = Observations {
+            time_us: 1_000_000 + tick as u64 * 100_000,
+            position: Some(at),
+            channels: &channels,
+            mates: &[],
+            team: 0,
+            world: &Open(at),
+        };
+        let running = behaviours.step(&mission, &seen, &mut Report::default());
+        let names = running.iter().map(|part| {
+            let action = mission.actions().get(part.action.into()).expect("it exists");
+            mission.name(action.name)
+        });
+        let now = names.collect::<Vec<_>>().join(" & ");
+        for part in &running {
+            if let ActionKind::GoTo { x_m, y_m } = part.kind {
+                let way = Vec2::new(x_m, y_m) - at;
+                at += way / vector::length(way).max(1.0);
+            }
+        }
+        if now != last {
+            log.push(format!("{tick} {now}"));
+            last = now;
+        }
+    }
+    log.join(", ")
+}
+
+/// A patrol that ends when the tank is low, and does not take longer than its time.
+#[test]
+fn frames_end_by_conditions_and_by_time() {
+    let mission = |clause: &str| {
+        format!(
+            "[inputs]
+             fuel = {{ source = 'fuel', missing = {{ then = 0 }} }}
+             [facts]
+             low = {{ input = 'fuel', at_most = 0.3 }}
+             [actions]
+             out = {{ do = 'go-to 4, 0' }}
+             back = {{ do = 'go-to 0, 0' }}
+             beep = {{ do = 'hold 0.3 s' }}
+             [frames]
+             patrol = {{ productions = ['entry -> out -> back -> patrol -> exit'], {clause} }}
+             work = {{ productions = ['entry -> patrol -> beep -> exit', 'entry -> beep -> exit'] }}
+             [behaviours.work]
+             criticality = {{ fuel = 'PS PS PS PS PS PS PS' }}
+             once = true"
+        )
+    };
+    let fuel = |tick: usize| if tick < 11 { 0.9 } else { 0.2 };
+    let patrol = "0 out, 4 back, 8 out";
+    let until = carried_out(&mission("until = ['low']"), fuel, 20);
+    assert_eq!(until, format!("{patrol}, 11 beep, 14 "));
+    let timeout = carried_out(&mission("timeout_s = 0.9"), fuel, 20);
+    assert_eq!(timeout, format!("{patrol}, 10 beep, 13 "));
+    let skipped = carried_out(&mission("until = ['low']"), |_| 0.2, 20);
+    assert_eq!(skipped, "0 beep, 3 ");
+}
+
+/// The cargo decides which behaviour is critical, and which production is applicable.
+#[test]
+fn facts_decide_in_rules() {
+    let mission = "
+        [facts]
+        loaded = false
+        [actions]
+        fetch = { do = 'go-to 3, 0', add = ['loaded'] }
+        bring = { do = 'go-to 0, 0', delete = ['loaded'] }
+        look = { do = 'hold 0.2 s' }
+        [frames]
+        fetch_it = { productions = ['entry -> fetch -> report -> exit'] }
+        bring_it = { productions = ['entry -> bring -> report -> exit'] }
+        report = { productions = [
+            { graph = 'entry -> look -> exit', applicable = { loaded = 'NB PB' } },
+            { graph = 'entry -> look -> look -> exit', applicable = { loaded = 'PB NB' } },
+        ] }
+        [behaviours.fetching]
+        plan = 'fetch_it'
+        criticality = { loaded = 'PS NB' }
+        [behaviours.bringing]
+        plan = 'bring_it'
+        criticality = { loaded = 'NB PS' }";
+    let log = carried_out(mission, |_| 1.0, 20);
+    assert_eq!(log, "0 fetch, 3 look, 5 bring, 8 look, 12 fetch, 15 look, 17 bring");
+}
+
+/// A survey that was interrupted goes on where it was left.
+#[test]
+fn a_start_up_returns_to_the_place_left() {
+    let mission = "
+        [inputs]
+        fuel = { source = 'fuel', missing = { then = 0 } }
+        [actions]
+        survey = { do = 'go-to 20, 0' }
+        resume = { do = 'return', max_speed = 1 }
+        fill = { do = 'go-to 0, 0' }
+        [frames]
+        work = { productions = ['entry -> survey -> exit'] }
+        go_back = { productions = ['entry -> resume -> exit'] }
+        refuel = { productions = ['entry -> fill -> exit'] }
+        [behaviours.work]
+        criticality = { fuel = 'PS PS PS PS PS PS PS' }
+        start_up = 'go_back'
+        [behaviours.refuel]
+        criticality = { fuel = 'PB NB NB NB NB NB NB' }";
+    let fuel = |tick: usize| if (6..8).contains(&tick) { 0.0 } else { 1.0 };
+    assert_eq!(carried_out(mission, fuel, 20), "0 survey, 6 fill, 12 resume, 18 survey");
+}
