@@ -15,6 +15,7 @@ mod globe;
 mod goals;
 mod memory;
 mod radio;
+mod tolls;
 mod warnings;
 
 pub use memory::{Need, gib};
@@ -23,9 +24,10 @@ use crate::behaviours::{self, PlanNames, Plans};
 use crate::input::Input;
 use crate::layers::{Layer, Stack};
 use crate::mission::{RadioRule, brakes, follow, layer_gains};
-use crate::pack::pack;
+use crate::pack::pack_with_limits;
 use crate::recipe;
 use crate::search::{Corners, MAX_COST, Query, Solver, is_cut_short};
+use crate::tolls::Tolls;
 use crate::width::{self, LayerPassages};
 use goals::Placed;
 use maps::numbers::metres;
@@ -285,7 +287,7 @@ impl Prepared {
                 layer: layer.name.clone(),
                 passages: width::passages(&field, &site),
             };
-            let packed = pack(&field);
+            let packed = pack_with_limits(&field, &layer.limits);
             bytes.fetch_add(packed.bytes(), Ordering::Relaxed);
             step();
             let draft = LayerDraft { name: layer.name.clone(), rank, packed };
@@ -300,7 +302,7 @@ impl Prepared {
         };
         let solved = solved?;
         for ((goal, layer, _), (_, is_cut_short, _)) in jobs.iter().zip(&solved) {
-            problems.extend(is_cut_short.then(|| too_far(&goal.name, &layer.name, &self.grid)));
+            problems.extend(is_cut_short.then(|| too_far(&goal.name, layer, &self.grid)));
         }
         let mut left = solved.as_slice();
         for goal in &self.goals {
@@ -323,13 +325,20 @@ impl Prepared {
 }
 
 /// Warns that some cells are farther from the goal than the largest representable cost.
-fn too_far(plan: &str, layer: &str, grid: &Grid) -> Problem {
-    let farthest = metres(cost_metres(MAX_COST, grid.resolution_m).floor());
-    Problem::warning(format!(
-        "layer `{plan}/{layer}` marks cells unreachable that are farther than {farthest} m from the \
-         goal, the largest representable cost"
-    ))
-    .help("use a coarser --resolution: a route can have about 700,000 cells")
+fn too_far(plan: &str, layer: &Layer, grid: &Grid) -> Problem {
+    let unit = layer.terrain.tolls.as_ref().map_or(0, Tolls::unit);
+    let farthest = metres(cost_metres(MAX_COST >> unit, grid.resolution_m).floor());
+    let name = &layer.name;
+    let far = if layer.terrain.tolls.is_some() { "cost more" } else { "are farther" };
+    let problem = Problem::warning(format!(
+        "layer `{plan}/{name}` marks cells unreachable that {far} than {farthest} m from the goal, the \
+         largest representable cost"
+    ));
+    problem.help(if unit > 0 {
+        "use a coarser --resolution, or whole numbers as toll factors"
+    } else {
+        "use a coarser --resolution: a route can have about 700,000 cells"
+    })
 }
 
 fn too_large(bytes: Option<usize>) -> Problem {

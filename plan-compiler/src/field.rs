@@ -3,6 +3,7 @@
 //! Arrays are row-major, row 0 in the south, `columns` cells a row. A cell's code says what
 //! its look-up answers; its cost is [`UNREACHED`] unless the code is a move or the goal.
 
+use crate::tolls::MOST;
 use plan_format::{Answer, Cell, Direction, Grid, Layer};
 
 /// The cost of a cell without a route: blocked, or cut off from the goal.
@@ -19,12 +20,14 @@ pub const NO_ESCAPE: u8 = 10;
 pub const ESCAPE: u8 = 16;
 
 /// The cost and the advice of every cell of one layer.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Field {
     /// Cells from west to east.
     pub columns: u32,
     /// Cells from south to north.
     pub rows: u32,
+    /// If there are tolls, the unit of costs: they count 1/2^unit of 1/5741 cell.
+    pub unit: Option<u8>,
     /// Cost to the goal, in units of 1/5741 cell; [`UNREACHED`] where there is no route.
     pub cost: Vec<u32>,
     /// The code of every cell: a move (0 to 7), [`GOAL`], [`NO_ROUTE`], [`NO_ESCAPE`] or
@@ -47,17 +50,36 @@ pub const fn escape(code: u8) -> Option<Direction> {
     if code >= ESCAPE { Some(Direction::from_code(code - ESCAPE)) } else { None }
 }
 
+impl Field {
+    /// What a step out of a cell is multiplied by, from the costs along the cell's move: 1 in every
+    /// cell without tolls. `None` without a move, or if the costs contradict each other.
+    pub fn multiplier(&self, cell: Cell) -> Option<u32> {
+        let index = |cell: Cell| cell.row as usize * self.columns as usize + cell.column as usize;
+        let direction = advised(*self.code.get(index(cell))?)?;
+        let next = cell.neighbour(direction, self.columns, self.rows)?;
+        let drop = self.cost.get(index(cell))?.checked_sub(*self.cost.get(index(next))?)?;
+        let step = direction.step_cost();
+        let multiplier = drop / step;
+        let is_one = drop.is_multiple_of(step) && (1..=MOST).contains(&multiplier);
+        is_one.then_some(multiplier)
+    }
+}
+
 /// All cells of a grid, row by row from the south.
 pub(crate) fn cells(grid: &Grid) -> impl Iterator<Item = Cell> + use<> {
-    let columns = grid.columns;
-    (0..grid.rows).flat_map(move |row| (0..columns).map(move |column| Cell::new(column, row)))
+    all_cells(grid.columns, grid.rows)
+}
+
+/// All cells of a grid of this size, row by row from the south.
+pub(crate) fn all_cells(columns: u32, rows: u32) -> impl Iterator<Item = Cell> {
+    (0..rows).flat_map(move |row| (0..columns).map(move |column| Cell::new(column, row)))
 }
 
 /// Decodes a layer into arrays.
 pub(crate) fn decode(grid: &Grid, layer: &Layer<'_>) -> Field {
     let (mut cost, mut code) = (Vec::with_capacity(grid.cells()), Vec::with_capacity(grid.cells()));
     for cell in cells(grid) {
-        let (cell_cost, cell_code) = match layer.look_up(cell) {
+        let (cell_cost, cell_code) = match layer.look_up_exact(cell) {
             Answer::Move { direction, cost } => (cost, direction.code()),
             Answer::Goal => (0, GOAL),
             Answer::NoRoute => (UNREACHED, NO_ROUTE),
@@ -67,5 +89,6 @@ pub(crate) fn decode(grid: &Grid, layer: &Layer<'_>) -> Field {
         cost.push(cell_cost);
         code.push(cell_code);
     }
-    Field { columns: grid.columns, rows: grid.rows, cost, code }
+    let unit = layer.has_tolls().then(|| layer.unit());
+    Field { columns: grid.columns, rows: grid.rows, unit, cost, code }
 }

@@ -2,10 +2,13 @@
 //!
 //! Each layer says what it adds; the stack yields its terrain, which also blocks all that the layers
 //! below it block. So a robot that follows a layer is never led into an obstacle of a less
-//! constrained one (W, section 2.3).
+//! constrained one (W, section 2.3). Tolls multiply and speed limits add up from layer to layer; they
+//! never free a cell.
 
 use crate::terrain::Terrain;
+use crate::tolls::Tolls;
 use maps::Bitmap;
+use plan_format::Cell;
 
 /// A layer before any goal.
 #[derive(Clone, Debug)]
@@ -14,6 +17,36 @@ pub struct Layer {
     pub name: String,
     /// What it and all layers below it block.
     pub terrain: Terrain,
+    /// Its speed limits and those of all layers below it.
+    pub limits: Limits,
+}
+
+/// The speed limits of the cells of a grid.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Limits {
+    /// Cells with a limit, cm/s, the lowest limit first. Where they overlap, the lowest counts.
+    zones: Vec<(u16, Bitmap)>,
+}
+
+impl Limits {
+    /// Lowers the limit in some cells to this one, m/s.
+    pub fn lower(&mut self, cells: &Bitmap, limit_mps: f64) {
+        let limit = ((limit_mps * 100.0 + 0.5) as u16).max(1);
+        match self.zones.binary_search_by_key(&limit, |zone| zone.0) {
+            Ok(at) => self.zones[at].1.add_all(cells),
+            Err(at) => self.zones.insert(at, (limit, cells.clone())),
+        }
+    }
+
+    /// Whether no cell has a limit.
+    pub fn is_none(&self) -> bool {
+        self.zones.is_empty()
+    }
+
+    /// The limit of a cell, cm/s.
+    pub fn at(&self, cell: Cell) -> Option<u16> {
+        self.zones.iter().find(|(_, cells)| cells.get(cell)).map(|&(limit, _)| limit)
+    }
 }
 
 /// Layers from the least to the most constrained.
@@ -25,11 +58,28 @@ pub struct Stack {
 impl Stack {
     /// Puts a layer on top; `added` are the cells that it blocks besides those below it.
     pub fn add(&mut self, name: &str, added: Bitmap) {
+        self.add_with_tolls(name, added, |_, _| {});
+    }
+
+    /// As [`Stack::add`]. `add_tolls` multiplies the tolls of the layers below by those that the layer
+    /// adds, and lowers their speed limits.
+    pub fn add_with_tolls(
+        &mut self,
+        name: &str,
+        added: Bitmap,
+        add_tolls: impl FnOnce(&mut Tolls, &mut Limits),
+    ) {
         let mut blocked = added;
-        if let Some(below) = self.layers.last() {
+        let below = self.layers.last();
+        if let Some(below) = below {
             blocked.add_all(&below.terrain.blocked);
         }
-        self.layers.push(Layer { name: name.to_owned(), terrain: Terrain::new(blocked) });
+        let tolls = below.and_then(|below| below.terrain.tolls.clone());
+        let mut tolls = tolls.unwrap_or_else(|| Tolls::none(blocked.columns(), blocked.rows()));
+        let mut limits = below.map(|below| below.limits.clone()).unwrap_or_default();
+        add_tolls(&mut tolls, &mut limits);
+        let terrain = Terrain::new(blocked).with_tolls(tolls);
+        self.layers.push(Layer { name: name.to_owned(), terrain, limits });
     }
 
     /// The layers, the least constrained first.
@@ -41,7 +91,6 @@ impl Stack {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plan_format::Cell;
 
     #[test]
     fn each_layer_has_what_lies_below_it() {

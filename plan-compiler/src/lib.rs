@@ -24,6 +24,7 @@ pub mod route;
 pub mod search;
 pub mod team;
 pub mod terrain;
+pub mod tolls;
 pub mod toml;
 pub mod trace;
 pub mod verify;

@@ -18,6 +18,7 @@ mod place;
 mod radio;
 mod reading;
 mod speeds;
+mod tolls;
 pub mod words;
 
 pub use given::Given;
@@ -25,11 +26,12 @@ pub use layer_gains::NamedGain;
 pub use masks::Mask;
 pub use place::{geo_uri, is_geo_uri, place_of};
 pub use radio::{NEEDS, RADIO_KEYS, RadioKey, RadioRule};
+pub use tolls::{Band, SpeedZone, TollRule};
 
 use crate::behaviours;
 use crate::search::Corners;
 use crate::team::{self, Team};
-use crate::toml::{Report, Span, Text, key_span, number};
+use crate::toml::{Fields, Report, Span, Text, key_span, number};
 use keys::{KEYS, Key, Kind, SECTIONS};
 use maps::Point;
 use maps::formats::TagRules;
@@ -144,13 +146,15 @@ pub enum GoalAt {
     Globe(GeoPoint),
 }
 
-/// Areas of the map that are obstacles in one layer and all layers above it.
+/// What one layer adds to those below it: areas of the map that are obstacles, and tolls.
 #[derive(Clone, Debug)]
 pub struct LayerRule {
     /// The layer.
     pub name: Named,
     /// Names of areas of the map.
     pub areas: Vec<Named>,
+    /// What its free cells cost.
+    pub tolls: TollRule,
 }
 
 /// Reads the text of a mission file without a team. The mission contains whatever was understood.
@@ -415,10 +419,22 @@ impl Reader<'_> {
 
     fn layer(&mut self, raw: &str, item: &Item, span: Span) {
         let name = self.name("layer", raw, span.clone());
-        let areas = self.names(&format!("layers.{raw}"), item);
+        let path = format!("layers.{raw}");
+        let (areas, tolls) = if item.is_table_like() {
+            let example = "quiet = { areas = [\"Pond\"], toll = { grass = 2 } }";
+            let keys = tolls::LAYER_KEYS;
+            let fields =
+                Fields::open(&mut self.report, path.clone(), item, span.clone(), &keys, example);
+            let Some(fields) = fields else { return };
+            let areas = fields.item("areas");
+            let areas = areas.map(|(item, _)| self.names(&format!("{path}.areas"), item));
+            (areas.unwrap_or(Some(Vec::new())), tolls::read(&mut self.report, &fields))
+        } else {
+            (self.names(&path, item), TollRule::default())
+        };
         if let (Some(name), Some(areas)) = (name, areas) {
             let name = Named { name, place: self.report.place(&span) };
-            self.mission.layers.push(LayerRule { name, areas });
+            self.mission.layers.push(LayerRule { name, areas, tolls });
         }
     }
 

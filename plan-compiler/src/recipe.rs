@@ -5,14 +5,17 @@
 //! was read, the areas of each layer, the radio of layer `comms`. The grid has the resolution; goals do not matter.
 
 use crate::input::{Input, Options};
-use crate::mission::{self, LayerRule, Mission, NEEDS, RADIO_KEYS, RadioRule};
+use crate::mission::{
+    self, Band, LayerRule, Mission, NEEDS, RADIO_KEYS, RadioRule, SpeedZone, TollRule,
+};
+use crate::tolls::LEAST;
 use maps::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
 use maps::formats::{Format, ReadOptions, TagRules};
 use maps::names::Word;
 use maps::problem::Source;
 use maps::{Point, Unknown};
 use std::sync::Arc;
-use toml_edit::{Array, DocumentMut, Item, Table, Value};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
 
 /// What a blob's recipe says.
 #[derive(Clone, Debug, Default)]
@@ -75,7 +78,9 @@ pub(crate) fn write(input: &Input<'_>, robot_radius_m: f64, places: &[(String, P
         let mut table = Table::new();
         for rule in &input.mission.layers {
             let areas: Array = rule.areas.iter().map(|area| area.name.as_str()).collect();
-            table.insert(&rule.name.name, areas.into());
+            let layer: Item =
+                if rule.tolls.is_empty() { areas.into() } else { layer(areas, &rule.tolls).into() };
+            table.insert(&rule.name.name, layer);
         }
         document["layers"] = Item::Table(table);
     }
@@ -83,6 +88,27 @@ pub(crate) fn write(input: &Input<'_>, robot_radius_m: f64, places: &[(String, P
         document["radio"] = Item::Table(radio(rule, places));
     }
     document.to_string()
+}
+
+/// A layer with tolls as in a mission.
+fn layer(areas: Array, tolls: &TollRule) -> InlineTable {
+    let factor = |eighths: u32| Value::from(f64::from(eighths) / f64::from(LEAST));
+    let mut layer = InlineTable::new();
+    layer.insert("areas", areas.into());
+    let toll = tolls.areas.iter().map(|(area, eighths)| (area.name.as_str(), factor(*eighths)));
+    layer.insert("toll", Value::InlineTable(toll.collect()));
+    let band = |band: &Band| -> InlineTable {
+        [("within", band.within_m.into()), ("factor", factor(band.eighths))].into_iter().collect()
+    };
+    layer.insert("clearance", Value::Array(tolls.clearance.iter().map(band).collect()));
+    let zone = |zone: &SpeedZone| {
+        let limit = [("limit", Value::from(zone.limit_mps))];
+        let factor = zone.eighths.map(|eighths| ("factor", factor(eighths)));
+        let zone_table: InlineTable = limit.into_iter().chain(factor).collect();
+        (zone.area.name.clone(), zone_table)
+    };
+    layer.insert("speed", Value::InlineTable(tolls.speed.iter().map(zone).collect()));
+    layer
 }
 
 /// A radio as in a mission, with the positions of its places.

@@ -5,12 +5,14 @@
 //! relaxation gives the same field, and tests compare the fast methods bit by bit with a plain
 //! Dijkstra search.
 //!
-//! There are two methods; a [`Solver`] chooses the one that suits the map:
+//! There are three methods; a [`Solver`] chooses the one that suits the map:
 //!
 //! - `tiles`: tiles of 64 x 64 cells in a priority queue; inside a tile, whole rows at a time in
 //!   vector instructions. By far the faster on open maps.
 //! - `buckets`: cell by cell in the order of costs, in buckets one step wide. For mazes of narrow
 //!   corridors, where a tile would be visited repeatedly for a single cell.
+//! - `tolled`: buckets as wide as the shortest step, for maps with tolls. A step costs by the cell
+//!   that it leaves; costs count fractions of the unit, see [`crate::tolls::Tolls::unit`].
 //!
 //! Each method is one file that explains how it works and why it is exact. `advice` then finds the
 //! moves in one pass over the costs, and `escape` finds the ways out of blocked cells.
@@ -30,10 +32,13 @@ mod escape;
 pub(crate) mod open;
 mod shores;
 pub(crate) mod tiles;
+mod tolled;
+mod tolled_advice;
 mod vectors;
 
 use crate::field::{self, Field};
 use crate::terrain::Terrain;
+use crate::tolls::{MOST, Tolls};
 use open::Passable;
 use plan_format::grid::DIAGONAL_STEP;
 use plan_format::{Cell, Direction};
@@ -49,7 +54,7 @@ pub enum Corners {
     Allow,
 }
 
-/// How a field is computed. Both methods give the same field.
+/// How a field without tolls is computed. Both methods give the same field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
     /// Tiles of 64 x 64 cells, a row at a time.
@@ -94,6 +99,7 @@ pub struct Solver {
     suitable: Method,
     tiles: tiles::Tiles,
     buckets: buckets::Queue,
+    tolled: tolled::Tolled,
     method: Option<Method>,
     vectors: Vectors,
 }
@@ -116,7 +122,7 @@ impl Solver {
 
     /// As [`solve`].
     pub fn solve(&mut self, query: &Query<'_>) -> Field {
-        let mut field = Field { columns: 0, rows: 0, cost: Vec::new(), code: Vec::new() };
+        let mut field = Field::default();
         self.solve_into(query, &mut field);
         field
     }
@@ -139,6 +145,11 @@ impl Solver {
             self.suitable = suitable(&self.open, vectors);
         }
         let blocked = &terrain.blocked;
+        field.unit = terrain.tolls.as_ref().map(Tolls::unit);
+        if let Some(tolls) = &terrain.tolls {
+            self.tolled.search(&self.open, tolls, goal, corners, vectors);
+            return tolled_advice::advise(&self.tolled, query, vectors, field);
+        }
         match self.method.unwrap_or(self.suitable) {
             Method::Tiles => {
                 self.tiles.search(&self.open, goal, corners, vectors);
@@ -166,7 +177,8 @@ pub fn is_cut_short(query: &Query<'_>, field: &Field) -> bool {
         field.cost.get(index).copied().unwrap_or(field::UNREACHED)
     };
     let highest = field.cost.iter().filter(|&&cost| cost != field::UNREACHED).max();
-    if highest.is_none_or(|&highest| highest < MAX_COST - DIAGONAL_STEP) {
+    let longest = DIAGONAL_STEP * if terrain.tolls.is_some() { MOST } else { 1 };
+    if highest.is_none_or(|&highest| highest < MAX_COST - longest) {
         return false;
     }
     let (columns, rows) = (field.columns, field.rows);

@@ -3,6 +3,7 @@
 //! [`Terrain::nests_in`] says what "at least as constrained" means, for the stack of layers and for
 //! the proofs of [`crate::verify`].
 
+use crate::tolls::Tolls;
 use maps::Bitmap;
 use plan_format::Cell;
 
@@ -11,12 +12,19 @@ use plan_format::Cell;
 pub struct Terrain {
     /// The cells that the robot's centre must not enter.
     pub blocked: Bitmap,
+    /// What steps out of the other cells cost; `None` if all cost their length.
+    pub tolls: Option<Tolls>,
 }
 
 impl Terrain {
-    /// The terrain in which these cells are blocked and all others free.
+    /// The terrain in which these cells are blocked and all others free, without tolls.
     pub fn new(blocked: Bitmap) -> Self {
-        Self { blocked }
+        Self { blocked, tolls: None }
+    }
+
+    /// The same terrain with these tolls on the same grid.
+    pub fn with_tolls(self, tolls: Tolls) -> Self {
+        Self { tolls: Some(tolls).filter(|tolls| !tolls.is_none()), ..self }
     }
 
     /// Columns and rows.

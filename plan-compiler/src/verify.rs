@@ -11,6 +11,10 @@
 //! - A blocked cell's escape is the first step of a shortest way out, found here by a plain Dijkstra
 //!   search.
 //! - The layer blocks every cell that the layer below it blocks.
+//! - If it has tolls: what the advised step lowers the cost by is its length times a factor from 1 to
+//!   32, and "lower by exactly that step" holds for all other steps with the same factor. So the blob
+//!   need not record the factors. They must be the same in all plans that have the layer, and at least
+//!   those of the layer below; and a speed limit at most that of the layer below.
 //!
 //! The blob does not record the corner rule. If any advised step cuts a corner, the rule is `allow`.
 //! If none does, the field is the same under both rules: a best step that cuts a corner would be
@@ -21,14 +25,16 @@
 
 use crate::compile::Progress;
 use crate::field::{Field, GOAL, NO_ESCAPE, NO_ROUTE, UNREACHED};
-use crate::field::{advised, cells, decode, escape, is_blocked};
+use crate::field::{advised, all_cells, cells, decode, escape, is_blocked};
 use crate::layers::Stack;
 use crate::search::Corners;
 use crate::terrain::Terrain;
+use crate::tolls::{LEAST, MOST};
 use maps::Bitmap;
+use plan_format::layout::MAX_UNIT;
 use plan_format::{Answer, Blob, Cell, Direction, Grid, Layer};
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, HashMap};
 
 /// What a proof covered, and what it found wrong.
 #[derive(Clone, Debug, Default)]
@@ -68,27 +74,35 @@ pub fn verify(blob: &Blob<'_>, progress: Progress<'_>) -> Report {
     progress(0, all);
     let mut report = Report { cuts_corners: cuts_corners(blob), ..Report::default() };
     let corners = if report.cuts_corners { Corners::Allow } else { Corners::Forbid };
+    // The factors of each layer, in eighths, where any plan has shown them; else 0.
+    let mut known: HashMap<&str, Vec<u16>> = HashMap::new();
     for parallel in blob.parallel_plans() {
         let [x, y] = parallel.goal_m();
         let goal = grid.cell_at(x, y);
-        let mut below: Option<Terrain> = None;
+        let mut below: Option<(Terrain, Layer<'_>, Vec<u16>)> = None;
         for layer in parallel.layers() {
             let field = decode(grid, &layer);
             let name = format!("{}/{}", parallel.name(), layer.name());
-            let terrain = terrain(&field);
+            let (terrain, factors) = (terrain(&field), factors(&field));
             let mut found = Findings { report: &mut report, grid, layer: &name, listed: 0 };
-            check_nesting(below.as_ref(), &terrain, &mut found);
+            if let Some((below, lower, least)) = &below {
+                check_nesting(below, &terrain, &mut found);
+                check_tolls_nest((lower, least), (&layer, &factors), &mut found);
+            }
+            let known = known.entry(layer.name()).or_insert_with(|| vec![0; factors.len()]);
+            check_factors(known, &factors, &mut found);
             Proof { field: &field, goal, corners }.check(&mut found);
             report.layers += 1;
             report.cells += grid.cells();
-            below = Some(terrain);
+            below = Some((terrain, layer, factors));
             progress(report.layers, all);
         }
     }
     report
 }
 
-/// Compares the blocked cells of every layer with those of a map's layer of the same name.
+/// Compares the blocked cells, the tolls and the speed limits of every layer with those of a map's
+/// layer of the same name.
 pub fn compare(blob: &Blob<'_>, expected: &Stack) -> Report {
     let grid = blob.grid();
     let mut report = Report::default();
@@ -101,12 +115,14 @@ pub fn compare(blob: &Blob<'_>, expected: &Stack) -> Report {
                 found.add(Cell::new(0, 0), "the map and its mission have no such layer");
                 continue;
             };
-            for cell in cells(grid) {
+            let factors = factors(&decode(grid, &layer));
+            for (cell, factor) in cells(grid).zip(factors) {
                 let blocked = matches!(layer.look_up(cell), Answer::Blocked { .. });
                 match (blocked, expected.terrain.blocked.get(cell)) {
                     (true, false) => found.add(cell, "blocked, but free in the map"),
                     (false, true) => found.add(cell, "free, but blocked in the map"),
-                    _ => {}
+                    (true, true) => {}
+                    (false, false) => check_toll(&layer, cell, factor, expected, &mut found),
                 }
             }
             report.layers += 1;
@@ -114,6 +130,29 @@ pub fn compare(blob: &Blob<'_>, expected: &Stack) -> Report {
         }
     }
     report
+}
+
+/// Compares the toll and the speed limit of a free cell with those of a map.
+fn check_toll(
+    layer: &Layer<'_>,
+    cell: Cell,
+    factor: u16,
+    expected: &crate::layers::Layer,
+    found: &mut Findings<'_>,
+) {
+    let tolls = expected.terrain.tolls.as_ref();
+    let wanted = tolls.map_or(LEAST, |tolls| tolls.eighths(cell)) as u16;
+    if factor != 0 && factor != wanted {
+        let (here, there) = (factor_text(factor), factor_text(wanted));
+        found.add(cell, format!("has a toll of {here}, but of {there} in the map"));
+    }
+    let limit = layer.speed_limit(cell);
+    let wanted = expected.limits.at(cell).map(|limit| f32::from(limit) / 100.0);
+    if limit != wanted {
+        let text = |limit: Option<f32>| limit.map_or("none".into(), |limit| format!("{limit} m/s"));
+        let (here, there) = (text(limit), text(wanted));
+        found.add(cell, format!("has a speed limit of {here}, but of {there} in the map"));
+    }
 }
 
 /// Gathers what is wrong with one layer.
@@ -163,8 +202,53 @@ fn beside(diagonal: Direction) -> [Direction; 2] {
     [Direction::from_code(diagonal.code() + 7), Direction::from_code(diagonal.code() + 1)]
 }
 
-fn check_nesting(below: Option<&Terrain>, terrain: &Terrain, found: &mut Findings<'_>) {
-    let Some(below) = below.filter(|below| !terrain.nests_in(below)) else { return };
+/// The factor of each cell in eighths, from the costs along its move; 0 if it has none.
+fn factors(field: &Field) -> Vec<u16> {
+    let shift = MAX_UNIT - field.unit.unwrap_or(0);
+    let all = all_cells(field.columns, field.rows);
+    all.map(|cell| field.multiplier(cell).map_or(0, |toll| (toll << shift) as u16)).collect()
+}
+
+fn factor_text(eighths: u16) -> f32 {
+    f32::from(eighths) / LEAST as f32
+}
+
+/// Compares the factors of a layer with those that other plans have shown, and adds them.
+fn check_factors(known: &mut [u16], factors: &[u16], found: &mut Findings<'_>) {
+    for ((cell, known), &factor) in cells(found.grid).zip(known).zip(factors) {
+        if factor == 0 || *known == factor {
+            continue;
+        }
+        if *known != 0 {
+            let (here, there) = (factor_text(factor), factor_text(*known));
+            found.add(cell, format!("has a toll of {here}, but of {there} in another plan"));
+        }
+        *known = factor;
+    }
+}
+
+/// Checks that tolls and speed limits are at least as strict as in the layer below.
+fn check_tolls_nest(
+    (below, least): (&Layer<'_>, &[u16]),
+    (layer, factors): (&Layer<'_>, &[u16]),
+    found: &mut Findings<'_>,
+) {
+    for ((cell, &factor), &least) in cells(found.grid).zip(factors).zip(least) {
+        if factor != 0 && factor < least {
+            let (here, there) = (factor_text(factor), factor_text(least));
+            found.add(cell, format!("has a toll of {here}, but of {there} in the layer below"));
+        }
+        let highest = below.speed_limit(cell);
+        if highest.is_some_and(|highest| layer.speed_limit(cell).is_none_or(|l| l > highest)) {
+            found.add(cell, "has a higher speed limit than the layer below");
+        }
+    }
+}
+
+fn check_nesting(below: &Terrain, terrain: &Terrain, found: &mut Findings<'_>) {
+    if terrain.nests_in(below) {
+        return;
+    }
     for cell in terrain.gaps(below) {
         found.add(cell, "free, but blocked in the layer below");
     }
@@ -200,9 +284,12 @@ impl Proof<'_> {
         if has_cost != (code != NO_ROUTE) {
             return Err("its cost and its advice disagree".into());
         }
+        let advised_step = self.advised_step(cell, code)?;
+        // The goal is never left.
+        let toll = advised_step.map_or(1, |(_, toll)| toll);
         for direction in Direction::ALL {
             let Some(next) = self.step(cell, direction) else { continue };
-            let through = self.cost(next).checked_add(direction.step_cost());
+            let through = self.cost(next).checked_add(direction.step_cost() * toll);
             let Some(through) = through.filter(|_| self.cost(next) != UNREACHED) else { continue };
             let is_advised_diagonal = advised(code).is_none_or(Direction::is_diagonal);
             if through < cost {
@@ -212,13 +299,24 @@ impl Proof<'_> {
                 return Err(format!("a diagonal step {} is as good", direction.name()));
             }
         }
-        let Some(direction) = advised(code) else { return Ok(()) };
+        Ok(())
+    }
+
+    /// The step that a cell's code advises, which must be legal, and what the cell multiplies steps
+    /// by: it follows from what the step lowers the cost by.
+    fn advised_step(&self, cell: Cell, code: u8) -> Result<Option<(Direction, u32)>, String> {
+        let Some(direction) = advised(code) else { return Ok(None) };
         let name = direction.name();
-        let next = self.step(cell, direction).ok_or_else(|| format!("no step {name} is legal"))?;
-        match self.cost(next).checked_add(direction.step_cost()) {
-            Some(through) if through == cost => Ok(()),
-            _ => Err(format!("a step {name} does not lower the cost {cost} by its own cost")),
-        }
+        self.step(cell, direction).ok_or_else(|| format!("no step {name} is legal"))?;
+        let allowed = match self.field.unit {
+            None => 1..=1,
+            Some(unit) => 1 << unit..=MOST >> (MAX_UNIT - unit),
+        };
+        let toll = self.field.multiplier(cell).filter(|toll| allowed.contains(toll));
+        let toll = toll.ok_or_else(|| {
+            format!("a step {name} does not lower the cost {} by its own cost", self.cost(cell))
+        })?;
+        Ok(Some((direction, toll)))
     }
 
     fn check_escape(&self, cell: Cell, ways_out: &[u32]) -> Result<(), String> {

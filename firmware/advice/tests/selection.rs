@@ -214,7 +214,7 @@ fn drawn(drawing: &str) -> (Field, Cell) {
     };
     let cost = cells.clone().map(cost_of).collect();
     let goal = cells.clone().find(|&cell| code[index(cell)] == GOAL).expect("a goal is drawn");
-    (Field { columns, rows, cost, code }, goal)
+    (Field { columns, rows, unit: None, cost, code }, goal)
 }
 
 fn code_of(character: char) -> u8 {

@@ -201,10 +201,15 @@ impl World for Surroundings<'_, '_> {
             return false;
         };
         let distance_m = vector::length(parallel_plan.goal() - position);
-        let cost = self.best_cost(plan);
-        cost == Some(0)
-            || distance_m <= self.blob.parameters().schemas.goal_tolerance_m
-                && guidance::has_free_path(self.blob, cost, distance_m)
+        let is_near = distance_m <= self.blob.parameters().schemas.goal_tolerance_m;
+        let best = (0..parallel_plan.layer_count())
+            .rev()
+            .find_map(|layer| Some((parallel_plan.layer(layer)?, self.cost(plan, layer)?)));
+        best.is_some_and(|(layer, cost)| {
+            let is_there =
+                || guidance::is_there(self.blob, Some(layer), Some(cost), position, distance_m);
+            cost == 0 || is_near && is_there()
+        })
     }
 
     fn is_at(&self, place: Vec2) -> bool {

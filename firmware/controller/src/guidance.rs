@@ -4,7 +4,7 @@ use advice::{Advice, Choice, Kind, advise, advise_by_gains};
 use math::{Vec2, scalar, vector};
 use plan_format::grid::STRAIGHT_STEP;
 use plan_format::parameters::{Blend, Gains, OnTrouble, Selection};
-use plan_format::{Blob, Cell, Direction, ParallelPlan, Step};
+use plan_format::{Blob, Cell, Direction, Layer, ParallelPlan, Step};
 use robot_io::Reason;
 
 /// What the schemas need from plan and goal in one tick.
@@ -15,7 +15,9 @@ pub struct Guidance {
     /// The advice as a vector of length 1: the step's direction, or the direction of the route
     /// ahead; zero without advice.
     pub ahead: Vec2,
-    /// Length of the way to the goal, metres: that of the route, or without one the distance.
+    /// The layer that gave the advice; `None` without advice.
+    pub layer: Option<u8>,
+    /// Cost of the way to the goal, metres: that of the route, or without one the distance.
     pub way_m: f32,
     /// The goal, map metres.
     pub goal: Vec2,
@@ -29,7 +31,7 @@ impl Guidance {
     /// Guidance straight to a goal, without advice.
     pub fn straight(position: Vec2, goal: Vec2, gains: Gains, reason: Reason) -> Self {
         let way_m = vector::length(goal - position);
-        Self { step: None, ahead: Vec2::zeros(), way_m, goal, gains, reason }
+        Self { step: None, ahead: Vec2::zeros(), layer: None, way_m, goal, gains, reason }
     }
 }
 
@@ -139,13 +141,15 @@ fn weigh(
         Ok(Guidance {
             step: advice.direction,
             ahead: ahead(blob, &parallel_plan, &advice, position),
+            layer: advice.layer,
             way_m: advice.cost.map_or(distance_m, |cost| cost_metres(blob, cost)),
             ..straight
         })
     };
+    let layer = || advice.layer.and_then(|index| parallel_plan.layer(usize::from(index)));
     match advice.kind {
         Kind::Goal => Err(Reason::AtGoal),
-        Kind::Move if is_near && has_free_path(blob, advice.cost, distance_m) => {
+        Kind::Move if is_near && is_there(blob, layer(), advice.cost, position, distance_m) => {
             Err(Reason::AtGoal)
         }
         Kind::Move => with_advice(Reason::Driving),
@@ -216,9 +220,55 @@ fn cost_metres(blob: &Blob<'_>, cost: u32) -> f32 {
     cost as f32 * (blob.grid().resolution_m as f32 / STRAIGHT_STEP as f32)
 }
 
+/// Most steps from the goal of a robot that has arrived by a route with tolls: each costs a look-up.
+const MOST_STEPS_TO_GOAL: u32 = 32;
+
+/// Whether a robot close to the goal has arrived. With tolls, the cost of its route says little about
+/// the length, so the steps to the goal are counted.
+pub(crate) fn is_there(
+    blob: &Blob<'_>,
+    layer: Option<Layer<'_>>,
+    cost: Option<u32>,
+    position: Vec2,
+    distance_m: f32,
+) -> bool {
+    match (layer, blob.cell_at(position)) {
+        (Some(layer), Some(cell)) if layer.has_tolls() => {
+            has_free_path(blob, length(blob, &layer, cell), distance_m)
+        }
+        _ => has_free_path(blob, cost, distance_m),
+    }
+}
+
+/// The length of the route from a cell in units of a cost; `None` if it is too long to count.
+fn length(blob: &Blob<'_>, layer: &Layer<'_>, from: Cell) -> Option<u32> {
+    let grid = blob.grid();
+    let (mut cell, mut length) = (from, 0);
+    for _ in 0..MOST_STEPS_TO_GOAL {
+        match layer.step(cell) {
+            Step::Move(direction) => {
+                length += direction.step_cost();
+                cell = cell.neighbour(direction, grid.columns, grid.rows)?;
+            }
+            Step::Goal => return Some(length),
+            _ => return None,
+        }
+    }
+    None
+}
+
+/// The speed limit where the robot is, m/s: that of the layer that it follows, or without advice of
+/// the least constrained one. Infinite without a limit.
+pub fn speed_limit(blob: &Blob<'_>, progress: &Progress, layer: Option<u8>, position: Vec2) -> f32 {
+    let plan = blob.parallel_plan(usize::from(progress.plan));
+    let layer = plan.and_then(|plan| plan.layer(usize::from(layer.unwrap_or(0))));
+    let limit = layer.zip(blob.cell_at(position)).and_then(|(layer, cell)| layer.speed_limit(cell));
+    limit.unwrap_or(f32::INFINITY)
+}
+
 /// Whether the path to the goal can be free of obstacles: the route is no longer than a free
 /// path could be. A robot near the goal but behind a wall has not arrived.
-pub(crate) fn has_free_path(blob: &Blob<'_>, cost: Option<u32>, distance_m: f32) -> bool {
+fn has_free_path(blob: &Blob<'_>, cost: Option<u32>, distance_m: f32) -> bool {
     let resolution_m = blob.grid().resolution_m as f32;
     // Costs are from centre to centre; both ends are up to half a cell's diagonal off.
     let free_m = OCTILE_EXCESS * (distance_m + core::f32::consts::SQRT_2 * resolution_m);

@@ -364,6 +364,8 @@ fn decide(
         (ahead, detour::Rule::None)
     };
     let is_repelled = guidance.gains.reactive * schema.avoid_gain > 0.0 && repulsion.is_saturated;
-    let commands = drive::drive(vehicle, ahead, is_repelled).because(guidance.reason);
+    let limit_mps = guidance::speed_limit(blob, &state.progress, guidance.layer, position);
+    let vehicle = limit::in_speed_zone(vehicle, limit_mps);
+    let commands = drive::drive(&vehicle, ahead, is_repelled).because(guidance.reason);
     Ok((commands, Some(Blend { guidance, vectors, sum, rule })))
 }

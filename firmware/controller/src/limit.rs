@@ -101,6 +101,16 @@ pub fn limit(
     bounded(vehicle, limited)
 }
 
+/// A vehicle that drives at most at the limit of a speed zone, m/s.
+pub fn in_speed_zone(vehicle: &Vehicle, limit_mps: f32) -> Vehicle {
+    Vehicle {
+        max_speed_mps: vehicle.max_speed_mps.min(limit_mps),
+        base_speed_mps: vehicle.base_speed_mps.min(limit_mps),
+        cautious_speed_mps: vehicle.cautious_speed_mps.min(limit_mps),
+        ..*vehicle
+    }
+}
+
 /// Clamps to the vehicle's limits; a value that is not finite becomes 0.
 fn bounded(vehicle: &Vehicle, commands: Commands) -> Commands {
     let within = |value: f32, most: f32| {

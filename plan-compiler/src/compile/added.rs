@@ -2,7 +2,7 @@
 
 use super::MAX_SUGGESTIONS;
 use super::area::reach;
-use super::radio;
+use super::{radio, tolls};
 use crate::input::Input;
 use crate::layers::Stack;
 use crate::mission::{COMMS, Mask, Named, PHYSICAL};
@@ -33,8 +33,10 @@ pub(super) fn stack(
     let fill_walls = input.options.fill_walls || input.mission.fill_walls.unwrap_or(false);
     let options = RasterOptions { robot_radius_m, fill_walls };
     let mut stack = Stack::default();
+    let mut all: Vec<Added<'_>> = Vec::new();
     for name in names {
-        let added = Added::by(input, name);
+        all.push(Added::by(input, name));
+        let Some(added) = all.last() else { continue };
         let mut blocked = rasterise(input.map, grid, &|feature| added.adds(feature), &options);
         if let Some(rule) = input.mission.radio.as_ref().filter(|_| name == COMMS) {
             blocked.add_all(&radio::out_of_reach(input, rule, grid, problems));
@@ -42,8 +44,14 @@ pub(super) fn stack(
         for mask in &added.masks {
             keep_out(&mask.cells, grid, robot_radius_m, &mut blocked);
         }
-        stack.add(name, blocked);
+        let rules = input.mission.layers.iter().filter(|rule| rule.name.name == name);
+        let rules: Vec<_> = rules.filter(|rule| !rule.tolls.is_empty()).collect();
+        let site = tolls::Site { input, grid, options, added: &all };
+        stack.add_with_tolls(name, blocked, |tolls, limits| {
+            rules.iter().for_each(|rule| site.add(rule, tolls, limits, problems));
+        });
     }
+    problems.extend(tolls::too_many_limits(input));
     problems.extend(input.mission.masks.iter().filter_map(|mask| beside(mask, grid)));
     Some(stack)
 }
@@ -78,10 +86,10 @@ fn names<'a>(input: &Input<'a>) -> Vec<&'a str> {
 }
 
 /// What one layer adds as obstacles.
-struct Added<'a> {
+pub(super) struct Added<'a> {
     role: Option<Role>,
     areas: HashSet<&'a str>,
-    masks: Vec<&'a Mask>,
+    pub(super) masks: Vec<&'a Mask>,
 }
 
 impl<'a> Added<'a> {
@@ -99,7 +107,7 @@ impl<'a> Added<'a> {
         Self { role, areas, masks }
     }
 
-    fn adds(&self, feature: &Feature) -> bool {
+    pub(super) fn adds(&self, feature: &Feature) -> bool {
         self.role == Some(feature.role) || self.areas.contains(feature.name.as_str())
     }
 }
@@ -110,7 +118,8 @@ fn check_areas(input: &Input<'_>, problems: &mut Vec<Problem>) {
     let known: HashSet<&str> = features.filter(|name| !name.is_empty()).collect();
     let mut sorted: Vec<&str> = known.iter().copied().collect();
     sorted.sort_unstable();
-    for area in input.mission.layers.iter().flat_map(|rule| &rule.areas) {
+    let rules = input.mission.layers.iter();
+    for area in rules.flat_map(|rule| rule.areas.iter().chain(rule.tolls.names())) {
         if !known.contains(area.name.as_str()) {
             let error = Problem::error(format!("the map has no area named `{}`", area.name)).at(
                 &area.place.source,

@@ -4,9 +4,9 @@
 //! are squares on the plane. A cell of the plan is blocked if such a square, grown by the robot's
 //! radius, touches it. Only occupied cells of the mask keep out; its unknown cells do nothing.
 //!
-//! Deliberately absent: speed masks. The cells of a plan are blocked or free, nothing between.
+//! Deliberately absent: speed masks. A speed zone is an area of the map: see `tolls`.
 
-use super::{LayerRule, Named, PHYSICAL, Reader};
+use super::{LayerRule, Named, PHYSICAL, Reader, TollRule};
 use crate::toml::{Span, key_span};
 use maps::formats::{self, ReadOptions};
 use maps::problem::{Place, Severity};
@@ -41,8 +41,8 @@ impl Reader<'_> {
                 "speed" => self.report.error(
                     "speed masks cannot be used yet",
                     &key_span,
-                    "the cells of a plan are free or blocked, nothing between",
-                    "leave it out, or name it as `keepout` if the robot must not drive there at all",
+                    "a mask has no areas",
+                    "name areas of the map in a layer, [layers.NAME], as speed = { AREA = 0.5 }",
                 ),
                 other => self.report.error(
                     format!("`{other}` is not a kind of mask"),
@@ -65,7 +65,11 @@ impl Reader<'_> {
             let is_known = self.mission.layers.iter().any(|rule| rule.name.name == layer);
             if !is_known && layer != PHYSICAL {
                 let name = Named { name: layer.clone(), place: self.report.place(&span) };
-                self.mission.layers.push(LayerRule { name, areas: Vec::new() });
+                self.mission.layers.push(LayerRule {
+                    name,
+                    areas: Vec::new(),
+                    tolls: TollRule::default(),
+                });
             }
             self.masks_of(&layer, &format!("masks.keepout.{raw}"), item);
         }

@@ -193,28 +193,28 @@ impl Covering<'_> {
 
             #[inline(always)]
             fn with_simd<S: pulp::Simd>(self, _: S) -> u32 {
-                self.0.own_cells(self.1).write(self.2)
+                let Self(covering, block, words) = self;
+                let codes = &covering.codes[block];
+                own_cells(covering.bordered, codes, covering.corner(block)).write(words)
             }
         }
         pulp::Arch::new().dispatch(Write(self, block, words))
     }
+}
 
-    /// Code and cost of each cell of a block.
-    #[inline(always)]
-    fn own_cells(&self, block: usize) -> OwnCells {
-        let corner = self.corner(block);
-        let Codes(codes) = &self.codes[block];
-        let mut own = OwnCells::new();
-        for (row, codes) in (corner.row as usize..).zip(codes.chunks(8)) {
-            let costs = self.bordered.cost.get(self.bordered.index(corner.column as usize, row)..);
-            let costs = costs.unwrap_or_default();
-            for (column, &code) in codes.iter().enumerate() {
-                let cost = costs.get(column).copied().unwrap_or(UNREACHED);
-                own.add(row % 8 * 8 + column, code <= NO_ROUTE, code, cost);
-            }
+/// Code and cost of each cell of a block, from its codes and its south-west cell.
+#[inline(always)]
+pub(crate) fn own_cells(bordered: &Bordered, codes: &Codes, corner: Cell) -> OwnCells {
+    let mut own = OwnCells::new();
+    for (row, codes) in (corner.row as usize..).zip(codes.0.chunks(8)) {
+        let costs = bordered.cost.get(bordered.index(corner.column as usize, row)..);
+        let costs = costs.unwrap_or_default();
+        for (column, &code) in codes.iter().enumerate() {
+            let cost = costs.get(column).copied().unwrap_or(UNREACHED);
+            own.add(row % 8 * 8 + column, code <= NO_ROUTE, code, cost);
         }
-        own
     }
+    own
 }
 
 const _: () = assert!(OWN_GOAL == GOAL && OWN_NO_ROUTE == NO_ROUTE, "codes are stored as they are");

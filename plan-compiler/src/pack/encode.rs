@@ -6,7 +6,7 @@ use plan_format::Superblock;
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
 use plan_format::layout::{
     BASE_SHIFT, BASES, BLOCK_CELLS, BLOCKS, CLASS_SHIFT, GROUP, HEADER_WORDS, INDEX_1, INDEX_4,
-    OWN, OWN_4_4, OWN_8_8, OWN_32, OWN_SHIFT, class_entries, index_bits, own_words,
+    OWN, OWN_4_4, OWN_8_8, OWN_24, OWN_32, OWN_SHIFT, class_entries, index_bits, own_words,
 };
 
 /// The contents of a block.
@@ -60,13 +60,7 @@ pub(crate) fn superblock(
     filler: u32,
     own: impl Fn(usize, &mut Vec<u32>) -> u32,
 ) -> Superblock {
-    let mut encodings = blocks.map(Encoding::of);
-    let palette = loop {
-        if let Some(palette) = Palette::of(&encodings) {
-            break palette;
-        }
-        free_palette(&mut encodings, entry_bits);
-    };
+    let (encodings, palette) = encodings(blocks);
     let is_plain = encodings.iter().all(|encoding| matches!(encoding.class, Class::Plain));
     if let (true, [] | [_]) = (is_plain, &palette.entries[..]) {
         return Superblock::Uniform(palette.entries.first().copied().unwrap_or(filler));
@@ -104,6 +98,24 @@ pub(crate) fn superblock(
     }
 }
 
+/// The blocks of a superblock whose entries do not fit its palette beside those of the others.
+pub(crate) fn too_many(blocks: &[&Block; BLOCKS]) -> impl Iterator<Item = usize> + use<> {
+    let (encodings, _) = encodings(blocks);
+    let is_own = encodings.map(|encoding| matches!(encoding.class, Class::Own));
+    (0..BLOCKS).filter(move |&at| is_own[at])
+}
+
+/// How blocks are stored, and their palette. Blocks that do not fit it get own cells.
+fn encodings<'b>(blocks: &[&'b Block; BLOCKS]) -> ([Encoding<'b>; BLOCKS], Palette) {
+    let mut encodings = blocks.map(Encoding::of);
+    loop {
+        if let Some(palette) = Palette::of(&encodings) {
+            return (encodings, palette);
+        }
+        free_palette(&mut encodings);
+    }
+}
+
 /// The words of a palette, which is stored backwards.
 fn palette_words(entries: &[u32], entry_bits: u32) -> Vec<u32> {
     let word = |entries: &[u32]| {
@@ -112,13 +124,13 @@ fn palette_words(entries: &[u32], entry_bits: u32) -> Vec<u32> {
     entries.chunks(32 / entry_bits as usize).rev().map(word).collect()
 }
 
-/// Frees room in a palette: the block with the most entries gets own cells. In a plane without own
-/// cells, all blocks share all entries, which are few.
-fn free_palette(encodings: &mut [Encoding<'_>; BLOCKS], entry_bits: u32) {
-    if entry_bits < 16 {
-        let mut all: Vec<u32> = encodings.iter().flat_map(|encoding| encoding.entries()).collect();
-        all.sort_unstable();
-        all.dedup();
+/// Frees room in a palette. If all entries are few, as in planes without own cells, all blocks share
+/// them; otherwise the block with the most entries gets own cells.
+fn free_palette(encodings: &mut [Encoding<'_>; BLOCKS]) {
+    let mut all: Vec<u32> = encodings.iter().flat_map(|encoding| encoding.entries()).collect();
+    all.sort_unstable();
+    all.dedup();
+    if all.len() <= MAX_BLOCK_ENTRIES {
         for encoding in encodings.iter_mut().filter(|encoding| encoding.wanted.len() > 1) {
             encoding.class = Class::Indexed;
             encoding.window.clone_from(&all);
@@ -345,10 +357,22 @@ impl OwnCells {
             match width {
                 OWN_4_4 => words.extend(costs[..count].chunks(4).map(|costs| word(costs, 8))),
                 OWN_8_8 => words.extend(costs[..count].chunks(2).map(|costs| word(costs, 16))),
+                OWN_24 => words.extend(bytes_of_24(&costs[..count]).chunks(4).map(|bytes| {
+                    bytes.iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte))
+                })),
                 _ => words.extend_from_slice(&costs[..count]),
             }
         }
         width
+    }
+
+    /// As [`Self::stored`], without counting steps.
+    fn stored_whole(&self) -> (u32, u32, [u32; BLOCK_CELLS]) {
+        let moves = || self.costs.iter().zip(&self.codes).filter(|&(_, &code)| code < MOVES);
+        let least = moves().map(|(&cost, _)| cost).min().unwrap_or(0);
+        let above = self.costs.map(|cost| cost.wrapping_sub(least));
+        let fits = moves().all(|(&cost, _)| cost - least < 1 << 24);
+        if fits { (OWN_24, least, above) } else { (OWN_32, 0, self.costs) }
     }
 
     /// The width of the costs, their base, and the costs as stored. Only moves have a cost; other
@@ -382,7 +406,7 @@ impl OwnCells {
         }
         let widest = (most_straight - least_straight).max(most_diagonal - least_diagonal);
         if !all_are_paths || widest > 0xff {
-            return (OWN_32, 0, self.costs);
+            return self.stored_whole();
         }
         let width = if widest <= 0xf { OWN_4_4 } else { OWN_8_8 };
         let mut stored = [0; BLOCK_CELLS];
@@ -394,6 +418,11 @@ impl OwnCells {
         }
         (width, least_straight * STRAIGHT_STEP + least_diagonal * DIAGONAL_STEP, stored)
     }
+}
+
+/// The three lowest bytes of each cost.
+fn bytes_of_24(costs: &[u32]) -> Vec<u8> {
+    costs.iter().flat_map(|cost| cost.to_le_bytes().into_iter().take(3)).collect()
 }
 
 // [`OwnCells::stored`] solves `straight * 5741 + diagonal * 8119 = cost` with the fewest diagonal

@@ -18,6 +18,8 @@ pub(crate) struct Bordered {
     /// any. Empty if a cell has no route, or if its cost is not the minimum over its neighbours,
     /// which cannot happen after a search.
     pub(crate) moves: Vec<u8>,
+    /// What a step out of each cell is multiplied by; 0 where that is not known. Empty without tolls.
+    pub(crate) multiplier: Vec<u32>,
 }
 
 impl Bordered {
@@ -36,10 +38,19 @@ impl Bordered {
             let (dx, dy) = direction.step();
             dy as isize * stride as isize + dx as isize
         });
-        let mut bordered = Self { stride, steps, cost, moves: vec![0; stride * (rows + 2)] };
+        let (moves, multiplier) = (vec![0; stride * (rows + 2)], Vec::new());
+        let mut bordered = Self { stride, steps, cost, moves, multiplier };
         let cuts_corners = bordered.cuts_corners(field);
+        let is_tolled = field.unit.is_some();
+        if is_tolled {
+            bordered.find_multipliers(field);
+        }
         for row in 0..rows {
-            bordered.find_moves(row, columns, cuts_corners);
+            if is_tolled {
+                bordered.find_tolled_moves(row, columns, cuts_corners);
+            } else {
+                bordered.find_moves(row, columns, cuts_corners);
+            }
             bordered.keep_agreeing(field, row);
         }
         bordered
@@ -128,6 +139,44 @@ impl Bordered {
             {
                 let clear = (beside != UNREACHED) & (above != UNREACHED);
                 *found |= if lowers(cost, there) & clear { bit } else { 0 };
+            }
+        }
+    }
+
+    /// Fills in the multipliers from the field's own moves.
+    fn find_multipliers(&mut self, field: &Field) {
+        self.multiplier = vec![0; self.cost.len()];
+        for row in 0..field.rows {
+            for column in 0..field.columns {
+                let cell = Cell::new(column, row);
+                let index = self.index_of(cell);
+                self.multiplier[index] = field.multiplier(cell).unwrap_or(0);
+            }
+        }
+    }
+
+    /// As [`Self::find_moves`], with steps that depend on the cell.
+    #[inline(always)]
+    fn find_tolled_moves(&mut self, row: usize, columns: usize, cuts_corners: bool) {
+        let start = self.index(0, row);
+        let cells = start..start + columns;
+        for direction in Direction::ALL {
+            let (dx, dy) = direction.step();
+            let there = self.neighbour(start, direction);
+            let beside = start.wrapping_add_signed(dx as isize);
+            let above = start.wrapping_add_signed(dy as isize * self.stride as isize);
+            let (step, bit) = (direction.step_cost(), 1 << direction.code());
+            let needs_sides = direction.is_diagonal() && !cuts_corners;
+            let costs = self.cost[cells.clone()].iter().zip(&self.cost[there..there + columns]);
+            let sides =
+                self.cost[beside..beside + columns].iter().zip(&self.cost[above..above + columns]);
+            let known = costs.zip(sides).zip(&self.multiplier[cells.clone()]);
+            let moves = self.moves[cells.clone()].iter_mut();
+            for (found, (((&cost, &there), (&beside, &above)), &multiplier)) in moves.zip(known) {
+                let lowers =
+                    (there.wrapping_add(step.wrapping_mul(multiplier)) == cost) & (there < cost);
+                let clear = !needs_sides | (beside != UNREACHED) & (above != UNREACHED);
+                *found |= if lowers & clear { bit } else { 0 };
             }
         }
     }

@@ -159,7 +159,7 @@ fn near(bordered: &Bordered) -> u32 {
 
 /// The cells with moves and a cost in a range, bucket by bucket, as [words](Cell::to_word).
 #[inline(always)]
-fn by_cost(bordered: &Bordered, range: Range<u32>) -> Vec<u32> {
+pub(crate) fn by_cost(bordered: &Bordered, range: Range<u32>) -> Vec<u32> {
     let first = range.start / STRAIGHT_STEP;
     let bucket = |cost: u32| (cost / STRAIGHT_STEP - first) as usize;
     let mut counts: Vec<u32> = Vec::new();

@@ -127,10 +127,10 @@ impl Rows for Queue {
 }
 
 /// Fills in the moves of every cell, compiled once for each kind of vector unit.
-struct Enter<'a> {
-    open: &'a Passable,
-    corners: Corners,
-    moves: &'a mut [u8],
+pub(super) struct Enter<'a> {
+    pub(super) open: &'a Passable,
+    pub(super) corners: Corners,
+    pub(super) moves: &'a mut [u8],
 }
 
 impl pulp::WithSimd for Enter<'_> {

@@ -225,7 +225,7 @@ fn the_nearest_cell_of_a_sector_is_that_of_a_plain_search() {
 #[test]
 fn advice_that_leads_in_a_circle_ends_the_count() {
     // East, west: the two cells advise each other.
-    let field = Field { columns: 3, rows: 1, cost: vec![1, 1, 0], code: vec![0, 4, 8] };
+    let field = Field { columns: 3, rows: 1, unit: None, cost: vec![1, 1, 0], code: vec![0, 4, 8] };
     let routes = Routes::count(&field);
     assert_eq!(routes.trunk(1), [0; 0]);
 }

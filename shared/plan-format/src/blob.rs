@@ -4,6 +4,7 @@ use crate::directory::{Directory, LayerRecord, Origin, PlanRecord, SCHEMA_HASH};
 use crate::error::BlobError;
 use crate::grid::{Cell, Grid};
 use crate::layer::{Layer, Unproved};
+use crate::layout::TOLL_WORDS;
 use crate::mission::{ActionKind, Mission, MissionError, Source};
 use crate::names::{Name, is_name};
 use crate::parameters::Parameters;
@@ -356,13 +357,15 @@ impl<'a> ParallelPlan<'a> {
             section: self.sections.cells,
             terrain: record.terrain,
             routes: record.routes,
-            roots: record.roots,
+            roots: record.roots.wrapping_add(if record.has_tolls() { TOLL_WORDS } else { 0 }),
             root_count: record.root_count.into(),
             bytes: record.bytes,
             counts: record.counts,
             names: self.sections.names,
             name: record.name,
-            rank: record.rank,
+            rank: record.rank(),
+            has_tolls: record.has_tolls(),
+            unit: record.unit(),
         })
     }
 
@@ -385,7 +388,7 @@ impl<'a> ParallelPlan<'a> {
         let earlier = (0..index)
             .map(|other| self.layer_record(other).and_then(|r| r.name.text(self.sections.names)));
         self.sections.check_name(record.name, earlier)?;
-        if usize::from(record.rank) >= limits::MAX_LAYERS {
+        if !record.is_valid() {
             return Err(BlobError::Layers);
         }
         let number = usize::from(self.record.first_layer) + index;

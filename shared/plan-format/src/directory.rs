@@ -1,6 +1,7 @@
 //! The directory, a postcard message whose byte slices are the sections, and the records of plans
 //! and layers.
 
+use crate::layout::{RANK_BITS, UNIT_BITS};
 use crate::names::Name;
 use crate::parameters::Parameters;
 use crate::record::record;
@@ -100,7 +101,8 @@ record! {
     pub(crate) struct LayerRecord {
         pub(crate) name: Name,
         /// Position of its constraints in the mission's order; equal in all plans that have them.
-        pub(crate) rank: u8,
+        /// Above its 3 bits, the unit of costs and the flag of tolls.
+        pub(crate) rank_and_tolls: u8,
         /// Where the table of plane `terrain` begins.
         pub(crate) terrain: u32,
         /// Where the table of plane `routes` begins.
@@ -111,6 +113,36 @@ record! {
         /// Bytes that this layer added to section `cells`.
         pub(crate) bytes: u32,
         pub(crate) counts: Counts,
+    }
+}
+
+const TOLLS: u8 = 1 << (RANK_BITS + UNIT_BITS);
+
+impl LayerRecord {
+    /// The byte of a rank below 8, and of the unit of costs if the layer has tolls.
+    pub(crate) fn rank_byte(rank: u8, toll_unit: Option<u8>) -> u8 {
+        rank | toll_unit.map_or(0, |unit| TOLLS | unit << RANK_BITS)
+    }
+
+    /// Position of its constraints in the mission's order.
+    pub(crate) fn rank(&self) -> u8 {
+        self.rank_and_tolls & ((1 << RANK_BITS) - 1)
+    }
+
+    /// Whether the layer has tolls.
+    pub(crate) fn has_tolls(&self) -> bool {
+        self.rank_and_tolls & TOLLS != 0
+    }
+
+    /// The unit of costs; see [`crate::Layer::unit`].
+    pub(crate) fn unit(&self) -> u8 {
+        self.rank_and_tolls >> RANK_BITS & ((1 << UNIT_BITS) - 1)
+    }
+
+    /// Whether the byte is one that [`Self::rank_byte`] gives.
+    pub(crate) fn is_valid(&self) -> bool {
+        let unit = self.has_tolls().then(|| self.unit());
+        self.rank_and_tolls == Self::rank_byte(self.rank(), unit)
     }
 }
 

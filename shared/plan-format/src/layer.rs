@@ -5,13 +5,19 @@
 //! cell a *root*: another cell, which an optimal path reaches in as few steps as without obstacles.
 //! So `cost = cost(root) + octile(cell, root)`, exactly, and the direction is towards the root. If
 //! roots would take more space, a block holds the code and the cost of each cell instead.
+//!
+//! In a layer with *tolls*, a step costs a multiple, by the cell that it leaves. There a root has a
+//! multiplier of its own, and plane `corrections` holds what a cell's cost differs from
+//! `cost(root) + multiplier(root) * octile(cell, root)`, and the step if it is not towards the root. A
+//! plane `limits` may limit the speed.
 
 use crate::directory::{Counts, LayerRecord};
 use crate::error::BlobError;
 use crate::grid::{Cell, Direction};
 use crate::layout::{
-    NO_ROUTE_ENTRY, OWN_GOAL, ROOT_WORDS, ROUTE_BITS, Root, TERRAIN_BITS, Terrain, WORD_BYTES,
-    first_step, superblocks,
+    CORRECTION_BITS, Correction, LIMIT_BITS, NO_LIMIT, NO_ROUTE_ENTRY, NO_TABLE, OWN_GOAL,
+    ROOT_WORDS, ROUTE_BITS, Root, TERRAIN_BITS, TOLL_WORDS, Terrain, TolledRoot, WORD_BYTES,
+    first_step, superblocks, tolled_cost,
 };
 use crate::names::Name;
 use crate::plane::{BlockAddress, Own, Plane, Stored};
@@ -79,6 +85,10 @@ pub struct Layer<'a> {
     pub(crate) names: &'a [u8],
     pub(crate) name: Name,
     pub(crate) rank: u8,
+    /// Whether it has tolls: then [`crate::layout::TollHeader`] precedes the roots.
+    pub(crate) has_tolls: bool,
+    /// Costs count 1/2^unit of 1/5741 cell.
+    pub(crate) unit: u8,
 }
 
 /// The parts of a layer that are not proved yet, because no earlier layer shares them.
@@ -99,13 +109,15 @@ impl Unproved {
         let mut fewest = record.root_count;
         for (index, other) in layers.iter().enumerate() {
             let is_earlier = index < number;
+            let has_equal_roots =
+                (other.roots, other.root_count) == (record.roots, record.root_count);
             if other.routes == record.routes {
                 fewest = fewest.min(other.root_count);
                 routes &= !is_earlier;
             }
             if is_earlier {
                 terrain &= other.terrain != record.terrain;
-                roots &= (other.roots, other.root_count) != (record.roots, record.root_count);
+                roots &= !(has_equal_roots && other.has_tolls() == record.has_tolls());
             }
         }
         Self { terrain, roots, routes_of_roots: routes.then_some(fewest.into()) }
@@ -114,7 +126,7 @@ impl Unproved {
 
 /// What the planes hold for a cell.
 enum Found {
-    Root { number: u32, straight_first: bool },
+    Root { number: u32, straight_first: bool, address: BlockAddress },
     Own(Own),
     NoRoute,
     Blocked(Option<Direction>),
@@ -150,11 +162,47 @@ impl<'a> Layer<'a> {
         self.counts
     }
 
-    /// The answer for a cell. Constant time; never fails.
+    /// Whether steps cost more in some cells than in others.
+    pub fn has_tolls(&self) -> bool {
+        self.has_tolls
+    }
+
+    /// The unit of [`Layer::look_up_exact`]: costs count 1/2^unit of 1/5741 cell. 0 without tolls.
+    pub fn unit(&self) -> u8 {
+        self.unit
+    }
+
+    /// The speed limit in a cell, m/s; `None` if there is none, or off the map.
+    pub fn speed_limit(&self, cell: Cell) -> Option<f32> {
+        if !self.has_tolls || cell.column >= self.columns || cell.row >= self.rows {
+            return None;
+        }
+        let table = self.toll_word(3).filter(|&table| table != NO_TABLE)?;
+        let plane = Plane::<LIMIT_BITS> { section: self.section, table };
+        match plane.get(BlockAddress::new(cell, superblocks(self.columns)))? {
+            Stored::Entry(entry) if entry != NO_LIMIT => Some(entry as f32 / 100.0),
+            _ => None,
+        }
+    }
+
+    /// The answer for a cell. Constant time; never fails. Costs are rounded down to whole units of
+    /// 1/5741 cell.
     pub fn look_up(&self, cell: Cell) -> Answer {
-        // Both planes were validated, so each read succeeds.
+        match self.look_up_exact(cell) {
+            Answer::Move { direction, cost } => Answer::Move { direction, cost: cost >> self.unit },
+            other => other,
+        }
+    }
+
+    /// As [`Layer::look_up`], with the cost in the layer's own [unit](Layer::unit).
+    #[inline(always)]
+    pub fn look_up_exact(&self, cell: Cell) -> Answer {
+        // The planes were validated, so each read succeeds.
         match self.find(cell) {
-            Found::Root { number, straight_first } => {
+            Found::Root { number, straight_first, address } if self.has_tolls => {
+                self.tolled_answer(number, straight_first, address, cell).unwrap_or(Answer::NoRoute)
+            }
+            Found::Root { number, straight_first, .. } => {
                 self.root(number).map_or(Answer::NoRoute, |root| answer(root, cell, straight_first))
             }
             Found::Own(own) => match (own.code(self.section), own.cost(self.section)) {
@@ -173,8 +221,11 @@ impl<'a> Layer<'a> {
     /// As [`Layer::look_up`], without the cost and in a sixth less time.
     pub fn step(&self, cell: Cell) -> Step {
         match self.find(cell) {
-            Found::Root { number, straight_first } => match self.root_cell(number) {
-                Some(root) => first_step(cell, root, straight_first).map_or(Step::Goal, Step::Move),
+            Found::Root { number, straight_first, address } => match self.root_cell(number) {
+                Some(root) => self
+                    .corrected_step(address)
+                    .or_else(|| first_step(cell, root, straight_first))
+                    .map_or(Step::Goal, Step::Move),
                 None => Step::NoRoute,
             },
             Found::Own(own) => match own.code(self.section) {
@@ -201,7 +252,7 @@ impl<'a> Layer<'a> {
         }
         match self.routes().get(address) {
             Some(Stored::Entry(entry)) if entry != NO_ROUTE_ENTRY => {
-                Found::Root { number: entry >> 1, straight_first: entry & 1 == 1 }
+                Found::Root { number: entry >> 1, straight_first: entry & 1 == 1, address }
             }
             Some(Stored::Own(own)) => Found::Own(own),
             _ => Found::NoRoute,
@@ -228,7 +279,54 @@ impl<'a> Layer<'a> {
 
     #[inline(always)]
     fn root_cell(&self, number: u32) -> Option<Cell> {
-        self.section.get(self.roots.wrapping_add(number * ROOT_WORDS)).map(Cell::of_word)
+        let word = self.section.get(self.roots.wrapping_add(number * ROOT_WORDS))?;
+        // Without tolls, the bits of the multiplier are 0.
+        Some(if self.has_tolls { TolledRoot::cell_of(word) } else { Cell::of_word(word) })
+    }
+
+    /// A word of the toll header, which precedes the roots.
+    #[inline(always)]
+    fn toll_word(&self, index: u32) -> Option<u32> {
+        self.section.get(self.roots.wrapping_sub(TOLL_WORDS).wrapping_add(index))
+    }
+
+    /// The answer for a cell with a root in a layer with tolls.
+    #[inline(always)]
+    fn tolled_answer(
+        &self,
+        number: u32,
+        straight_first: bool,
+        address: BlockAddress,
+        cell: Cell,
+    ) -> Option<Answer> {
+        let word = self.section.get(self.roots.wrapping_add(number * ROOT_WORDS))?;
+        let root_cost = self.section.get(self.roots.wrapping_add(number * ROOT_WORDS + 1))?;
+        let (root, index) = (TolledRoot::cell_of(word), TolledRoot::multiplier_of(word));
+        let correction = self.correction(address)?;
+        let step = correction.step().or_else(|| first_step(cell, root, straight_first));
+        // A root that is not the goal refers to another root or has a corrected step.
+        let Some(direction) = step else { return Some(Answer::Goal) };
+        let multiplier = (self.toll_word(4 + index / 4)?.rotate_right(8 * index) & 0xff) + 1;
+        let cost = tolled_cost(root, root_cost, multiplier, cell);
+        Some(Answer::Move { direction, cost: cost.wrapping_add(correction.cost()) })
+    }
+
+    #[inline(always)]
+    fn correction(&self, address: BlockAddress) -> Option<Correction> {
+        let table = self.toll_word(0)?;
+        let plane = Plane::<CORRECTION_BITS> { section: self.section, table };
+        match plane.get(address)? {
+            Stored::Entry(entry) => {
+                let word = self.section.get(self.toll_word(1)?.wrapping_add(entry))?;
+                Some(Correction::of_word(word))
+            }
+            Stored::Own(_) => None,
+        }
+    }
+
+    #[inline(always)]
+    fn corrected_step(&self, address: BlockAddress) -> Option<Direction> {
+        if self.has_tolls { self.correction(address)?.step() } else { None }
     }
 
     #[inline(always)]
@@ -254,6 +352,9 @@ impl<'a> Layer<'a> {
         if unproved.roots {
             work.spend(self.root_count)?;
             self.validate_roots().ok_or(BlobError::Cells)?;
+            if self.has_tolls {
+                self.validate_tolls(count, work)?;
+            }
         }
         if unproved.terrain {
             self.terrain().validate(count, false, Terrain::is_entry, work)?;
@@ -270,10 +371,36 @@ impl<'a> Layer<'a> {
         let mut roots = roots.iter().step_by(ROOT_WORDS as usize);
         let fit = roots.all(|root| {
             let [x0, x1, y0, y1]: [u8; WORD_BYTES] = *root;
-            u32::from(u16::from_le_bytes([x0, x1])) < self.columns
-                && u32::from(u16::from_le_bytes([y0, y1])) < self.rows
+            let mut cell = Cell::new(
+                u32::from(u16::from_le_bytes([x0, x1])),
+                u32::from(u16::from_le_bytes([y0, y1])),
+            );
+            if self.has_tolls {
+                cell = TolledRoot::cell_of(u32::from_le_bytes(*root));
+            }
+            cell.column < self.columns && cell.row < self.rows
         });
         fit.then_some(())
+    }
+
+    /// Proves the header before the roots, and the planes that it names.
+    fn validate_tolls(
+        &self,
+        superblocks: u32,
+        work: &mut Work<impl FnMut()>,
+    ) -> Result<(), BlobError> {
+        let word = |index| self.toll_word(index).ok_or(BlobError::Cells);
+        let (corrections, values, count, limits) = (word(0)?, word(1)?, word(2)?, word(3)?);
+        // The multipliers are the last words; any number is one.
+        word(TOLL_WORDS - 1)?;
+        self.section.range(values, count).ok_or(BlobError::Cells)?;
+        let corrections = Plane::<CORRECTION_BITS> { section: self.section, table: corrections };
+        corrections.validate(superblocks, false, |entry| entry < count, work)?;
+        if limits == NO_TABLE {
+            return Ok(());
+        }
+        let limits = Plane::<LIMIT_BITS> { section: self.section, table: limits };
+        limits.validate(superblocks, false, |entry| entry <= u16::MAX.into(), work)
     }
 }
 

@@ -16,6 +16,7 @@
 //! #     terrain: plane(Terrain::Free.entry()),
 //! #     routes: plane(0),
 //! #     roots: Root { cell: Cell::new(0, 0), cost: 0 }.words().into(),
+//! #     tolls: None,
 //! #     counts: Counts { free: 3, blocked: 0, unreachable: 0 },
 //! # };
 //! # let layers = vec![LayerDraft { name: "physical".into(), rank: 0, packed }];
@@ -82,6 +83,6 @@ pub use seal::{FORMAT_VERSION, MAGIC};
 pub use team::TeamPolicy;
 
 #[cfg(feature = "std")]
-pub use packed::{PackedLayer, PackedPlane, Superblock};
+pub use packed::{PackedLayer, PackedPlane, PackedTolls, Superblock};
 #[cfg(feature = "std")]
 pub use write::{Draft, LayerDraft, PlanDraft, WriteError, recipe, write, write_with_recipe};

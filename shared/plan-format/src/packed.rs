@@ -1,7 +1,7 @@
 //! A packed layer: the words that a packer makes and the writer stores.
 
 use crate::directory::Counts;
-use crate::layout::WORD_BYTES;
+use crate::layout::{MULTIPLIERS, TOLL_WORDS, WORD_BYTES};
 
 /// The words of one layer. [`crate::write()`] refuses a layer that the reader would refuse.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -14,8 +14,11 @@ pub struct PackedLayer {
     pub terrain: PackedPlane,
     /// The root of each free cell, or its own code and cost.
     pub routes: PackedPlane,
-    /// The words of all roots, in the order of their numbers; see [`crate::layout::Root::words`].
+    /// The words of all roots, in the order of their numbers; see [`crate::layout::Root::words`] and
+    /// [`crate::layout::TolledRoot::words`].
     pub roots: Vec<u32>,
+    /// What a layer with tolls has besides; `None` without tolls.
+    pub tolls: Option<PackedTolls>,
     /// The number of cells of each kind.
     pub counts: Counts,
 }
@@ -28,7 +31,31 @@ impl PackedLayer {
 
     /// Upper bound of its bytes in a blob, which stores words that layers share only once.
     pub fn bytes(&self) -> usize {
-        WORD_BYTES * (self.terrain.words() + self.routes.words() + self.roots.len())
+        let tolls = self.tolls.as_ref().map_or(0, PackedTolls::words);
+        WORD_BYTES * (self.terrain.words() + self.routes.words() + self.roots.len() + tolls)
+    }
+}
+
+/// What a layer with tolls has besides roots.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PackedTolls {
+    /// The unit of costs; see [`crate::Layer::unit`].
+    pub unit: u8,
+    /// For each cell the number of its correction.
+    pub corrections: PackedPlane,
+    /// The corrections, at least one; see [`crate::layout::TollHeader::values`].
+    pub values: Vec<u32>,
+    /// For each cell its speed limit, cm/s; `None` without limits.
+    pub limits: Option<PackedPlane>,
+    /// What roots multiply steps by, less 1, by the number that roots have.
+    pub multipliers: [u8; MULTIPLIERS],
+}
+
+impl PackedTolls {
+    /// Upper bound of its words in a blob.
+    fn words(&self) -> usize {
+        let limits = self.limits.as_ref().map_or(0, PackedPlane::words);
+        TOLL_WORDS as usize + self.corrections.words() + self.values.len() + limits
     }
 }
 

@@ -15,8 +15,8 @@ use crate::error::BlobError;
 use crate::grid::{Cell, DIAGONAL_STEP, STRAIGHT_STEP};
 use crate::layout::{
     BASE_SHIFT, BASES, BLOCKS, CLASS_SHIFT, GROUP, HEADER_WORDS, INDEX_1, INDEX_4, MAX_BORDERS,
-    OWN, OWN_32, OWN_HEADER_WORDS, OWN_SHIFT, SUPERBLOCK_SHIFT, UNIFORM, class_entries, data_words,
-    group_words, index_bits, own_words,
+    OWN, OWN_24, OWN_32, OWN_HEADER_WORDS, OWN_SHIFT, SUPERBLOCK_SHIFT, UNIFORM, class_entries,
+    data_words, group_words, index_bits, own_words,
 };
 use crate::limits;
 use crate::words::Words;
@@ -272,10 +272,17 @@ impl Own {
     #[inline(always)]
     pub(crate) fn cost(self, section: Words<'_>) -> Option<u32> {
         let (costs, member) = (self.group + 1, self.rank % GROUP as u32);
-        if self.width >= OWN_32 {
+        if self.width == OWN_32 {
             return section.get(costs + member);
         }
         let base = section.get(self.data + 2)?;
+        if self.width == OWN_24 {
+            // Four costs take three words.
+            let (first, bit) = (costs + 3 * member / 4, 24 * member % 32);
+            let low = section.get(first)? >> bit;
+            let high = if bit > 8 { section.get(first + 1)? << (32 - bit) } else { 0 };
+            return Some(base.wrapping_add((low | high) & 0xff_ffff));
+        }
         let half = 4 << self.width;
         let bit = 2 * half * member;
         let steps = section.get(costs + bit / 32)?.rotate_right(bit);

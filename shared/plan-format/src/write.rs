@@ -4,7 +4,7 @@ use crate::blob::Blob;
 use crate::directory::{Directory, LayerRecord, Origin, PlanRecord, SCHEMA_HASH};
 use crate::error::BlobError;
 use crate::grid::Grid;
-use crate::layout::{ROOT_WORDS, UNIFORM, WORD_BYTES};
+use crate::layout::{NO_TABLE, ROOT_WORDS, TollHeader, UNIFORM, WORD_BYTES};
 use crate::mission::MissionDraft;
 use crate::names::{Name, is_name};
 use crate::packed::{PackedLayer, PackedPlane, Superblock};
@@ -225,12 +225,18 @@ impl Sections {
         for layer in &plan.layers {
             let before = self.cells.bytes.len();
             let packed = &layer.packed;
+            if usize::from(layer.rank) >= limits::MAX_LAYERS {
+                return Err(WriteError::Number { field: "rank", number: layer.rank.into() });
+            }
             let record = LayerRecord {
                 name: self.name(&layer.name)?,
-                rank: layer.rank,
+                rank_and_tolls: LayerRecord::rank_byte(
+                    layer.rank,
+                    packed.tolls.as_ref().map(|tolls| tolls.unit),
+                ),
                 terrain: self.cells.put_plane(&packed.terrain)?,
                 routes: self.cells.put_plane(&packed.routes)?,
-                roots: self.cells.put_words(&packed.roots)?,
+                roots: self.put_roots(packed)?,
                 root_count: number("number of roots", packed.roots.len() / ROOT_WORDS as usize)?,
                 bytes: number("bytes of a layer", self.cells.bytes.len() - before)?,
                 counts: packed.counts,
@@ -238,6 +244,21 @@ impl Sections {
             record.encode(&mut self.layers);
         }
         Ok(())
+    }
+
+    /// The offset of a layer's roots, or of the header before them if it has tolls.
+    fn put_roots(&mut self, packed: &PackedLayer) -> Result<u32, WriteError> {
+        let Some(tolls) = &packed.tolls else { return self.cells.put_words(&packed.roots) };
+        let limits = tolls.limits.as_ref().map(|limits| self.cells.put_plane(limits));
+        let header = TollHeader {
+            corrections: self.cells.put_plane(&tolls.corrections)?,
+            values: self.cells.put_words(&tolls.values)?,
+            value_count: number("number of corrections", tolls.values.len())?,
+            limits: limits.transpose()?.unwrap_or(NO_TABLE),
+            multipliers: tolls.multipliers,
+        };
+        let words: Vec<u32> = header.words().into_iter().chain(packed.roots.clone()).collect();
+        self.cells.put_words(&words)
     }
 
     fn name(&mut self, name: &str) -> Result<Name, WriteError> {
@@ -308,6 +329,7 @@ mod tests {
                 terrain: plane(terrain.entry()),
                 routes: plane(0),
                 roots: goal.words().into(),
+                tolls: None,
                 counts,
             },
         }

@@ -363,7 +363,7 @@ fn fields() -> impl Strategy<Value = Field> {
         let cells = (columns * rows) as usize;
         let cost = prop::collection::vec(costs.clone(), cells);
         let code = prop::collection::vec(codes.clone(), cells);
-        (cost, code).prop_map(move |(cost, code)| Field { columns, rows, cost, code })
+        (cost, code).prop_map(move |(cost, code)| Field { columns, rows, unit: None, cost, code })
     })
 }
 

@@ -1,6 +1,7 @@
 //! Fields, compared with slow references and with drawn pictures.
 
 mod published;
+mod tolls;
 
 use maps::Bitmap;
 use plan_compiler::field::{self, Field};

@@ -49,6 +49,7 @@ fn open_field(column: u32, row: u32) -> Field {
     Field {
         columns: SIDE,
         rows: SIDE,
+        unit: None,
         cost: cells().map(|(x, y)| octile(x.abs_diff(column), y.abs_diff(row))).collect(),
         code: cells().map(code).collect(),
     }

@@ -48,7 +48,13 @@ fn repeated() -> Field {
         _ => (random >> 16) as u8 % 8,
     };
     let cells = || (0..SIDE * SIDE).map(cell);
-    Field { columns: SIDE, rows: SIDE, code: cells().map(code).collect(), cost: cells().collect() }
+    Field {
+        columns: SIDE,
+        rows: SIDE,
+        unit: None,
+        code: cells().map(code).collect(),
+        cost: cells().collect(),
+    }
 }
 
 /// A blob with `plans` plans of `layers` layers each, all with the same content.

@@ -90,7 +90,7 @@ impl Picture {
             () => downhill(index, &cost, &|direction| self.step(index, direction, cut_corners))
                 .map_or(NO_ROUTE, Direction::code),
         });
-        Field { columns: self.columns, rows: self.rows, code: code.collect(), cost }
+        Field { columns: self.columns, rows: self.rows, unit: None, code: code.collect(), cost }
     }
 
     /// Uniform-cost search from several cells.
