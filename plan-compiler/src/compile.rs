@@ -14,6 +14,7 @@ mod area;
 mod globe;
 mod goals;
 mod memory;
+mod obstacles;
 mod radio;
 mod tolls;
 mod warnings;

@@ -4,6 +4,7 @@
 //! its look-up answers; its cost is [`UNREACHED`] unless the code is a move or the goal.
 
 use crate::tolls::MOST;
+use plan_format::layout::MAX_UNIT;
 use plan_format::{Answer, Cell, Direction, Grid, Layer};
 
 /// The cost of a cell without a route: blocked, or cut off from the goal.
@@ -63,6 +64,20 @@ impl Field {
         let is_one = drop.is_multiple_of(step) && (1..=MOST).contains(&multiplier);
         is_one.then_some(multiplier)
     }
+}
+
+/// The factor of a cell of a layer in eighths, from the costs along the cell's move; `None` without a
+/// move.
+pub fn eighths_of(grid: &Grid, layer: &Layer<'_>, cell: Cell) -> Option<u32> {
+    let Answer::Move { direction, cost } = layer.look_up_exact(cell) else { return None };
+    let next = cell.neighbour(direction, grid.columns, grid.rows)?;
+    let rest = match layer.look_up_exact(next) {
+        Answer::Move { cost, .. } => cost,
+        Answer::Goal => 0,
+        _ => return None,
+    };
+    let multiplier = cost.checked_sub(rest)? / direction.step_cost();
+    Some(multiplier << (MAX_UNIT - layer.unit()))
 }
 
 /// All cells of a grid, row by row from the south.

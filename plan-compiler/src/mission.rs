@@ -434,6 +434,8 @@ impl Reader<'_> {
         };
         if let (Some(name), Some(areas)) = (name, areas) {
             let name = Named { name, place: self.report.place(&span) };
+            let kinds = tolls.names().filter_map(|area| tolls::kind(&area.name));
+            self.mission.tags.keep.extend(kinds);
             self.mission.layers.push(LayerRule { name, areas, tolls });
         }
     }

@@ -3,6 +3,8 @@
 //! A file is written beside its destination and renamed onto it, so that no reader sees half of it
 //! and a failure keeps the old file.
 
+use crate::field::eighths_of;
+use crate::tolls::LEAST;
 use maps::problem::Problem;
 use plan_format::grid::cost_metres;
 use plan_format::{Answer, Cell, Grid, Layer};
@@ -84,6 +86,18 @@ pub enum What {
     Direction,
     /// uint8: 1 blocked, 0 free.
     Blocked,
+    /// What a step out of the cell is multiplied by, float32; 0 where that is not known: blocked,
+    /// without a route, or the goal.
+    Toll,
+    /// Speed limit, m/s, float32; infinite where there is none.
+    Limit,
+}
+
+impl What {
+    /// Whether it is written as float32.
+    fn is_float(self) -> bool {
+        matches!(self, Self::Cost | Self::Toll | Self::Limit)
+    }
 }
 
 /// How an array is written.
@@ -105,7 +119,7 @@ pub fn write_array(
 ) -> io::Result<()> {
     if format == ArrayFormat::Npy {
         let kind = match what {
-            What::Cost => "<f4",
+            What::Cost | What::Toll | What::Limit => "<f4",
             What::Direction => "|i1",
             What::Blocked => "|u1",
         };
@@ -113,19 +127,19 @@ pub fn write_array(
     }
     for row in 0..grid.rows {
         for column in 0..grid.columns {
-            let answer = layer.look_up(Cell::new(column, row));
-            match (format, what) {
-                (ArrayFormat::Npy, What::Cost) => {
-                    out.write_all(&(cost(answer, grid) as f32).to_le_bytes())?;
-                }
-                (ArrayFormat::Npy, _) => out.write_all(&code(answer, what).to_le_bytes())?,
-                (ArrayFormat::Csv, _) => {
-                    let comma = if column > 0 { "," } else { "" };
-                    match what {
-                        What::Cost => write!(out, "{comma}{}", cost(answer, grid) as f32)?,
-                        _ => write!(out, "{comma}{}", code(answer, what))?,
-                    }
-                }
+            let cell = Cell::new(column, row);
+            let answer = layer.look_up(cell);
+            let number = match what {
+                What::Toll => eighths_of(grid, layer, cell).unwrap_or(0) as f32 / LEAST as f32,
+                What::Limit => layer.speed_limit(cell).unwrap_or(f32::INFINITY),
+                _ => cost(answer, grid) as f32,
+            };
+            let comma = if column > 0 { "," } else { "" };
+            match (format, what.is_float()) {
+                (ArrayFormat::Npy, true) => out.write_all(&number.to_le_bytes())?,
+                (ArrayFormat::Npy, false) => out.write_all(&code(answer, what).to_le_bytes())?,
+                (ArrayFormat::Csv, true) => write!(out, "{comma}{number}")?,
+                (ArrayFormat::Csv, false) => write!(out, "{comma}{}", code(answer, what))?,
             }
         }
         if format == ArrayFormat::Csv {

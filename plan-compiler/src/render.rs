@@ -16,6 +16,7 @@ mod scale;
 mod sheet;
 mod stroke;
 pub(crate) mod text;
+mod texture;
 mod view;
 
 pub use marks::Mark;
@@ -209,6 +210,9 @@ fn entries(
     }
     if drawn.iter().any(Sampled::has_cells_without_route) {
         item(Symbol::Hatch, "no route to the goal");
+    }
+    for level in drawn.iter().flat_map(Sampled::levels) {
+        item(Symbol::Dots(level), &texture::meaning(level));
     }
     if style.has_arrows && bands.is_some() {
         item(Symbol::Arrow, "advice");

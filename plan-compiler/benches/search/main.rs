@@ -5,7 +5,7 @@
 //! of `BENCHMARKS.md`: nanoseconds per cell of the map (free or not) for one whole field from one goal. It
 //! uses one thread, reuses buffers if the crate can, and measures each kind of vector unit of the
 //! machine. The table also shows how many times faster the search is than the fastest other crate
-//! under the same corner rule, the extra time for escapes from blocked cells, and the time to pack
+//! under the same corner rule and tolls, the extra time for escapes from blocked cells, and the time to pack
 //! the field into a layer. Every other crate's costs are compared with the search's before it is
 //! timed.
 //!
@@ -18,7 +18,7 @@ mod peers;
 
 use ::maps::Bitmap;
 use criterion::{Criterion, SamplingMode, Throughput};
-use peers::{Eikonal, GridSearch, Petgraph, pathfinding};
+use peers::{Eikonal, GridSearch, Ground, Petgraph, pathfinding};
 use plan_compiler::field::{Field, UNREACHED};
 use plan_compiler::pack::pack;
 use plan_compiler::search::{Corners, Query, Solver, Vectors};
@@ -56,10 +56,20 @@ fn main() {
                 let goal = maps::central(&map);
                 for (corners, rule) in RULES {
                     let group = format!("{name} {side} {rule}");
-                    measure(&mut criterion, &in_round(&group, round), &map, goal, corners);
+                    let terrain = Terrain::new(map.clone());
+                    measure(&mut criterion, &in_round(&group, round), &terrain, goal, corners);
                     if round == 1 {
                         names.push((group, f64::from(side) * f64::from(side)));
                     }
+                }
+            }
+            for (name, terrain) in maps::tolled(side) {
+                let goal = maps::central(&terrain.blocked);
+                let group = format!("{name} {side} forbid");
+                let name = in_round(&group, round);
+                measure(&mut criterion, &name, &terrain, goal, Corners::Forbid);
+                if round == 1 {
+                    names.push((group, f64::from(side) * f64::from(side)));
                 }
             }
         }
@@ -86,14 +96,14 @@ fn sides() -> Vec<u32> {
     chosen.split(',').map(|side| side.trim().parse().expect("SIDES is a list of numbers")).collect()
 }
 
-fn measure(criterion: &mut Criterion, name: &str, map: &Bitmap, goal: Cell, corners: Corners) {
+fn measure(criterion: &mut Criterion, name: &str, terrain: &Terrain, goal: Cell, corners: Corners) {
+    let map = &terrain.blocked;
     let mut group = criterion.benchmark_group(name);
     group.sampling_mode(SamplingMode::Flat);
     group.throughput(Throughput::Elements(u64::from(map.columns()) * u64::from(map.rows())));
 
     let mut solver = Solver::new();
-    let terrain = Terrain::new(map.clone());
-    let query = Query { terrain: &terrain, goal, corners };
+    let query = Query { terrain, goal, corners };
     let mut field = solver.solve(&query);
     let check = Check { field: field.clone(), map };
     for vectors in Vectors::all() {
@@ -108,7 +118,8 @@ fn measure(criterion: &mut Criterion, name: &str, map: &Bitmap, goal: Cell, corn
 
     group.bench_function(PACKING, |b| b.iter(|| pack(black_box(&check.field))));
 
-    let mut grid_search = GridSearch::new(map, corners);
+    let ground = Ground::new(&query);
+    let mut grid_search = GridSearch::new(&ground);
     grid_search.solve(goal);
     check.compare("grid_search", |cell| grid_search.cost(cell).map(f64::from));
     group.bench_function("grid_search", |b| b.iter(|| grid_search.solve(black_box(goal))));
@@ -122,12 +133,12 @@ fn measure(criterion: &mut Criterion, name: &str, map: &Bitmap, goal: Cell, corn
         });
         group.bench_function("eikonal", |b| b.iter(|| eikonal.solve(black_box(goal))));
     } else if map.columns() <= LARGEST_HASHED {
-        let costs = pathfinding(&query);
+        let costs = pathfinding(&ground);
         check.compare("pathfinding", |cell| costs(cell).map(f64::from));
         group.bench_function("pathfinding", |b| {
-            b.iter(|| pathfinding(black_box(&query)));
+            b.iter(|| pathfinding(black_box(&ground)));
         });
-        let petgraph = Petgraph::new(&query);
+        let petgraph = Petgraph::new(&ground);
         let costs = petgraph.solve(goal);
         check.compare("petgraph", |cell| costs(cell).map(f64::from));
         group.bench_function("petgraph", |b| b.iter(|| petgraph.solve(black_box(goal))));

@@ -1,6 +1,8 @@
 //! Maps for the benchmark, drawn from seeds.
 
 use ::maps::Bitmap;
+use plan_compiler::terrain::Terrain;
+use plan_compiler::tolls::{LEAST, MOST, Tolls};
 use plan_format::{Cell, Direction};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
@@ -15,6 +17,49 @@ pub(crate) fn all(side: u32) -> Vec<(&'static str, Bitmap)> {
         ("noise", noise(side)),
         ("maze", maze(side)),
     ]
+}
+
+/// Cities with tolls, square.
+pub(crate) fn tolled(side: u32) -> Vec<(&'static str, Terrain)> {
+    let map = city(side);
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let any = Tolls::from_fn(side, side, |_| random.random_range(LEAST..=MOST));
+    let kinds = [("city, bands", bands(&map)), ("city, areas", areas(side)), ("city, random", any)];
+    kinds.map(|(name, tolls)| (name, Terrain::new(map.clone()).with_tolls(tolls))).into()
+}
+
+/// Three bands around obstacles, one cell each: factors 3, 2 and 1.5.
+fn bands(map: &Bitmap) -> Tolls {
+    let side = map.columns();
+    let near = |cell: Cell, radius: u32| {
+        let reach = |at: u32| at.saturating_sub(radius)..side.min(at + radius + 1);
+        reach(cell.row).any(|row| reach(cell.column).any(|column| map.get(Cell::new(column, row))))
+    };
+    let factors = [24, 16, 12];
+    Tolls::from_fn(side, side, |cell| {
+        (1..=3)
+            .find(|&radius| near(cell, radius))
+            .map_or(LEAST, |radius| factors[radius as usize - 1])
+    })
+}
+
+/// Rectangles of 30 to 99 cells a side with factors 1.5 and 2 over about a third of the map.
+fn areas(side: u32) -> Tolls {
+    let mut random = ChaCha8Rng::seed_from_u64(6);
+    let mut factors = vec![LEAST; (side * side) as usize];
+    let mut covered = 0;
+    while covered < side * side * 2 / 5 {
+        let [west, south] = [(); 2].map(|()| random.random_range(0..side));
+        let [width, height] = [(); 2].map(|()| random.random_range(30..100));
+        let factor = if random.random_range(0..2) == 0 { 12 } else { 16 };
+        for row in south..side.min(south + height) {
+            for column in west..side.min(west + width) {
+                factors[(row * side + column) as usize] = factor;
+            }
+        }
+        covered += width * height;
+    }
+    Tolls::from_fn(side, side, |cell| factors[(cell.row * side + cell.column) as usize])
 }
 
 /// The cells of a map in row-major order.

@@ -9,17 +9,42 @@ use grid_search::{
 };
 use petgraph::csr::Csr;
 use plan_compiler::search::{Corners, Query, step};
+use plan_compiler::terrain::Terrain;
+use plan_compiler::tolls::Tolls;
 use plan_format::grid::{DIAGONAL_STEP, STRAIGHT_STEP};
+use plan_format::layout::MAX_UNIT;
 use plan_format::{Cell, Direction};
 
-/// The steps from a cell, with their costs.
-fn steps(query: &Query<'_>, cell: Cell) -> impl Iterator<Item = (Cell, u32)> {
-    let Query { terrain, corners, .. } = *query;
-    Direction::ALL.into_iter().filter_map(move |direction| {
-        let is_straight = direction.code().is_multiple_of(2);
-        let cost = if is_straight { STRAIGHT_STEP } else { DIAGONAL_STEP };
-        step(terrain, cell, direction, corners).map(|to| (to, cost))
-    })
+/// What is searched, with what steps are multiplied by.
+pub(crate) struct Ground<'q> {
+    query: &'q Query<'q>,
+    /// By the cell that a robot leaves.
+    multipliers: Vec<u32>,
+}
+
+impl<'q> Ground<'q> {
+    pub(crate) fn new(query: &'q Query<'q>) -> Self {
+        let Terrain { blocked, tolls } = query.terrain;
+        let unit = tolls.as_ref().map_or(0, Tolls::unit);
+        let multiplier =
+            |cell| tolls.as_ref().map_or(1, |tolls| tolls.eighths(cell) >> (MAX_UNIT - unit));
+        Self { query, multipliers: cells(blocked).map(multiplier).collect() }
+    }
+
+    fn multiplier(&self, cell: Cell) -> u32 {
+        self.multipliers[(cell.row * self.query.terrain.blocked.columns() + cell.column) as usize]
+    }
+
+    /// The steps from a cell away from the goal, with their costs: a robot takes them the other way,
+    /// so they cost by the cell that they lead to.
+    fn steps(&self, cell: Cell) -> impl Iterator<Item = (Cell, u32)> {
+        let Query { terrain, corners, .. } = *self.query;
+        Direction::ALL.into_iter().filter_map(move |direction| {
+            let is_straight = direction.code().is_multiple_of(2);
+            let cost = if is_straight { STRAIGHT_STEP } else { DIAGONAL_STEP };
+            step(terrain, cell, direction, corners).map(|to| (to, cost * self.multiplier(to)))
+        })
+    }
 }
 
 /// `grid_search`: a distance map over a grid of costs by cell and direction; keeps buffers.
@@ -32,6 +57,7 @@ pub(crate) struct GridSearch {
 struct Open {
     size: [i32; 2],
     open: Vec<bool>,
+    multipliers: Vec<u32>,
     corners: Corners,
 }
 
@@ -59,16 +85,24 @@ impl CostGrid for Open {
             || self.corners == Corners::Allow
             || (self.at(to.x - step.x, to.y)? && self.at(to.x, to.y - step.y)?);
         let cost = if is_straight { STRAIGHT_STEP } else { DIAGONAL_STEP };
+        let cost = cost * self.multipliers[(to.y * self.size[0] + to.x) as usize];
         Some(if is_open && passes { CostCell::Cost(cost) } else { CostCell::Solid })
     }
 }
 
 impl GridSearch {
-    pub(crate) fn new(map: &Bitmap, corners: Corners) -> Self {
+    pub(crate) fn new(ground: &Ground<'_>) -> Self {
+        let (map, corners) = (&ground.query.terrain.blocked, ground.query.corners);
+        let multipliers = ground.multipliers.clone();
         let size = Size::new(map.columns(), map.rows());
         let open = cells(map).map(|cell| !map.get(cell)).collect();
         Self {
-            grid: Open { size: [map.columns() as i32, map.rows() as i32], open, corners },
+            grid: Open {
+                size: [map.columns() as i32, map.rows() as i32],
+                open,
+                multipliers,
+                corners,
+            },
             context: SearchContext::new(size),
             distances: DistanceMap::new(size),
         }
@@ -88,9 +122,9 @@ impl GridSearch {
 }
 
 /// `pathfinding`: Dijkstra over successors that are computed on demand. Returns the costs by cell.
-pub(crate) fn pathfinding(query: &Query<'_>) -> impl Fn(Cell) -> Option<u32> + use<> {
-    let goal = query.goal;
-    let all = pathfinding::prelude::dijkstra_all(&goal, |&cell| steps(query, cell));
+pub(crate) fn pathfinding(ground: &Ground<'_>) -> impl Fn(Cell) -> Option<u32> + use<> {
+    let goal = ground.query.goal;
+    let all = pathfinding::prelude::dijkstra_all(&goal, |&cell| ground.steps(cell));
     move |cell| if cell == goal { Some(0) } else { all.get(&cell).map(|&(_, cost)| cost) }
 }
 
@@ -101,13 +135,13 @@ pub(crate) struct Petgraph {
 }
 
 impl Petgraph {
-    pub(crate) fn new(query: &Query<'_>) -> Self {
-        let map = &query.terrain.blocked;
+    pub(crate) fn new(ground: &Ground<'_>) -> Self {
+        let map = &ground.query.terrain.blocked;
         let columns = map.columns();
         let node = |cell: Cell| cell.row * columns + cell.column;
         let mut edges: Vec<(u32, u32, u32)> = cells(map)
             .filter(|&cell| !map.get(cell))
-            .flat_map(|cell| steps(query, cell).map(move |(to, cost)| (node(cell), node(to), cost)))
+            .flat_map(|cell| ground.steps(cell).map(move |(to, cost)| (node(cell), node(to), cost)))
             .collect();
         edges.sort_unstable();
         let mut graph = Csr::from_sorted_edges(&edges).expect("edges are sorted");

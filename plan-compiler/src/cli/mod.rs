@@ -248,6 +248,10 @@ pub(crate) enum WhatToExport {
     Direction,
     /// uint8: 1 blocked, 0 free
     Blocked,
+    /// float32 factor of steps out of the cell; 0 where blocked, without a route, or the goal
+    Toll,
+    /// float32 m/s, the speed limit; inf where there is none
+    Limit,
 }
 
 /// How a route is written.

@@ -109,7 +109,7 @@ impl Reading {
             format: self.format,
             unknown: self.unknown,
             opar,
-            tags: TagRules { block, free, open_gates: self.open_gates },
+            tags: TagRules { block, free, keep: Vec::new(), open_gates: self.open_gates },
             origin: self.origin,
         }
     }

@@ -15,6 +15,8 @@ pub(super) fn run(args: &Export) -> Result<(), Failure> {
         WhatToExport::Cost => What::Cost,
         WhatToExport::Direction => What::Direction,
         WhatToExport::Blocked => What::Blocked,
+        WhatToExport::Toll => What::Toll,
+        WhatToExport::Limit => What::Limit,
     };
     refuse_output(&args.output, &[&args.plans])?;
     let bytes = read_blob(&args.plans)?;

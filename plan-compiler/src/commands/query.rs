@@ -7,6 +7,8 @@ use super::{Failure, find, open, read_blob};
 use crate::cli::{PointAt, Query};
 use maps::problem::Problem;
 use math::GeoPoint;
+use plan_compiler::field::eighths_of;
+use plan_compiler::tolls::LEAST;
 use plan_format::grid::cost_metres;
 use plan_format::{Answer, Blob, Layer};
 use serde::Serialize;
@@ -22,6 +24,12 @@ struct Line {
     /// Whether the direction leads out of a blocked cell.
     escape: bool,
     cell: &'static str,
+    /// What a step out of the cell is multiplied by, in layers with tolls.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    toll: Option<f64>,
+    /// The speed limit, m/s, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limit_mps: Option<f64>,
 }
 
 pub(super) fn run(args: &Query) -> Result<(), Failure> {
@@ -123,6 +131,12 @@ fn answer(blob: &Blob<'_>, layer: &Layer<'_>, at: Option<[f64; 2]>) -> Line {
     // the edge of a cell.
     let cell = at.and_then(|[x, y]| grid.cell_at(x, y));
     let answer = cell.map_or(Answer::OffMap, |cell| layer.look_up(cell));
+    let priced = cell.filter(|_| layer.has_tolls());
+    let toll = priced.and_then(|cell| eighths_of(grid, layer, cell));
+    let toll = toll.map(|eighths| f64::from(eighths) / f64::from(LEAST));
+    let limit = priced.and_then(|cell| layer.speed_limit(cell));
+    // Limits are whole cm/s.
+    let limit_mps = limit.map(|mps| (f64::from(mps) * 100.0).round() / 100.0);
     let (cost_m, direction) = match answer {
         Answer::Move { direction, cost } => {
             (Some(cost_metres(cost, grid.resolution_m)), Some(direction.name()))
@@ -138,5 +152,5 @@ fn answer(blob: &Blob<'_>, layer: &Layer<'_>, at: Option<[f64; 2]>) -> Line {
     };
     let escape = matches!(answer, Answer::Blocked { escape: Some(_) });
     let [x, y] = at.map_or([None, None], |[x, y]| [Some(x), Some(y)]);
-    Line { x, y, cost_m, direction, escape, cell }
+    Line { x, y, cost_m, direction, escape, cell, toll, limit_mps }
 }

@@ -2,6 +2,7 @@
 
 use super::MAX_SUGGESTIONS;
 use super::area::reach;
+use super::obstacles::Added;
 use super::{radio, tolls};
 use crate::input::Input;
 use crate::layers::Stack;
@@ -10,7 +11,6 @@ use maps::names::nearest;
 use maps::numbers::pair;
 use maps::problem::Problem;
 use maps::raster::{RasterOptions, keep_out, rasterise};
-use maps::{Feature, Role};
 use plan_format::{Grid, limits};
 use std::collections::HashSet;
 
@@ -83,33 +83,6 @@ fn names<'a>(input: &Input<'a>) -> Vec<&'a str> {
         .chain(comms.then_some(COMMS))
         .chain(rules().filter(|name| *name != PHYSICAL))
         .collect()
-}
-
-/// What one layer adds as obstacles.
-pub(super) struct Added<'a> {
-    role: Option<Role>,
-    areas: HashSet<&'a str>,
-    pub(super) masks: Vec<&'a Mask>,
-}
-
-impl<'a> Added<'a> {
-    fn by(input: &Input<'a>, layer: &str) -> Self {
-        let role = match layer {
-            PHYSICAL => Some(Role::Obstacle),
-            // Computed instead of drawn.
-            COMMS if input.mission.radio.is_some() => None,
-            COMMS => Some(Role::Attenuating),
-            _ => None,
-        };
-        let rules = input.mission.layers.iter().filter(|rule| rule.name.name == layer);
-        let areas = rules.flat_map(|rule| &rule.areas).map(|area| area.name.as_str()).collect();
-        let masks = input.mission.masks.iter().filter(|mask| mask.layer == layer).collect();
-        Self { role, areas, masks }
-    }
-
-    pub(super) fn adds(&self, feature: &Feature) -> bool {
-        self.role == Some(feature.role) || self.areas.contains(feature.name.as_str())
-    }
 }
 
 /// Reports every area that the mission names and the map lacks.

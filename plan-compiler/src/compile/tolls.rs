@@ -1,6 +1,6 @@
 //! The tolls and the speed limits of each layer, from what the mission says about it.
 
-use super::added::Added;
+use super::obstacles::Added;
 use crate::input::Input;
 use crate::layers::Limits;
 use crate::mission::{LayerRule, Named, SpeedZone};

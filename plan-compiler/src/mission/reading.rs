@@ -16,6 +16,7 @@ impl Mission {
         let tags = TagRules {
             block: or(given.tags.block, &self.tags.block),
             free: or(given.tags.free, &self.tags.free),
+            keep: or(given.tags.keep, &self.tags.keep),
             open_gates: given.tags.open_gates || self.tags.open_gates,
         };
         ReadOptions { tags, origin: given.origin.or(self.origin), ..given }

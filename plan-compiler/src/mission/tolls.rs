@@ -3,6 +3,7 @@
 use super::Named;
 use crate::tolls;
 use crate::toml::{Fields, Report, Span, key_span, number};
+use maps::formats::TagRule;
 use toml_edit::{Item, TableLike, Value};
 
 /// Where steps of a layer, and of the layers above it, cost more than their length.
@@ -57,6 +58,12 @@ impl TollRule {
     pub fn names(&self) -> impl Iterator<Item = &Named> {
         self.areas.iter().map(|(area, _)| area).chain(self.speed.iter().map(|zone| &zone.area))
     }
+}
+
+/// The tag that a name means, if it is one: `landuse=grass`. Such a name is that of all objects of
+/// the kind.
+pub(super) fn kind(name: &str) -> Option<TagRule> {
+    name.parse().ok().filter(|rule: &TagRule| rule.value.is_some() && rule.to_string() == name)
 }
 
 /// Reads the tolls of a layer's table.

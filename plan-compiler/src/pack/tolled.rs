@@ -13,9 +13,9 @@ use crate::field::{Field, GOAL, UNREACHED};
 use plan_format::grid::{Cell, Direction};
 use plan_format::layout::{MULTIPLIERS, TolledRoot, first_step, tolled_cost};
 
-/// Most changes of the correction on the way from a cell to its root. On cities, 2 packs bands around
-/// obstacles and wide areas about equally well; fewer favour areas, more are worse for both.
-const MAX_CHANGES: u8 = 2;
+/// Most changes of the correction on the way from a cell to its root. On cities, 1 packs bands around
+/// obstacles and wide areas about equally well; 0 packs areas alone better, and bands much worse.
+const MAX_CHANGES: u8 = 1;
 
 /// A cell to which others refer.
 #[derive(Clone, Copy, Debug)]

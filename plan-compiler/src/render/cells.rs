@@ -2,8 +2,9 @@
 //!
 //! The picture bounds the size of the image, however large the map is.
 
-use super::palette::{self, BLOCKED, HATCH, PAPER};
+use super::palette::{self, BLOCKED, HATCH, PAPER, TOLL};
 use super::scale::round_number_above;
+use super::texture::{self, Level};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use plan_format::grid::cost_metres;
@@ -27,6 +28,8 @@ pub(super) struct Sampled {
     rows: u32,
     /// Costs, or [`IS_BLOCKED`] or [`NO_ROUTE`]; row 0 in the south.
     costs: Vec<u32>,
+    /// The tolls of the samples; empty without tolls.
+    tolls: Vec<Level>,
     resolution_m: f64,
 }
 
@@ -67,7 +70,14 @@ impl Sampled {
                 .map(move |column| merged(block(column, columns, grid.columns), rows.clone(), cost))
         };
         let costs = (0..rows).into_par_iter().flat_map_iter(row_of_samples).collect();
-        Self { columns, rows, costs, resolution_m: grid.resolution_m }
+        let level = |row: u32| {
+            let row = middle(row, rows, grid.rows);
+            let cell = move |column| Cell::new(middle(column, columns, grid.columns), row);
+            (0..columns).map(move |column| texture::level(grid, layer, cell(column)))
+        };
+        let toll_rows = if layer.has_tolls() { rows } else { 0 };
+        let tolls = (0..toll_rows).into_par_iter().flat_map_iter(level).collect();
+        Self { columns, rows, costs, tolls, resolution_m: grid.resolution_m }
     }
 
     /// The same samples reduced to at most `most` columns and rows.
@@ -82,7 +92,14 @@ impl Sampled {
                 .map(move |column| merged(block(column, columns, self.columns), rows.clone(), cost))
         };
         let costs = (0..rows).flat_map(row_of_samples).collect();
-        Self { columns, rows, costs, resolution_m: self.resolution_m }
+        let level = |row: u32| {
+            let start = middle(row, rows, self.rows) as usize * self.columns as usize;
+            let column = |column: u32| middle(column, columns, self.columns) as usize;
+            (0..columns).map(move |at| self.tolls.get(start + column(at)).copied().unwrap_or(0))
+        };
+        let toll_rows = if self.tolls.is_empty() { 0 } else { rows };
+        let tolls = (0..toll_rows).flat_map(level).collect();
+        Self { columns, rows, costs, tolls, resolution_m: self.resolution_m }
     }
 
     /// The highest cost, metres; `None` if no cell has a route.
@@ -100,6 +117,11 @@ impl Sampled {
         self.costs.contains(&NO_ROUTE)
     }
 
+    /// The levels of tolls that occur, from the lowest, without level 0.
+    pub(super) fn levels(&self) -> impl Iterator<Item = Level> {
+        (1..=Level::MAX).take(4).filter(|level| self.tolls.contains(level))
+    }
+
     /// The image in whole pixels; the hatching repeats after `hatch_px` pixels.
     pub(super) fn draw(&self, bands: Bands, size: [u32; 2], hatch_px: u32) -> Image {
         image(size, &self.coarser(size).png(bands, size, hatch_px).unwrap_or_default())
@@ -111,10 +133,10 @@ impl Sampled {
         [width, height]: [u32; 2],
         hatch_px: u32,
     ) -> Result<Vec<u8>, png::EncodingError> {
-        // Colours of the bands, then of paper, hatching and blocked cells.
+        // Colours of the bands, then of paper, hatching, blocked cells and tolls.
         let mut colours: Vec<u8> =
             (0..bands.count).flat_map(|index| palette::band(index, bands.count)).collect();
-        colours.extend([PAPER, HATCH, BLOCKED].into_iter().flat_map(palette::rgb));
+        colours.extend([PAPER, HATCH, BLOCKED, TOLL].into_iter().flat_map(palette::rgb));
         let paper = bands.count as u8;
         let index_of = |cost: u32| match cost {
             IS_BLOCKED => paper + 2,
@@ -124,8 +146,11 @@ impl Sampled {
         indexed_png([width, height], colours, |x, y| {
             let row = middle(height - 1 - y, height, self.rows) as usize;
             let column = middle(x, width, self.columns) as usize;
-            match index_of(self.costs[row * self.columns as usize + column]) {
+            let at = row * self.columns as usize + column;
+            let level = self.tolls.get(at).copied().unwrap_or(0);
+            match index_of(self.costs[at]) {
                 index if index == paper && (x + y) % hatch_px < hatch_px.div_ceil(5) => paper + 1,
+                index if index < paper && texture::is_dot(level, hatch_px, x, y) => paper + 3,
                 index => index,
             }
         })
@@ -224,7 +249,7 @@ mod tests {
     #[test]
     fn an_image_has_its_cells_upright_and_hatches_what_has_no_route() {
         let costs = vec![0, 5741, 57410, NO_ROUTE, IS_BLOCKED, 5741];
-        let sampled = Sampled { columns: 3, rows: 2, costs, resolution_m: 1.0 };
+        let sampled = Sampled { columns: 3, rows: 2, costs, tolls: vec![], resolution_m: 1.0 };
         let bands = Bands::to(10.0);
         assert_eq!(bands, Bands { width_m: 1.0, count: 11 });
         let bytes = sampled.png(bands, [30, 20], 5).unwrap();

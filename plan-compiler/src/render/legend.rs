@@ -2,10 +2,11 @@
 
 use super::cells::{Bands, MAX_BANDS};
 use super::marks::{self, Mark};
-use super::palette::{self, ADVICE, HATCH, INK, PAPER};
+use super::palette::{self, ADVICE, HATCH, INK, PAPER, TOLL};
 use super::scale::round_number_below;
 use super::stroke::{dashes, stroke};
 use super::text::{self, Anchor, CAPITALS_EM, width_px};
+use super::texture::{self, Level};
 use super::view::{Measure, View};
 use maps::numbers::metres;
 use math::scalar::wide;
@@ -63,6 +64,8 @@ pub(super) enum Symbol {
     Edge(&'static str),
     /// Cells without a route.
     Hatch,
+    /// Cells with a toll, by its level.
+    Dots(Level),
     /// Cells out of a radio's reach.
     Shaded,
     /// The line at a threshold.
@@ -260,6 +263,13 @@ fn draw_item(symbol: Symbol, meaning: &str, measure: Measure) -> Group {
             let lines = hatching([0.0, top, width, height], 6.0 * unit);
             Group::new().add(frame(HATCH).set("fill", PAPER)).add(stroke(lines, HATCH, 1.2 * unit))
         }
+        Symbol::Dots(level) => {
+            let ground = palette::hex(palette::band(1, MAX_BANDS));
+            let dots =
+                dots([0.0, top, width, height], texture::apart(level, 6.0 * unit), 1.5 * unit);
+            let sample = frame(INK).set("fill", ground);
+            Group::new().add(sample).add(stroke(dots, TOLL, 1.5 * unit))
+        }
         Symbol::Shaded => {
             let lines = hatching([0.0, top, width, height], 6.0 * unit);
             let ground = palette::hex(palette::band(MAX_BANDS - 2, MAX_BANDS));
@@ -282,6 +292,18 @@ fn draw_item(symbol: Symbol, meaning: &str, measure: Measure) -> Group {
     let at = [SYMBOL_EM * font - 0.3 * font, middle + CAPITALS_EM * font / 2.0];
     let meaning = text::fit(meaning, font, TEXT_EM * font);
     drawn.add(text::line(at, &meaning, font, Anchor::Start))
+}
+
+/// Short strokes, as long as they are wide, in shifted rows within a rectangle.
+fn dots([x, y, width, height]: [f64; 4], apart: f64, size: f64) -> String {
+    let (across, down) = ((width / apart) as usize, (height / apart) as usize);
+    let dot = |row: usize, column: usize| {
+        let shift = if row % 2 == 0 { 0.25 } else { 0.75 };
+        let [left, middle] =
+            [x + (column as f64 + shift) * apart, y + (row as f64 + 0.5) * apart].map(text::round);
+        format!("M{left} {middle}h{}", text::round(size))
+    };
+    (0..down.max(1)).flat_map(|row| (0..across.max(1)).map(move |c| dot(row, c))).collect()
 }
 
 /// Lines from the lower left to the upper right across a rectangle.

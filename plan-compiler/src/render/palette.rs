@@ -22,6 +22,8 @@ pub(crate) const UNMAPPED: &str = "#e69f00";
 pub(crate) const BLOCKED: &str = "#6f6f6f";
 /// The hatching of cells without a route, on paper.
 pub(crate) const HATCH: &str = "#8c8c8c";
+/// Dots on cells with a toll.
+pub(crate) const TOLL: &str = "#33322e";
 /// Areas that weaken radio.
 pub(crate) const ATTENUATING: &str = "#009e73";
 /// Zones.

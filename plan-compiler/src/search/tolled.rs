@@ -1,8 +1,9 @@
-//! Uniform-cost search over cells with tolls, with buckets as wide as the shortest step.
+//! Uniform-cost search over cells with tolls, with buckets no wider than the shortest step.
 //!
 //! Why it is exact: as in [`super::buckets`], no step from a cell of a bucket leads to a cost inside
-//! that bucket's interval, so every cost is final when its bucket is opened. The longest step, a
-//! diagonal one out of the dearest cell, decides how many buckets are open at a time: they form a
+//! that bucket's interval, so every cost is final when its bucket is opened. The width is the largest
+//! power of two up to the shortest step, so that a shift finds the bucket of a cost. The longest step,
+//! a diagonal one out of the dearest cell, decides how many buckets are open at a time: they form a
 //! ring.
 //!
 //! The search runs from the goal, so the step that it takes to a cell is the one that a robot takes
@@ -91,19 +92,19 @@ impl Tolled {
         let range = self.nodes.iter().fold((u16::MAX, 1), |(least, most), node| {
             (least.min(node.multiplier), most.max(node.multiplier))
         });
-        let width = STRAIGHT_STEP * u32::from(range.0.min(range.1));
-        let buckets = (DIAGONAL_STEP * u32::from(range.1) / width + 2).next_power_of_two();
+        let shift = (STRAIGHT_STEP * u32::from(range.0.min(range.1))).ilog2();
+        let buckets = ((DIAGONAL_STEP * u32::from(range.1) >> shift) + 2).next_power_of_two();
         self.ring.iter_mut().for_each(Vec::clear);
         self.ring.resize(buckets as usize, Vec::new());
         let Some(goal) = goal else { return };
         let at = goal.row as usize * columns + goal.column as usize;
         self.nodes[at].cost = 0;
         self.ring[0].push(Entry { at_and_by: at as u32 | START << AT_BITS, cost: 0 });
-        self.run(columns, width);
+        self.run(columns, shift);
     }
 
     /// Empties the buckets in order, starting with the goal's.
-    fn run(&mut self, columns: usize, width: u32) {
+    fn run(&mut self, columns: usize, shift: u32) {
         let steps = Direction::ALL.map(|direction| {
             let (dx, dy) = direction.step();
             (columns as isize * dy as isize + dx as isize) as usize
@@ -131,7 +132,7 @@ impl Tolled {
                     if cost < next.cost && cost <= MAX_COST {
                         next.cost = cost;
                         let entry = Entry { at_and_by: to as u32 | by << AT_BITS, cost };
-                        self.ring[(cost / width) as usize & mask].push(entry);
+                        self.ring[(cost >> shift) as usize & mask].push(entry);
                     }
                 }
             }

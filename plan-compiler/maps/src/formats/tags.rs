@@ -167,7 +167,14 @@ impl<'a> Judge<'a> {
         }
         let (kind, value) = match found {
             Some(found) => found,
-            None => layer(tags).filter(|(_, name)| self.ruled("layer", name) != Some(false))?,
+            None => {
+                let drawn =
+                    layer(tags).filter(|(_, name)| self.ruled("layer", name) != Some(false));
+                match drawn {
+                    Some(drawn) => drawn,
+                    None => return self.kept(tags),
+                }
+            }
         };
         let own = if kind.role == Role::Obstacle { "" } else { value };
         let given = tags.get("radius").and_then(length_m);
@@ -180,6 +187,24 @@ impl<'a> Judge<'a> {
             wants_outline: kind.wants_outline && given.is_none(),
             is_barrier: kind.is_barrier,
             height_m: tags.height_m().or(kind.is_flat.then_some(0.0)),
+        })
+    }
+
+    /// The zone of an object that a mission names by one of its tags.
+    fn kept(&self, tags: &Tags) -> Option<Meaning> {
+        let mut rules = self.rules.keep.iter();
+        let (rule, kind) = rules.find_map(|rule| {
+            let (key, value) = tags.pairs().find(|(key, value)| rule.matches(key, value))?;
+            Some((rule, Kind { role: Role::Zone, ..Kind::of(key, value) }))
+        })?;
+        Some(Meaning {
+            role: kind.role,
+            is_line: kind.is_line && !tags.is_set("area"),
+            name: rule.to_string(),
+            radius_m: 0.0,
+            wants_outline: false,
+            is_barrier: false,
+            height_m: None,
         })
     }
 

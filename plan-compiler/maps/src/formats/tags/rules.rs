@@ -22,6 +22,9 @@ pub struct TagRules {
     pub block: Vec<TagRule>,
     /// Tags of free ground.
     pub free: Vec<TagRule>,
+    /// Tags of objects that have no effect of their own but are kept as zones, which are named like
+    /// the rule: `landuse=grass`.
+    pub keep: Vec<TagRule>,
     /// Whether gates without `locked` open their barrier.
     pub open_gates: bool,
 }
