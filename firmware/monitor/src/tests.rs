@@ -30,12 +30,14 @@ fn mission(text: &str) -> Vec<u8> {
 
 /// A line for [`mission`]: an action with these needs and effects.
 fn described(name: &str, description: &Description) -> String {
-    let names = |facts: Facts| -> String {
-        (0..4).filter(|bit| facts >> bit & 1 == 1).map(|bit| format!(" f{bit}")).collect()
+    let names = |facts: Facts, sign: &str| -> String {
+        (0..4).filter(|bit| facts >> bit & 1 == 1).map(|bit| format!(" {sign}f{bit}")).collect()
     };
-    let Description { initial, add, delete, .. } = description;
-    let (needs, adds, deletes) = (names(initial.must), names(*add), names(*delete));
-    format!("action {name} hold 0; needs{needs}; adds{adds}; deletes{deletes}\n")
+    let condition = |c: Condition| names(c.must, "") + &names(c.must_not, "!");
+    let Description { initial, goal, add, delete, .. } = *description;
+    let (needs, goal) = (condition(initial), condition(goal));
+    let (adds, deletes) = (names(add, ""), names(delete, ""));
+    format!("action {name} hold 0; needs{needs}; goal{goal}; adds{adds}; deletes{deletes}\n")
 }
 
 /// The stages of a production, from edges that are sorted by start vertex.
@@ -227,11 +229,16 @@ fn h19_a_doubtful_choice_is_named() {
     let bytes = mission(
         "action a hold 0
          action leave hold 0; deletes f0
+         action open hold 0; adds f1
+         action other hold 0; adds f0 f2; deletes f1 f3
          frame R
          = a B; protect f0 0 2
          frame B
          = a
-         = leave",
+         = leave leave
+         = open|leave
+         = other
+         = open open",
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
     let mut grid = SituationGrid::default();
@@ -244,8 +251,11 @@ fn h19_a_doubtful_choice_is_named() {
     );
     decompose(&mut grid, &mission, 0, 0, 1);
     let mut all = vec![];
-    grid.choices(&mission, 2, Condition::default(), &mut |signal| all.push(signal));
-    assert_eq!(all, [Signal::Possible { id: 2, why: Doubt::Choice(2), facts: 1 }]);
+    let foreign = Condition { must: 0, must_not: 2 };
+    grid.choices(&mission, 2, foreign, &mut |signal| all.push(signal));
+    let doubt =
+        |production, facts| Signal::Possible { id: 2, why: Doubt::Choice(production), facts };
+    assert_eq!(all, [doubt(2, 1), doubt(3, 3), doubt(5, 2)]);
 }
 
 /// H20, H21: if the producer of a need is deleted, the need is in doubt before its consumer starts.
@@ -282,12 +292,14 @@ fn h21_a_lost_producer_is_flagged_before_the_consumer_starts() {
 /// A random production of up to six actions over three facts.
 fn random_plan() -> impl Strategy<Value = (Vec<Description>, Vec<(u8, u8)>)> {
     let facts = || 0_u64..8;
-    let description = (facts(), facts(), facts()).prop_map(|(initial, add, delete)| Description {
-        initial: must(initial),
-        add,
-        delete,
-        ..SILENT
-    });
+    let condition =
+        || (facts(), facts()).prop_map(|(must, not)| Condition { must, must_not: not & !must });
+    let description =
+        (condition(), condition(), facts(), facts()).prop_map(|(initial, goal, add, delete)| {
+            // The goal holds after the effects.
+            let goal = Condition { must: goal.must & !delete, must_not: goal.must_not & !add };
+            Description { initial, goal, add, delete, ..SILENT }
+        });
     // Edges between ascending vertices; the chain keeps every edge on a path.
     let edges = (2_u8..5).prop_flat_map(|vertices| {
         let chain: Vec<(u8, u8)> = (0..vertices - 1).map(|v| (v, v + 1)).collect();
@@ -302,6 +314,12 @@ fn random_plan() -> impl Strategy<Value = (Vec<Description>, Vec<(u8, u8)>)> {
     edges.prop_flat_map(move |edges| {
         (prop::collection::vec(description.clone(), edges.len()), Just(edges))
     })
+}
+
+/// The facts that a component makes true, and false, unless it also makes them true.
+fn effects(description: &Description) -> (Facts, Facts) {
+    let Description { add, delete, goal, .. } = *description;
+    (add | goal.must, (delete | goal.must_not) & !(add | goal.must))
 }
 
 /// The needs of `consumer` that fail in at least one order of the components allowed by the graph.
@@ -326,10 +344,11 @@ fn may_fail(
             continue;
         }
         if next == consumer {
-            failing |= descriptions[next].initial.must & !facts;
+            failing |= descriptions[next].initial.violated(facts);
             continue;
         }
-        let after = facts & !descriptions[next].delete | descriptions[next].add;
+        let (adds, deletes) = effects(&descriptions[next]);
+        let after = facts & !deletes | adds;
         failing |= may_fail(grid, mission, descriptions, consumer, done | 1 << next, after);
     }
     failing
@@ -347,17 +366,22 @@ proptest! {
         let mut grid = SituationGrid::default();
         grid.apply(&mission, &Event::Planned { id: 0, component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled) });
         decompose(&mut grid, &mission, 0, 0, 1);
-        let producible = descriptions.iter().fold(0, |all, description| all | description.add);
-        for consumer in 0..descriptions.len() {
+        let all = |of: fn(&Description) -> Facts| descriptions.iter().fold(0, |all, d| all | of(d));
+        let (added, deleted) = (all(|d| effects(d).0), all(|d| effects(d).1));
+        // The compiler refuses an action that adds and deletes a fact.
+        let unclear = all(|d| (d.add | d.goal.must) & (d.delete | d.goal.must_not));
+        for (consumer, description) in descriptions.iter().enumerate() {
             let mut doubted = 0;
             grid.possible(&mission, consumer as Id + 1, facts, &mut |signal| {
                 if let Signal::Possible { facts, .. } = signal { doubted |= facts; }
             });
             let failing = may_fail(&grid, &mission, &descriptions, consumer, 0, facts);
             // The grid ignores facts that no component of the plan changes.
-            let destructible = descriptions.iter().fold(0, |all, d| all | d.delete & !d.add);
-            let ours = producible | destructible & facts;
+            let needs = description.initial;
+            let ours = needs.must & (added | deleted & facts)
+                | needs.must_not & (deleted | added & !facts) & !unclear;
             prop_assert_eq!(doubted & ours, failing & ours, "consumer {}", consumer);
+            prop_assert_eq!(doubted & !(needs.must | needs.must_not), 0);
         }
     }
 
