@@ -118,7 +118,7 @@ pub use run::{MAX_RUNNING, Running, RunningAction};
 use grammar::Forest;
 use inputs::Senses;
 use math::Vec2;
-use monitor::SituationGrid;
+use monitor::{Signal, SituationGrid};
 use parts::bits::{bit16, members};
 use parts::{Event, Id, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
@@ -315,6 +315,12 @@ impl Behaviours {
 }
 
 impl Plans {
+    /// A conflict for the report, with what its component is.
+    pub(crate) fn conflict(&self, signal: Signal) -> Decision {
+        let (Signal::Evident { id, .. } | Signal::Possible { id, .. }) = signal;
+        Decision::Conflict { signal, symbol: self.grid.get(id).map(|part| part.symbol) }
+    }
+
     /// Changes the plans and applies the events to the situation grid.
     pub(crate) fn change<T>(
         &mut self,

@@ -106,7 +106,12 @@ pub enum Decision {
         symbol: Symbol,
     },
     /// The situation grid signals a conflict.
-    Conflict(Signal),
+    Conflict {
+        /// What it signals.
+        signal: Signal,
+        /// The component that cannot go on, if it is still there.
+        symbol: Option<Symbol>,
+    },
 }
 
 /// Why a behaviour has to wait.

@@ -121,7 +121,7 @@ impl Behaviours {
                 return step > 0;
             }
             if let Some(signal) = self.plans.grid.initial(context.mission, id, self.facts()) {
-                context.report.note(Decision::Conflict(signal));
+                context.report.note(self.plans.conflict(signal));
                 self.fail(owner, id, context);
                 continue;
             }
@@ -255,8 +255,8 @@ impl Behaviours {
         let mut ahead = turn.filter(|&id| self.plans.grid.get(id).is_some_and(is_ahead));
         let Some(id) = ahead.next() else { return };
         self.last_doubt = id;
-        let grid = &self.plans.grid;
-        let mut note = |signal| context.report.note(Decision::Conflict(signal));
+        let (plans, grid) = (&self.plans, &self.plans.grid);
+        let mut note = |signal| context.report.note(plans.conflict(signal));
         grid.possible(context.mission, id, self.facts(), &mut note);
         grid.choices(context.mission, id, self.foreign(), &mut note);
     }

@@ -291,7 +291,7 @@ impl Behaviours {
             let Some((signal, frame)) = self.outermost_deviation(context.mission, owner) else {
                 return;
             };
-            context.report.note(Decision::Conflict(signal));
+            context.report.note(self.plans.conflict(signal));
             self.plans.change(context.mission, |forest, tell| forest.begin_anew(frame, tell));
         }
     }

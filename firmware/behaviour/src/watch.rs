@@ -36,7 +36,7 @@ impl Behaviours {
             let signal = root.and_then(|id| Signal::foreign(id, status.held, self.facts()));
             let Some(signal) = signal else { continue };
             if status.is_holding() {
-                context.report.note(Decision::Conflict(signal));
+                context.report.note(self.plans.conflict(signal));
             }
             self.drop_violated(index);
         }
@@ -78,7 +78,7 @@ impl Behaviours {
         let _ = evident.map(|signal| signals.push(signal)).find(Result::is_err);
         // By reference: the drop of a `heapless::Vec` iterator has a panic path.
         for &signal in &signals {
-            context.report.note(Decision::Conflict(signal));
+            context.report.note(self.plans.conflict(signal));
             match signal {
                 Signal::Evident { id, what: Violation::Interval, .. } => {
                     self.plans.change(context.mission, |forest, tell| forest.fall_back(id, tell));
@@ -202,7 +202,7 @@ impl Behaviours {
             if !description.goal.holds(self.facts()) {
                 self.symbols = before;
                 if let Some(signal) = self.plans.grid.goal(context.mission, id, self.facts()) {
-                    context.report.note(Decision::Conflict(signal));
+                    context.report.note(self.plans.conflict(signal));
                 }
                 return self.fail(owner, id, context);
             }

@@ -41,12 +41,19 @@ fn refused(args: &Explain, bytes: &[u8], error: TraceError) -> Failure {
     Problem::error(format!("{name}: {error}")).help(record).into()
 }
 
-/// One line per turn of the run.
+/// One line per turn and per step of the run, with where the robot was.
 fn turns(blob: &Blob<'_>, trace: &Trace) -> String {
     let mut text = format!("{} ticks\n", trace.percepts.len());
     warn_of_another_build(&mut text, blob, trace);
-    for turn in story::of(blob, &trace.percepts).turns {
-        let _ = writeln!(text, "tick {:>6} {:>8.2} s  {}", turn.tick, turn.time_s, turn.text);
+    let story = story::of(blob, &trace.percepts);
+    let mut lines = story.turns;
+    lines.extend(story.steps);
+    // In each tick the turns come first.
+    lines.sort_by_key(|turn| turn.tick);
+    for turn in lines {
+        let at = turn.at.map_or("at ?".to_owned(), |at| format!("at ({:.1}, {:.1})", at.x, at.y));
+        let (tick, time_s) = (turn.tick, turn.time_s);
+        let _ = writeln!(text, "tick {tick:>6} {time_s:>8.2} s  {at:<16}  {}", turn.text);
     }
     text
 }

@@ -1,28 +1,35 @@
-//! What the behaviours decided in a recorded run, in words.
+//! What was decided in a recorded run, and where, in words.
 
 use behaviour::{Choice, Decision, Phase, Refusal};
 use controller::State;
+use math::Vec2;
 use monitor::{Doubt, Signal, Violation};
 use plan_format::Blob;
-use plan_format::mission::{Facts, Mission, Symbol};
+use plan_format::limits::MAX_BEHAVIOURS;
+use plan_format::mission::{Facts, Mission, PlanFrame, Symbol};
 use robot_io::Percepts;
 
-/// How the behaviours took turns in a run.
+/// What happened in a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Story {
     /// Every change of the engaged behaviours.
     pub turns: Vec<Turn>,
+    /// What their plans did meanwhile: choices, actions that begin and failures; and every change of
+    /// the reason for the commands.
+    pub steps: Vec<Turn>,
     /// The engaged behaviours after each tick, one bit per behaviour.
     pub engaged: Vec<u16>,
 }
 
-/// A change of the engaged behaviours.
+/// A change in a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
     /// Tick, from 0.
     pub tick: usize,
     /// Seconds since the robot's start.
     pub time_s: f64,
+    /// Where the robot was, map metres, if it knew.
+    pub at: Option<Vec2>,
     /// `Some` if a behaviour was interrupted: whether that was unconditional.
     pub interrupted_at_once: Option<bool>,
     /// In words.
@@ -33,17 +40,37 @@ pub struct Turn {
 pub fn of(blob: &Blob<'_>, percepts: &[Percepts]) -> Story {
     let mission = blob.mission();
     let mut state = State::new(blob);
-    let mut story = Story { turns: Vec::new(), engaged: Vec::new() };
+    let mut story = Story { turns: Vec::new(), steps: Vec::new(), engaged: Vec::new() };
+    let (mut running, mut reason) = (Vec::new(), None);
     for (tick, percepts) in percepts.iter().enumerate() {
         let explanation = controller::explain(blob, &mut state, percepts);
-        let time_s = percepts.time_us as f64 / 1e6;
-        for decision in explanation.report.decisions.iter().filter(|decision| is_turn(decision)) {
+        let turn = |interrupted_at_once, text| Turn {
+            tick,
+            time_s: percepts.time_us as f64 / 1e6,
+            at: explanation.sensed.position.ok(),
+            interrupted_at_once,
+            text,
+        };
+        for decision in &explanation.report.decisions {
             let interrupted_at_once = match decision {
                 Decision::Interrupted { is_unconditional, .. } => Some(*is_unconditional),
                 _ => None,
             };
-            let text = decided(&mission, decision);
-            story.turns.push(Turn { tick, time_s, interrupted_at_once, text });
+            let text = || decided(&mission, decision);
+            if is_turn(decision) {
+                story.turns.push(turn(interrupted_at_once, text()));
+            } else if is_step(decision) {
+                story.steps.push(turn(None, text()));
+            }
+        }
+        let now_running = actions(&mission, &state);
+        for action in now_running.iter().filter(|action| !running.contains(*action)) {
+            story.steps.push(turn(None, format!("{} runs `{}`", action.behaviour, action.name)));
+        }
+        running = now_running;
+        let commands = &explanation.commands;
+        if reason.replace(commands.reason) != Some(commands.reason) {
+            story.steps.push(turn(None, format!("because: {:?}", commands.reason)));
         }
         let has_robot = |&index: &usize| {
             let phase = state.behaviours.phase(index);
@@ -53,6 +80,42 @@ pub fn of(blob: &Blob<'_>, percepts: &[Percepts]) -> Story {
         story.engaged.push(engaged.fold(0, |set, index| set | 1 << index));
     }
     story
+}
+
+/// An action that runs.
+#[derive(Clone, Debug, PartialEq)]
+struct Action {
+    /// Its slot in the pool.
+    slot: u8,
+    /// Its name.
+    name: String,
+    /// The behaviour to which it belongs.
+    behaviour: String,
+}
+
+/// The actions that run after a tick.
+fn actions(mission: &Mission<'_>, state: &State) -> Vec<Action> {
+    let running = state.behaviours.grid().iter().filter(|(_, part)| part.is_running());
+    let action = running.map(|(slot, part)| {
+        // Activities have the numbers after those of the behaviours.
+        let behaviour = mission.behaviours().get(usize::from(part.owner) % MAX_BEHAVIOURS);
+        Action {
+            slot,
+            name: name_of(mission, part.symbol).to_owned(),
+            behaviour: behaviour.map_or("?", |record| mission.name(record.name)).to_owned(),
+        }
+    });
+    action.collect()
+}
+
+/// Whether a decision is about the steps of a plan: a choice or a failure.
+fn is_step(decision: &Decision) -> bool {
+    matches!(
+        decision,
+        Decision::Chose { .. }
+            | Decision::NotDecomposed { .. }
+            | Decision::Conflict { signal: Signal::Evident { .. }, .. }
+    )
 }
 
 /// Whether a decision changes the engaged behaviours.
@@ -104,7 +167,15 @@ pub fn decided(mission: &Mission<'_>, decision: &Decision) -> String {
         Decision::Chose { production, applicability } => {
             let record = mission.productions().get(production.into());
             let name = record.map_or("?", |record| mission.name(record.name));
-            format!("production {production} `{name}` is chosen, applicability {applicability:.4}")
+            let has = |frame: &PlanFrame| {
+                (frame.first..frame.first + u16::from(frame.count)).contains(&production)
+            };
+            let frame = mission.plan_frames().iter().find(has);
+            let (number, frame) = frame
+                .map_or((0, "?"), |frame| (production - frame.first + 1, mission.name(frame.name)));
+            format!(
+                "`{frame}` chooses its production {number}, `{name}`, {applicability:.4} applicable"
+            )
         }
         Decision::NotDecomposed { frame, why } => {
             let why = match why {
@@ -114,18 +185,19 @@ pub fn decided(mission: &Mission<'_>, decision: &Decision) -> String {
             };
             let record = mission.plan_frames().get(frame.into());
             let name = record.map_or("?", |record| mission.name(record.name));
-            format!("frame {frame} `{name}` fails: {why}")
+            format!("`{name}` fails: {why}")
         }
         Decision::Finished { behaviour: who } => format!("{} is finished", behaviour(who)),
         Decision::Failed { behaviour: who } => format!("{} has failed", behaviour(who)),
         Decision::TimedOut { symbol } => format!("`{}` has timed out", name_of(mission, symbol)),
-        Decision::Conflict(signal) => conflict(mission, signal),
+        Decision::Conflict { signal, symbol } => conflict(mission, signal, symbol),
     }
 }
 
-fn conflict(mission: &Mission<'_>, signal: Signal) -> String {
+fn conflict(mission: &Mission<'_>, signal: Signal, symbol: Option<Symbol>) -> String {
+    let name = symbol.map_or("?", |symbol| name_of(mission, symbol));
     match signal {
-        Signal::Evident { id, what, facts: about } => {
+        Signal::Evident { what, facts: about, .. } => {
             let what = match what {
                 Violation::Initial => "its initial description does not hold",
                 Violation::Transient => "its transient description does not hold",
@@ -133,17 +205,19 @@ fn conflict(mission: &Mission<'_>, signal: Signal) -> String {
                 Violation::Interval => "its protection interval is violated",
                 Violation::Foreign => "a sleeping behaviour's protection interval is violated",
             };
-            format!("evident conflict at component {id}: {what}: {}", facts(mission, about))
+            format!("evident conflict at `{name}`: {what}: {}", facts(mission, about))
         }
-        Signal::Possible { id, why, facts: about } => {
+        Signal::Possible { why, facts: about, .. } => {
             let why = match why {
                 Doubt::NoProducer => "no earlier component makes true".to_owned(),
-                Doubt::Clobberer(other) => format!("component {other} may make false before"),
+                Doubt::Clobberer(_) => "another component may change before".to_owned(),
                 Doubt::Choice(production) => {
-                    format!("choosing production {production} may violate")
+                    let record = mission.productions().get(production.into());
+                    let name = record.map_or("?", |record| mission.name(record.name));
+                    format!("choosing production `{name}` may violate")
                 }
             };
-            format!("possible conflict at component {id}: {why}: {}", facts(mission, about))
+            format!("possible conflict at `{name}`: {why}: {}", facts(mission, about))
         }
     }
 }

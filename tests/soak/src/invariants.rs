@@ -75,9 +75,11 @@ impl Watch {
             !waits_for_nobody
                 && !matches!(
                     decision,
-                    Decision::Conflict(
-                        Signal::Possible { .. } | Signal::Evident { what: Violation::Foreign, .. }
-                    )
+                    Decision::Conflict {
+                        signal: Signal::Possible { .. }
+                            | Signal::Evident { what: Violation::Foreign, .. },
+                        ..
+                    }
                 )
         };
         let is_explained =

@@ -213,14 +213,14 @@ fn kind(decision: &Decision) -> &'static str {
         Decision::Finished { .. } => "finished",
         Decision::Failed { .. } => "failed",
         Decision::TimedOut { .. } => "timed out",
-        Decision::Conflict(Signal::Evident { what, .. }) => match what {
+        Decision::Conflict { signal: Signal::Evident { what, .. }, .. } => match what {
             Violation::Initial => "evident: initial",
             Violation::Transient => "evident: transient",
             Violation::Goal => "evident: goal",
             Violation::Interval => "evident: interval",
             Violation::Foreign => "evident: foreign",
         },
-        Decision::Conflict(Signal::Possible { why, .. }) => match why {
+        Decision::Conflict { signal: Signal::Possible { why, .. }, .. } => match why {
             Doubt::NoProducer => "possible: no producer",
             Doubt::Clobberer(_) => "possible: clobberer",
             Doubt::Choice(_) => "possible: choice",

@@ -227,7 +227,7 @@ impl<'a> Robot<'a> {
                 let record = self.mission.plan_frames().get(usize::from(index)).expect("a frame");
                 format!("{} timed out", self.mission.name(record.name))
             }
-            Decision::Conflict(signal) => return self.conflict(signal),
+            Decision::Conflict { signal, .. } => return self.conflict(signal),
         })
     }
 
