@@ -2,6 +2,7 @@
 
 use super::Lints;
 use plan_format::mission::effects::below;
+pub(super) use plan_format::mission::effects::reaches;
 use plan_format::mission::{MissionDraft, PlanFrame, Production, Symbol};
 
 /// Whether an edge of a production is the last component that its frame waits for: it leads to the
@@ -31,27 +32,6 @@ pub(super) fn leads(draft: &MissionDraft, production: &Production, from: u8, to:
         }
     }
     reached[usize::from(to)]
-}
-
-/// Whether frame `to` can occur below frame `from`.
-pub(super) fn reaches(draft: &MissionDraft, from: usize, to: usize) -> bool {
-    let mut seen = vec![from];
-    let mut at = 0;
-    while at < seen.len() {
-        for symbol in below(draft, seen[at]) {
-            if let Symbol::PlanFrame(index) = symbol {
-                let index = usize::from(index);
-                if index == to {
-                    return true;
-                }
-                if !seen.contains(&index) {
-                    seen.push(index);
-                }
-            }
-        }
-        at += 1;
-    }
-    false
 }
 
 /// Whether a frame may be left out between a loop's head and its end, as the robot's own crate

@@ -7,12 +7,15 @@ use crate::behaviours::language::literal;
 use crate::behaviours::syntax::{self, Literal};
 use crate::toml::{Spanned, Text};
 use plan_format::mission::effects;
-use plan_format::mission::{Condition, Facts, Interval, MissionDraft, Symbol};
+use plan_format::mission::{
+    Condition, Description, Edge, Facts, Interval, MissionDraft, PlanFrame, Production, Symbol,
+};
 
 impl Lowering<'_> {
     /// The intervals of every production, those written in the mission first.
     pub(super) fn intervals(&mut self) {
         let syntax = self.syntax;
+        let needs = needs_of_frames(syntax, &self.draft);
         let productions = syntax.frames.iter().flat_map(|frame| &frame.productions);
         for (index, production) in productions.enumerate() {
             let first = self.draft.intervals.len();
@@ -21,7 +24,7 @@ impl Lowering<'_> {
                     self.draft.intervals.push(interval);
                 }
             }
-            let derived = derived(&self.draft, index, &production.graph, first);
+            let derived = derived(&self.draft, &needs, index, &production.graph, first);
             self.draft.intervals.extend(derived);
             let count = self.draft.intervals.len() - first;
             if let Some(record) = self.draft.productions.get_mut(index) {
@@ -127,18 +130,81 @@ fn end(graph: &Graph, name: &str) -> Option<u8> {
     all.map(|edge| edge.to).max().or_else(|| graph.vertex(name))
 }
 
+/// What each frame needs from outside: its own initial and transient conditions, and those of the
+/// components below it that no component before them in their production certainly provides.
+/// Frames may contain each other, so this is repeated until nothing changes.
+fn needs_of_frames(syntax: &syntax::Syntax, draft: &MissionDraft) -> Vec<Condition> {
+    let mut needs = vec![Condition::default(); draft.frames.len()];
+    loop {
+        let before = needs.clone();
+        for (index, frame) in syntax.frames.iter().enumerate() {
+            let mut all = own_needs(draft, Symbol::PlanFrame(index as u16));
+            let first = usize::from(draft.frames[index].first);
+            for (written, production) in frame.productions.iter().zip(&draft.productions[first..]) {
+                let edges = edges_of(draft, production);
+                for edge in edges {
+                    let earlier = edges.iter().filter(|e| written.graph.leads(e.to, edge.from));
+                    let (adds, deletes) = earlier
+                        .map(|earlier| effects::sure(draft, earlier.symbol))
+                        .fold((0, 0), |all, one| (all.0 | one.0, all.1 | one.1));
+                    let own = needs_of(draft, &before, edge.symbol);
+                    let (must, must_not) = (own.must & !adds, own.must_not & !deletes);
+                    all = all.and(Condition { must, must_not });
+                }
+            }
+            needs[index] = all;
+        }
+        if needs == before {
+            return needs;
+        }
+    }
+}
+
+/// What a component needs from outside.
+fn needs_of(draft: &MissionDraft, needs: &[Condition], symbol: Symbol) -> Condition {
+    match symbol {
+        Symbol::PlanFrame(index) => needs.get(usize::from(index)).copied().unwrap_or_default(),
+        Symbol::Action(_) => own_needs(draft, symbol),
+    }
+}
+
+/// The initial and the transient condition of a component.
+fn own_needs(draft: &MissionDraft, symbol: Symbol) -> Condition {
+    let own = description(draft, symbol);
+    own.map_or(Condition::default(), |description| description.initial.and(description.transient))
+}
+
+fn description(draft: &MissionDraft, symbol: Symbol) -> Option<&Description> {
+    let index = match symbol {
+        Symbol::PlanFrame(index) => draft.frames.get(usize::from(index))?.description,
+        Symbol::Action(index) => draft.actions.get(usize::from(index))?.description,
+    };
+    draft.descriptions.get(usize::from(index))
+}
+
+fn edges_of<'d>(draft: &'d MissionDraft, production: &Production) -> &'d [Edge] {
+    let first = usize::from(production.first_edge);
+    draft.edges.get(first..first + usize::from(production.edges)).unwrap_or(&[])
+}
+
 /// The derived intervals of a production. If exactly one component certainly makes a fact true and
-/// exactly one needs it, the fact is protected from the end of the producer to the start of the
-/// consumer, or to its end if it needs the fact throughout. No interval is derived if a component
+/// exactly one needs it, itself or somewhere below it, the fact is protected from the end of the
+/// producer to the start of the consumer, or to its end if it needs the fact throughout or later. No interval is derived if a component
 /// that may run in between may make the fact false, or if the mission already protects the fact
 /// there.
-fn derived(draft: &MissionDraft, index: usize, graph: &Graph, first: usize) -> Vec<Interval> {
+fn derived(
+    draft: &MissionDraft,
+    needs: &[Condition],
+    index: usize,
+    graph: &Graph,
+    first: usize,
+) -> Vec<Interval> {
     let by_hand = draft.intervals.get(first..).unwrap_or(&[]);
     let mut intervals: Vec<Interval> = Vec::new();
     for bit in 0..draft.facts.len() {
         for is_negated in [false, true] {
             let fact: Facts = 1 << bit;
-            let Some((from, to)) = causal_link(draft, index, graph, fact, is_negated) else {
+            let Some((from, to)) = causal_link(draft, needs, index, graph, fact, is_negated) else {
                 continue;
             };
             let covers = |interval: &Interval| {
@@ -174,33 +240,24 @@ fn derived(draft: &MissionDraft, index: usize, graph: &Graph, first: usize) -> V
 /// The vertices between which a fact must be kept for its only consumer.
 fn causal_link(
     draft: &MissionDraft,
+    needs: &[Condition],
     index: usize,
     graph: &Graph,
     fact: Facts,
     is_negated: bool,
 ) -> Option<(u8, u8)> {
     let production = draft.productions.get(index)?;
-    let first = usize::from(production.first_edge);
-    let edges = draft.edges.get(first..first + usize::from(production.edges))?;
+    let edges = edges_of(draft, production);
     // What makes the fact true and what makes it false; the reverse for the absence of a fact.
     let turned = |(adds, deletes): (Facts, Facts)| {
         let (for_it, against) = if is_negated { (deletes, adds) } else { (adds, deletes) };
         (for_it & fact != 0, against & fact != 0)
     };
     let may = |symbol: Symbol| turned(effects::possible(draft, symbol));
-    let needs = |condition: Condition| {
+    let is_in = |condition: Condition| {
         fact & if is_negated { condition.must_not } else { condition.must } != 0
     };
-    let description = |symbol: Symbol| {
-        let index = match symbol {
-            Symbol::PlanFrame(index) => draft.frames.get(usize::from(index))?.description,
-            Symbol::Action(index) => draft.actions.get(usize::from(index))?.description,
-        };
-        draft.descriptions.get(usize::from(index))
-    };
-    let needed = |symbol: Symbol| {
-        description(symbol).is_some_and(|d| needs(d.initial) || needs(d.transient))
-    };
+    let needed = |symbol: Symbol| is_in(needs_of(draft, needs, symbol));
     let mut producers = edges.iter().enumerate().filter(|(_, edge)| may(edge.symbol).0);
     let mut consumers = edges.iter().enumerate().filter(|(_, edge)| needed(edge.symbol));
     let ((p, producer), (c, consumer)) = (producers.next()?, consumers.next()?);
@@ -209,8 +266,14 @@ fn causal_link(
     if !is_single || !is_sure || !graph.leads(producer.to, consumer.from) {
         return None;
     }
-    let throughout = description(consumer.symbol).is_some_and(|d| needs(d.transient));
-    let (from, to) = (producer.to, if throughout { consumer.to } else { consumer.from });
+    if is_own_frame_below(draft, index, consumer.symbol) {
+        // The interval would span the loop.
+        return None;
+    }
+    let own = description(draft, consumer.symbol)?;
+    let is_below = !is_in(own.initial) && !is_in(own.transient) && !may(consumer.symbol).1;
+    let lasts = is_in(own.transient) || is_below;
+    let (from, to) = (producer.to, if lasts { consumer.to } else { consumer.from });
     let comes_between = |at: usize| {
         let edge = &edges[at];
         at != p
@@ -220,4 +283,17 @@ fn causal_link(
     };
     let is_kept = (0..edges.len()).all(|at| !comes_between(at) || !may(edges[at].symbol).1);
     (from < to && is_kept).then_some((from, to))
+}
+
+/// Whether the frame of a production can occur below a component of it, or is that component.
+fn is_own_frame_below(draft: &MissionDraft, production: usize, symbol: Symbol) -> bool {
+    let Symbol::PlanFrame(below) = symbol else { return false };
+    let has = |frame: &PlanFrame| {
+        let first = usize::from(frame.first);
+        (first..first + usize::from(frame.count)).contains(&production)
+    };
+    let own = draft.frames.iter().position(has);
+    own.is_some_and(|own| {
+        own == usize::from(below) || effects::reaches(draft, usize::from(below), own)
+    })
 }

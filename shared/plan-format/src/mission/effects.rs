@@ -77,6 +77,27 @@ pub fn below(draft: &MissionDraft, frame: usize) -> Vec<Symbol> {
         .collect()
 }
 
+/// Whether frame `to` can occur below frame `from`.
+pub fn reaches(draft: &MissionDraft, from: usize, to: usize) -> bool {
+    let mut seen = vec![from];
+    let mut at = 0;
+    while at < seen.len() {
+        for symbol in below(draft, seen[at]) {
+            if let Symbol::PlanFrame(index) = symbol {
+                let index = usize::from(index);
+                if index == to {
+                    return true;
+                }
+                if !seen.contains(&index) {
+                    seen.push(index);
+                }
+            }
+        }
+        at += 1;
+    }
+    false
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

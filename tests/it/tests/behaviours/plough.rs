@@ -201,6 +201,43 @@ fn h12_derived_intervals() {
     assert_eq!(derived(&wait, after), [(1, 2, 1, 0)]);
 }
 
+/// H12: an interval is derived across frames, if what needs the fact is below another frame.
+#[test]
+fn h12_intervals_are_derived_across_frames() {
+    let derived = |frames: &str| -> Vec<(u8, u8)> {
+        let text = format!(
+            "[inputs.fuel]\nsource = 'fuel'\nmissing = {{ then = 0 }}\n[facts]\nf = false\n[actions]\n\
+             make = {{ do = 'signal 1', add = ['f'] }}\n\
+             need = {{ do = 'signal 2', initial = ['f'] }}\n\
+             clear = {{ do = 'signal 3', delete = ['f'] }}\n\
+             beep = {{ do = 'signal 4' }}\n[frames]\n{frames}\n\
+             [behaviours.work]\ncriticality = {{ fuel = 'PB PB PB PB PB PB NB' }}\n"
+        );
+        let (draft, problems) = compiled(&text);
+        let draft = draft.unwrap_or_else(|| panic!("{problems:?}"));
+        // The first frame's.
+        let all = draft.intervals.iter().take(draft.productions[0].intervals.into());
+        all.map(|interval| (interval.from, interval.to)).collect()
+    };
+    let work = "work = { productions = 'entry -> make -> beep -> use -> exit' }";
+    let below = |production: &str| format!("{work}\nuse = {{ productions = '{production}' }}");
+    // The fact is needed somewhere below the frame, so it is protected until the frame ends.
+    assert_eq!(derived(&below("entry -> beep -> need -> exit")), [(1, 3)]);
+    // Below the frame it is also destroyed, so it is protected until the frame begins.
+    assert_eq!(derived(&below("entry -> need -> clear -> exit")), [(1, 2)]);
+    // The frame makes it true itself before it needs it, or does not need it.
+    assert_eq!(derived(&below("entry -> make -> need -> exit")), []);
+    assert_eq!(derived(&below("entry -> beep -> exit")), []);
+    // Two levels below, and below one production of two.
+    let deep = "use = { productions = ['entry -> beep -> exit', 'entry -> inner -> exit'] }\n\
+                inner = { productions = 'entry -> need -> exit' }";
+    assert_eq!(derived(&format!("{work}\n{deep}")), [(1, 3)]);
+    // An interval over a loop would grow.
+    let looped = "work = { productions = ['entry -> need -> make -> again -> exit', 'entry -> beep -> exit'] }\n\
+                  again = { productions = ['entry -> beep -> work -> exit'] }";
+    assert_eq!(derived(looped), []);
+}
+
 /// The example in the documentation compiles without a warning.
 #[test]
 fn the_documented_example_compiles() {
