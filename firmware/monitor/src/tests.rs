@@ -113,6 +113,14 @@ fn h17_the_matrix_of_relations() {
             component: component(Symbol::PlanFrame(0), 1, None, Life::Scheduled),
         },
     );
+    // Possible components: the graph orders those of one production, others exclude each other.
+    let option = |production, edge| Node { id: 2, option: Some((production, edge)) };
+    let relation = |x, y| grid.relation(&mission, x, y);
+    assert_eq!(relation(option(1, 0), option(1, 1)), Some(Relation::CB));
+    assert_eq!(relation(option(1, 1), option(1, 0)), Some(Relation::CA));
+    assert_eq!(relation(option(1, 0), option(2, 0)), Some(Relation::OC));
+    assert_eq!(relation(Node::from(2), option(1, 0)), Some(Relation::AO));
+    assert_eq!(relation(option(1, 0), Node::from(2)), Some(Relation::DO));
     let names = ["R", "a", "B", "c", "d", "x", "y", "z?", "S"];
     let nodes: Vec<Node> = [0, 1, 2, 3, 4, 5, 6]
         .into_iter()
@@ -223,6 +231,40 @@ fn h26_intervals_and_the_points_of_figure_4() {
     assert_eq!(violations(&grid, 0), [], "the interval has ended");
 }
 
+/// H26: at the points inside a frame, what the frames above protect there counts too. The points of
+/// one behaviour's plan are not those of another.
+#[test]
+fn h26_points_inside_a_frame_know_what_is_protected_around_it() {
+    let bytes = mission(
+        "action a hold 0
+         frame R
+         = a B a a; protect f0 0 2; protect f1 0 1; protect f2 2 3; protect f3 1 2
+         frame B
+         = a a",
+    );
+    let mission = Mission::parse(&bytes).expect("it is sound");
+    let mut grid = SituationGrid::default();
+    for (owner, root) in [(0, 0), (1, 16)] {
+        let frame = component(Symbol::PlanFrame(0), owner, None, Life::Scheduled);
+        grid.apply(&mission, &Event::Planned { id: root, component: frame });
+        decompose(&mut grid, &mission, root, 0, root + 1);
+        grid.apply(&mission, &Event::Became { id: root + 1, life: Life::Finished });
+    }
+    decompose(&mut grid, &mission, 2, 1, 8);
+    let points = |grid: &SituationGrid, owner| {
+        let mut all = vec![];
+        grid.points(&mission, owner, &mut |p| all.push((p.frame, p.vertex, p.held.must)));
+        all
+    };
+    assert_eq!(points(&grid, 0), [(2, 1, 0b1001), (0, 2, 0b100), (0, 3, 0)]);
+    assert_eq!(points(&grid, 1), [(16, 2, 0b100), (16, 3, 0)]);
+    // A frame that will choose again has no points; one that sleeps has.
+    grid.apply(&mission, &Event::Became { id: 16, life: Life::Suspended });
+    assert_eq!(points(&grid, 1).len(), 2);
+    grid.apply(&mission, &Event::Became { id: 16, life: Life::Scheduled });
+    assert_eq!(points(&grid, 1), []);
+}
+
 /// H19: a production that may violate a protected fact is signalled before it is chosen.
 #[test]
 fn h19_a_doubtful_choice_is_named() {
@@ -283,8 +325,15 @@ fn h21_a_lost_producer_is_flagged_before_the_consumer_starts() {
         all
     };
     assert_eq!(doubts(&grid, 0), []);
-    grid.apply(&mission, &Event::Deleted { id: 1 });
     let doubt = Signal::Possible { id: 2, why: Doubt::NoProducer, facts: 1 };
+    for life in [Life::Finished, Life::Failed, Life::Abandoned] {
+        let mut grid = grid.clone();
+        grid.apply(&mission, &Event::Became { id: 1, life });
+        assert_eq!(doubts(&grid, 0), [doubt], "{life:?}: it produces nothing any more");
+        grid.apply(&mission, &Event::Became { id: 2, life: Life::Started });
+        assert_eq!(doubts(&grid, 0), [], "what has started is not in doubt");
+    }
+    grid.apply(&mission, &Event::Deleted { id: 1 });
     assert_eq!(doubts(&grid, 0), [doubt]);
     assert_eq!(doubts(&grid, 1), [], "it holds already");
 }
@@ -371,9 +420,17 @@ proptest! {
         // The compiler refuses an action that adds and deletes a fact.
         let unclear = all(|d| (d.add | d.goal.must) & (d.delete | d.goal.must_not));
         for (consumer, description) in descriptions.iter().enumerate() {
-            let mut doubted = 0;
+            let (mut doubted, mut lacking, mut destroyed) = (0, 0, 0);
+            let mut repeated = false;
             grid.possible(&mission, consumer as Id + 1, facts, &mut |signal| {
-                if let Signal::Possible { facts, .. } = signal { doubted |= facts; }
+                if let Signal::Possible { facts, why, .. } = signal {
+                    // Each fact is in doubt once for its producer and once for what destroys it.
+                    let is_known = why != Doubt::NoProducer && destroyed & facts != 0;
+                    repeated |= is_known || why == Doubt::NoProducer && lacking != 0;
+                    destroyed |= if why == Doubt::NoProducer { 0 } else { facts };
+                    doubted |= facts;
+                    lacking |= if why == Doubt::NoProducer { facts } else { 0 };
+                }
             });
             let failing = may_fail(&grid, &mission, &descriptions, consumer, 0, facts);
             // The grid ignores facts that no component of the plan changes.
@@ -382,6 +439,10 @@ proptest! {
                 | needs.must_not & (deleted | added & !facts) & !unclear;
             prop_assert_eq!(doubted & ours, failing & ours, "consumer {}", consumer);
             prop_assert_eq!(doubted & !(needs.must | needs.must_not), 0);
+            prop_assert!(!repeated, "a fact is in doubt twice");
+            let producible = needs.must & all(|d| d.add | d.goal.must)
+                | needs.must_not & all(|d| d.delete | d.goal.must_not);
+            prop_assert_eq!(lacking & !producible, 0, "the world provides the others");
         }
     }
 

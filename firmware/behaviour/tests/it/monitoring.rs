@@ -171,6 +171,26 @@ fn progress_is_counted_for_each_drive() {
     );
 }
 
+/// What begins beside a drive and does not drive itself does not restart the measurement.
+#[test]
+fn progress_is_measured_beside_other_actions() {
+    check(
+        "input a
+         fact stuck stuck 2 300
+         action drive goto 20 0; keeps !stuck
+         action short hold 100
+         frame wait
+         = short short short short short short short
+         frame go
+         = drive|wait
+         behaviour a go; when always PS",
+        "at=0,0 x6",
+        "1: a engaged, [drive|wait], [short short short short short sh], drive & short
+         2: drive & short
+         6: cannot go on: stuck, go NothingApplicable, a failed, -",
+    );
+}
+
 /// An action ends as soon as its `until` holds; a signal is reported at least once.
 #[test]
 fn until_signals_and_outputs() {
@@ -192,6 +212,28 @@ fn until_signals_and_outputs() {
          6: a engaged, [wait tell light wait], tell
          7: a finished, -",
     );
+}
+
+/// Each action sets its own output and leaves the others as they are, also if they have that state
+/// already.
+#[test]
+fn outputs_are_set_one_by_one() {
+    let bytes = crate::bench::blob(
+        "input a
+         action one-on set 1 on
+         action two-on set 2 on
+         action one-off set 1 off
+         action wait hold 100
+         frame go
+         = one-on wait two-on one-on wait one-off wait one-off wait
+         behaviour a go; when always PS",
+    );
+    let mut robot = crate::bench::Robot::new(&bytes);
+    let outputs = [(); 4].map(|()| {
+        robot.go("x1");
+        robot.behaviours.outputs()
+    });
+    assert_eq!(outputs, [0b010, 0b110, 0b100, 0b100]);
 }
 
 /// H21: a doubt is reported before its component is due.

@@ -342,6 +342,53 @@ fn of_several_deviations_the_outermost_starts_again() {
     );
 }
 
+/// An action that would violate at its end what another engaged behaviour protects does not begin. Its
+/// behaviour sleeps until the other one has finished; while a parallel action of it runs, it waits.
+#[test]
+fn an_action_that_would_violate_what_another_one_protects_does_not_begin() {
+    let mission = |plan: &str| {
+        format!(
+            "input a
+             input b
+             fact clean symbol
+             action wash hold 100; adds clean
+             action look hold 200
+             action step hold 200
+             action long hold 600
+             action spray hold 100; deletes clean
+             frame survey
+             = wash look look; protect clean 1 3
+             frame spraying
+             = {plan}
+             behaviour surveyor survey; when a NB NM NS ZO PS PM PB; resources 1
+             behaviour sprayer spraying; when b NB NM NS ZO PS PM PB; resources 2"
+        )
+    };
+    let script = "a=0.3333 b=0.5\na=0 x7";
+    check(
+        &mission("step spray"),
+        script,
+        "1: sprayer engaged, surveyor engaged, [wash look look], [step spray], wash & step
+         2: look & step
+         3: sprayer waits: surveyor excludes it, look
+         4: sprayer interrupted by surveyor, look
+         5: sprayer waits: surveyor excludes it, look
+         6: surveyor finished, sprayer resumed, spray
+         7: sprayer finished, sprayer engaged, [step spray], step
+         8: step",
+    );
+    check(
+        &mission("long|branch\n             frame branch\n             = step spray"),
+        script,
+        "1: sprayer engaged, surveyor engaged, [wash look look], [long|branch], [step spray], wash & long & step
+         2: look & long & step
+         3: sprayer waits: surveyor excludes it, look & long
+         6: surveyor finished, long & spray
+         7: sprayer finished, sprayer engaged, [long|branch], [step spray], long & step
+         8: long & step",
+    );
+}
+
 /// H22, H34: what a start-up or a shut-down may violate counts as much as what the plan may.
 #[test]
 fn the_effects_of_activities_exclude_too() {
