@@ -16,10 +16,6 @@ const SILENT: Description = Description {
     min_distance_m: 0.0,
 };
 
-const fn must(must: Facts) -> Condition {
-    Condition { must, must_not: 0 }
-}
-
 /// The bytes of a mission in the notation of `fixtures`: actions and frames over the facts `f0` to
 /// `f3`, the bits 0 to 3. The root is the frame `R`.
 fn mission(text: &str) -> Vec<u8> {
@@ -113,9 +109,16 @@ fn h17_the_matrix_of_relations() {
             component: component(Symbol::PlanFrame(0), 1, None, Life::Scheduled),
         },
     );
+    // An edge of the chosen production contains what it has become, and is ordered to its neighbours.
+    let chosen = |edge| Node { id: 0, option: Some((0, edge)) };
+    let relation = |x, y| grid.relation(&mission, x, y);
+    assert_eq!(relation(chosen(1), Node::from(5)), Some(Relation::AO));
+    assert_eq!(relation(chosen(0), Node::from(5)), Some(Relation::CB));
+    assert_eq!(relation(chosen(3), Node::from(5)), Some(Relation::CA));
+    assert_eq!(relation(chosen(2), Node::from(5)), Some(Relation::NE));
+    assert_eq!(relation(Node::from(5), chosen(0)), Some(Relation::CA));
     // Possible components: the graph orders those of one production, others exclude each other.
     let option = |production, edge| Node { id: 2, option: Some((production, edge)) };
-    let relation = |x, y| grid.relation(&mission, x, y);
     assert_eq!(relation(option(1, 0), option(1, 1)), Some(Relation::CB));
     assert_eq!(relation(option(1, 1), option(1, 0)), Some(Relation::CA));
     assert_eq!(relation(option(1, 0), option(2, 0)), Some(Relation::OC));
@@ -263,6 +266,38 @@ fn h26_points_inside_a_frame_know_what_is_protected_around_it() {
     assert_eq!(points(&grid, 1).len(), 2);
     grid.apply(&mission, &Event::Became { id: 16, life: Life::Scheduled });
     assert_eq!(points(&grid, 1), []);
+}
+
+/// A frame that falls back or restarts protects nothing until it has chosen again, and one that is
+/// deleted nothing more; other frames keep what they protect.
+#[test]
+fn a_frame_that_gives_up_its_production_protects_nothing() {
+    let bytes = mission("action a hold 0; keeps f1\nframe R\n= a a; protect f0 0 2\n= a");
+    let mission = Mission::parse(&bytes).expect("it is sound");
+    let mut grid = SituationGrid::default();
+    for (owner, root) in [(0, 0), (1, 16)] {
+        let frame = component(Symbol::PlanFrame(0), owner, None, Life::Scheduled);
+        grid.apply(&mission, &Event::Planned { id: root, component: frame });
+        decompose(&mut grid, &mission, root, 0, root + 1);
+        grid.apply(&mission, &Event::Became { id: root + 1, life: Life::Started });
+    }
+    let protects = |grid: &SituationGrid| [0, 1].map(|owner| grid.held(owner).count());
+    let watches = |grid: &SituationGrid| [0, 1].map(|owner| grid.evident(owner, 1).count());
+    assert_eq!((protects(&grid), watches(&grid)), ([1, 1], [1, 1]));
+    for gives_up in [
+        Event::Restarted { id: 0 },
+        Event::Became { id: 0, life: Life::Scheduled },
+        Event::Deleted { id: 0 },
+    ] {
+        let mut grid = grid.clone();
+        grid.apply(&mission, &gives_up);
+        assert_eq!(protects(&grid), [0, 1], "{gives_up:?}");
+        assert_eq!(grid.get(0).and_then(|frame| frame.production), None);
+        assert_eq!(grid.get(16).and_then(|frame| frame.production), Some(0));
+        grid.apply(&mission, &Event::Deleted { id: 1 });
+        assert_eq!((protects(&grid), watches(&grid)), ([0, 1], [0, 1]));
+        assert!(grid.iter().any(|(id, _)| id == 17) && grid.iter().all(|(id, _)| id != 1));
+    }
 }
 
 /// H19: a production that may violate a protected fact is signalled before it is chosen.

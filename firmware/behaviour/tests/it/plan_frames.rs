@@ -29,6 +29,29 @@ fn a_frame_ends_as_soon_as_its_until_holds() {
     );
 }
 
+/// Of behaviours that run together, each ends its own frames.
+#[test]
+fn a_frame_ends_for_its_own_behaviour() {
+    check(
+        "input a
+         fact full level a 0.5 1
+         action step hold 900
+         action feed hold 900
+         frame work
+         = step
+         frame feeding; until full
+         = feed
+         behaviour a work; when always PS; resources 1
+         behaviour b feeding; when always PS; resources 2; once",
+        "a=0 x2
+         a=1 x2",
+        "1: a engaged, b engaged, [step], [feed], step & feed
+         2: step & feed
+         3: b finished, step
+         4: step",
+    );
+}
+
 /// The goal of a frame is checked at that end too.
 #[test]
 fn a_frame_that_ends_by_its_until_may_miss_its_goal() {

@@ -389,6 +389,36 @@ fn an_action_that_would_violate_what_another_one_protects_does_not_begin() {
     );
 }
 
+/// A sleeper of whose facts one is violated protects the others still.
+#[test]
+fn what_is_not_violated_stays_protected() {
+    let log = crate::bench::log(
+        "input a
+         input b
+         input c
+         fact here near 0 0 5
+         fact calm set
+         action look hold 200
+         action call hold 900
+         action shout hold 100; deletes calm
+         frame survey
+         = look look look; protect here calm 0 3
+         frame calling
+         = call
+         frame shouting
+         = shout
+         behaviour surveyor survey; when a NB NM NS ZO PS PM PB
+         behaviour caller calling; when b NB NM NS ZO PS PM PB
+         behaviour shouter shouting; when c NB NM NS ZO PS PM PB; resources 2",
+        "a=0.3333 b=0 c=0 at=0,0 x1
+         b=0.5 x2
+         at=9,0 x1
+         c=0.6667 x1",
+    );
+    assert!(log.contains("4: violates what a sleeper protects: here"), "{log}");
+    assert!(log.contains("5: shouter waits: surveyor excludes it"), "{log}");
+}
+
 /// H22, H34: what a start-up or a shut-down may violate counts as much as what the plan may.
 #[test]
 fn the_effects_of_activities_exclude_too() {
