@@ -12,7 +12,8 @@
 //! brakes count with it likewise.
 //!
 //! Memory is a fixed number of scans. Rings with fewer than eight sectors are not covered: a sector
-//! wider than [`SECTOR_RAD`] to both sides of a reading may hide obstacles that count as free space.
+//! wider than [`SECTOR_RAD`](crate::ranges::SECTOR_RAD) to both sides of a reading may hide obstacles
+//! that count as free space.
 
 use math::{Vec2, scalar, vector};
 use robot_io::limits::MAX_RANGES;
@@ -20,10 +21,7 @@ use robot_io::{Percepts, RangeReading};
 use serde::{Deserialize, Serialize};
 
 use crate::drive::Twist;
-use crate::ranges::SECTOR_RAD;
-
-/// A reading nearer than this counts as this far away, metres: at 0 it would have no direction.
-pub(crate) const LEAST_DISTANCE_M: f32 = 0.01;
+use crate::ranges::{LEAST_DISTANCE_M, Points, sector};
 
 /// Scans that are kept.
 const SCANS: usize = 5;
@@ -40,8 +38,38 @@ const BLUR_M: f32 = 0.06;
 /// It also ends before it by this share of the distance: edges and corners between two beams.
 const BLUR_SHARE: f32 = 0.03;
 
-/// This far from its middle the beams of a sector surely cover it, as a share of its angle.
-const WITHIN: f32 = 0.3;
+/// Where the sectors that cover a direction change, as tangents, in the eighth of a turn beside an
+/// axis. The beams of a sector surely cover 0.3 of its angle to either side of its middle; beyond
+/// that, the next sector may cover the direction too. The angles are 0.3, 0.7, 1.3 and 1.7 sectors.
+const CHANGES: [f32; 4] = [0.118_358, 0.282_029, 0.560_027, 0.788_336];
+
+/// The two sectors that may cover a direction, by its eighth of a turn (a bit each: steeper than
+/// 45 degrees, behind, on the right) and the number of [`CHANGES`] between the axis and it.
+const COVERING: [[[u8; 2]; CHANGES.len() + 1]; 8] = covering_sectors();
+
+const fn covering_sectors() -> [[[u8; 2]; CHANGES.len() + 1]; 8] {
+    const COUNT: usize = MAX_RANGES;
+    let mut table = [[[0; 2]; CHANGES.len() + 1]; 8];
+    let mut eighth = 0;
+    while eighth < 8 {
+        let mut changes = 0;
+        while changes <= CHANGES.len() {
+            // From the axis on: 0, 0 and 1, 1, 1 and 2, 2.
+            let pair = [changes / 2, changes.div_ceil(2)];
+            let mut index = 0;
+            while index < 2 {
+                let steep = if eighth & 1 == 0 { pair[index] } else { COUNT / 4 - pair[index] };
+                let ahead = if eighth & 2 == 0 { steep } else { COUNT / 2 - steep };
+                let sector = if eighth & 4 == 0 { ahead } else { COUNT - ahead };
+                table[eighth][changes][index] = (sector % COUNT) as u8;
+                index += 1;
+            }
+            changes += 1;
+        }
+        eighth += 1;
+    }
+    table
+}
 
 /// Nothing moves faster than this: an obstacle that seems to was not seen before, m/s.
 pub const FASTEST_MPS: f32 = 2.0;
@@ -66,17 +94,18 @@ struct Scan {
     time_us: Option<u64>,
     position_m: [f32; 2],
     heading_rad: f32,
-    /// The nearest reading of each sector in the robot's axes of that moment, metres; zero without.
-    nearest_m: [[f32; 2]; MAX_RANGES],
+    /// What was seen, in the robot's axes of that moment, metres.
+    seen_m: [[f32; 2]; MAX_RANGES],
+    count: u8,
     /// What is nearer than the square root of this lies in free space, m^2, by sector; 0 without a
     /// reading. Squares save the roots.
     free_m2: [f32; MAX_RANGES],
 }
 
 impl Closing {
-    /// Takes over the scan of this tick's percepts, if it is a new one. `twist` is the robot's
-    /// motion in the `elapsed_s` since the last tick.
-    pub fn update(&mut self, percepts: &Percepts, twist: &Twist, elapsed_s: f32) {
+    /// Takes over the scan of this tick's percepts, if it is a new one; `seen` are its readings as
+    /// points. `twist` is the robot's motion in the `elapsed_s` since the last tick.
+    pub fn update(&mut self, percepts: &Percepts, seen: &Points, twist: &Twist, elapsed_s: f32) {
         let turned_rad = twist.turn_rate_radps * elapsed_s;
         let chord = vector::from_angle(self.heading_rad + 0.5 * turned_rad);
         let position = Vec2::from(self.position_m) + chord * (twist.speed_mps * elapsed_s);
@@ -92,7 +121,13 @@ impl Closing {
             return;
         }
         if let Some(scan) = self.scans.get_mut(usize::from(self.next)) {
-            *scan = Scan::of(&percepts.ranges, scan_us, self.position_m, self.heading_rad);
+            let of_scan = Scan {
+                time_us: Some(scan_us),
+                position_m: self.position_m,
+                heading_rad: self.heading_rad,
+                ..Scan::default()
+            };
+            *scan = of_scan.with(&percepts.ranges, seen);
             self.next = (self.next + 1) % SCANS as u8;
         }
     }
@@ -120,48 +155,54 @@ impl Closing {
 }
 
 impl Scan {
-    fn of(readings: &[RangeReading], time_us: u64, position_m: [f32; 2], heading_rad: f32) -> Self {
-        let mut scan = Self { time_us: Some(time_us), position_m, heading_rad, ..Self::default() };
-        for reading in readings {
-            let distance_m = reading.distance_m.max(LEAST_DISTANCE_M);
-            let free_m = free_m(distance_m);
-            let (sector, _) = sectors(reading.bearing_rad);
-            let slots = scan.nearest_m.get_mut(sector).zip(scan.free_m2.get_mut(sector));
-            let Some((nearest, free_m2)) = slots else { continue };
-            if *nearest == [0.0; 2] || *free_m2 > free_m * free_m {
-                *nearest = (vector::from_angle(reading.bearing_rad) * distance_m).into();
+    /// This scan with its readings.
+    fn with(mut self, readings: &[RangeReading], seen: &Points) -> Self {
+        for ((reading, point), slot) in readings.iter().zip(seen).zip(&mut self.seen_m) {
+            *slot = (*point).into();
+            self.count += 1;
+            let free_m = free_m(scalar::larger(reading.distance_m, LEAST_DISTANCE_M));
+            let Some(free_m2) = self.free_m2.get_mut(sector(reading.bearing_rad)) else { continue };
+            if *free_m2 == 0.0 || *free_m2 > free_m * free_m {
                 *free_m2 = free_m * free_m;
             }
         }
-        scan
+        self
+    }
+
+    fn seen(&self) -> impl Iterator<Item = Vec2> {
+        let seen = self.seen_m.get(..usize::from(self.count)).unwrap_or_default();
+        seen.iter().map(|&point| Vec2::from(point))
     }
 
     /// How far the space in the direction of `point` was free, m^2; 0 if that is unknown. An
     /// obstacle at the edge of a sector may fall between the beams of two.
     fn free_m2(&self, point: Vec2) -> f32 {
-        let (sector, beside) = sectors(vector::angle(point));
-        let of = |sector: usize| self.free_m2.get(sector).copied().filter(|free| *free > 0.0);
-        match (of(sector), of(beside)) {
-            (Some(one), Some(other)) => one.min(other),
-            (one, other) => one.or(other).unwrap_or(0.0),
+        let (one, other) = covering(point);
+        let of = |sector: usize| self.free_m2.get(sector).copied().unwrap_or_default();
+        match (of(one), of(other)) {
+            (0.0, free_m2) | (free_m2, 0.0) => free_m2,
+            (one, other) => scalar::smaller(one, other),
         }
     }
 }
 
 /// How far the space before a reading at this distance is surely free, metres.
 fn free_m(distance_m: f32) -> f32 {
-    ((distance_m - BLUR_M) / (1.0 + BLUR_SHARE)).max(0.0)
+    scalar::larger((distance_m - BLUR_M) / (1.0 + BLUR_SHARE), 0.0)
 }
 
-/// The sector of a bearing and the one that may cover it too: the same, or at an edge the next one.
-fn sectors(bearing_rad: f32) -> (usize, usize) {
-    const COUNT: i32 = MAX_RANGES as i32;
-    let along = bearing_rad / SECTOR_RAD;
-    let sector = scalar::floor(along + 0.5);
-    let offset = along - sector;
-    let beside = i32::from(offset > WITHIN) - i32::from(offset < -WITHIN);
-    let index = |sector: i32| sector.rem_euclid(COUNT) as usize;
-    (index(sector as i32), index(sector as i32 + beside))
+/// The sectors that may cover the direction of a point: one, or two at their common edge.
+fn covering(point: Vec2) -> (usize, usize) {
+    let (x, y) = (point.x.abs(), point.y.abs());
+    let is_steep = y > x;
+    let (longer, shorter) = if is_steep { (y, x) } else { (x, y) };
+    let eighth =
+        usize::from(is_steep) | usize::from(point.x < 0.0) << 1 | usize::from(point.y < 0.0) << 2;
+    let changes: usize =
+        CHANGES.iter().map(|tangent| usize::from(shorter > tangent * longer)).sum();
+    let pair = COVERING.get(eighth).and_then(|by_changes| by_changes.get(changes));
+    let [one, other] = pair.copied().unwrap_or_default();
+    (one.into(), other.into())
 }
 
 /// An earlier scan and how the robot has moved since.
@@ -186,14 +227,16 @@ impl Compared<'_> {
         if then.norm_squared() >= self.scan.free_m2(then) {
             return Vec2::zeros();
         }
-        let seen = self.scan.nearest_m.iter().map(|&seen| Vec2::from(seen));
-        let ways = seen.filter(|seen| *seen != Vec2::zeros()).map(|seen| then - seen);
-        let shorter = |a: Vec2, b: Vec2| if b.norm_squared() < a.norm_squared() { b } else { a };
-        let Some(way) = ways.reduce(shorter) else { return Vec2::zeros() };
-        let velocity = way / self.age_s;
-        if velocity.norm_squared() > FASTEST_MPS * FASTEST_MPS {
-            return Vec2::zeros();
+        let longest_m = FASTEST_MPS * self.age_s;
+        let (mut way, mut shortest_m2) = (Vec2::zeros(), longest_m * longest_m);
+        for seen in self.scan.seen() {
+            let from = then - seen;
+            let length_m2 = from.norm_squared();
+            if length_m2 < shortest_m2 {
+                (way, shortest_m2) = (from, length_m2);
+            }
         }
+        let velocity = way / self.age_s;
         Vec2::new(cos * velocity.x + sin * velocity.y, cos * velocity.y - sin * velocity.x)
     }
 }
@@ -201,6 +244,7 @@ impl Compared<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ranges::{SECTOR_RAD, points};
 
     /// A post of this radius.
     type Post = ([f32; 2], f32);
@@ -246,7 +290,7 @@ mod tests {
             let noise_m = if tick % 3 == 0 { noise_m } else { -noise_m };
             let seen = ring(robot.into(), heading_rad, &posts(f32::from(tick) * 0.05), noise_m);
             let percepts = Percepts { scan_us: Some(u64::from(tick) * 50_000), ..seen };
-            closing.update(&percepts, &twist, elapsed_s);
+            closing.update(&percepts, &points(&percepts.ranges), &twist, elapsed_s);
             for reading in percepts.ranges.iter().filter(|reading| reading.distance_m < 3.0) {
                 let point = vector::from_angle(reading.bearing_rad) * reading.distance_m;
                 for compared in closing.compared().iter().flatten() {
@@ -293,6 +337,24 @@ mod tests {
                 let velocity = fastest(twist, noise_m, |_| posts);
                 assert_eq!(velocity, Vec2::zeros(), "{noise_m} {twist:?} {posts:?}");
             }
+        }
+    }
+
+    /// Around the robot, the sector of a direction is one of those that cover it, and the other one
+    /// is next to it, at the edge.
+    #[test]
+    fn a_direction_is_covered_by_its_sector_and_at_its_edge_by_the_next() {
+        for step in 0..720_u16 {
+            let angle_rad = scalar::wrap_angle(f32::from(step) * scalar::TAU / 720.0 + 1e-3);
+            let (one, other) = covering(vector::from_angle(angle_rad) * 3.0);
+            let own = sector(angle_rad);
+            assert!(one == own || other == own, "{angle_rad}: {own} {one} {other}");
+            let offset = angle_rad / SECTOR_RAD - scalar::floor(angle_rad / SECTOR_RAD + 0.5);
+            let is_at_edge = offset.abs() > 0.3;
+            // The sine is good to 1e-3.
+            assert!(one.abs_diff(other) % 14 <= 1, "{angle_rad}: {one} {other}");
+            let is_near_change = (offset.abs() - 0.3).abs() < 0.02;
+            assert!(is_near_change || (one != other) == is_at_edge, "{angle_rad}: {one} {other}");
         }
     }
 

@@ -259,11 +259,12 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
         behave::behave(blob, &mut state.behaviours, &percepts, position, &mates, &mut report);
     let vehicle = intent.constrained(&blob.parameters().vehicle);
     let now = state.commanded.now(&percepts, sensed.ranges.age_s());
-    state.closing.update(&percepts, &now.twist, sensed.elapsed_s);
+    let seen = ranges::points(&percepts.ranges);
+    state.closing.update(&percepts, &seen, &now.twist, sensed.elapsed_s);
     let within_m = brake::within_m(&vehicle, sensed.ranges.age_s());
     let coming_m = brake::coming_m(&vehicle, sensed.ranges.age_s());
     let coming = state.closing.compared();
-    let near = Obstacles::near(&percepts.ranges, within_m, &coming, coming_m);
+    let near = Obstacles::near(&percepts.ranges, &seen, within_m, &coming, coming_m);
     let seen = Seen { percepts: &percepts, sensed: &sensed, near: &near, mates: &mates };
     let decided = decide(blob, &vehicle, state, &seen, &intent);
     let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));

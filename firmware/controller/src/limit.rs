@@ -51,6 +51,7 @@ impl Commanded {
 /// ```
 /// use controller::limit::{Commanded, limit};
 /// use controller::obstacles::Obstacles;
+/// use controller::ranges::points;
 /// use robot_io::{Commands, Operator, Percepts, RangeReading, Reason};
 /// let vehicle = plan_format::Parameters::default().vehicle;
 /// let wanted = Commands { speed_mps: 1.0, ..Commands::stop(Reason::Driving) };
@@ -60,7 +61,8 @@ impl Commanded {
 /// // The body has a radius of 0.3 m, brakes with 2 m/s^2 and stops 2 cm before an obstacle.
 /// for (distance_m, low, high) in [(0.8, 1.0, 1.0), (0.5, 0.4, 0.8), (0.32, 0.0, 0.0)] {
 ///     let obstacle = RangeReading { bearing_rad: 0.0, distance_m };
-///     let near = Obstacles::near(&[obstacle], 5.0, &[], 0.0);
+///     let seen = points(&[obstacle]);
+///     let near = Obstacles::near(&[obstacle], &seen, 5.0, &[], 0.0);
 ///     let speed_mps = limit(&vehicle, &percepts, &near, &now, wanted).speed_mps;
 ///     assert!((low..=high).contains(&speed_mps), "{distance_m}: {speed_mps}");
 /// }
@@ -139,6 +141,7 @@ mod tests {
 
     use super::*;
     use crate::brake::within_m;
+    use crate::ranges::points;
     use plan_format::Parameters;
     use robot_io::{Manual, Operator, RangeReading};
     use std::format;
@@ -158,7 +161,8 @@ mod tests {
 
     /// Limits the commands of a robot that has just begun to drive them.
     fn limit(vehicle: &Vehicle, percepts: &Percepts, wanted: Commands) -> Commands {
-        let near = Obstacles::near(&percepts.ranges, within_m(vehicle, 0.0), &[], 0.0);
+        let seen = points(&percepts.ranges);
+        let near = Obstacles::near(&percepts.ranges, &seen, within_m(vehicle, 0.0), &[], 0.0);
         super::limit(vehicle, percepts, &near, &Commanded::default().now(percepts, 0.0), wanted)
     }
 

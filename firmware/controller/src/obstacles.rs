@@ -4,8 +4,8 @@ use math::{Vec2, scalar, vector};
 use robot_io::RangeReading;
 use robot_io::limits::MAX_RANGES;
 
-use crate::closing::{Compared, LEAST_DISTANCE_M};
-use crate::ranges::SECTOR_RAD;
+use crate::closing::Compared;
+use crate::ranges::{LEAST_DISTANCE_M, Points, SECTOR_RAD};
 
 /// Share of the distance to a point that the body may use up by passing it. A body that is nearer
 /// to a point than it should be may pass it and leave it, and approach it a little.
@@ -51,7 +51,7 @@ struct Point {
     hidden: Vec2,
     /// Their distance from the body's centre.
     distance_m: f32,
-    /// The obstacle's own velocity, m/s, and its length.
+    /// The obstacle's own velocity, m/s, and a bound of its length, see [`bound`].
     velocity: Vec2,
     speed_mps: f32,
 }
@@ -66,25 +66,30 @@ impl Point {
     };
 
     /// The reading of an obstacle that stands.
-    fn of(reading: &RangeReading) -> Self {
-        let distance_m = reading.distance_m.max(LEAST_DISTANCE_M);
-        let seen = vector::from_angle(reading.bearing_rad) * distance_m;
-        let sector = sector(reading.bearing_rad);
+    fn of(reading: &RangeReading, seen: Vec2) -> Self {
+        let distance_m = scalar::larger(reading.distance_m, LEAST_DISTANCE_M);
+        let sector = from_ahead(reading.bearing_rad);
         Self { seen, hidden: hidden(seen, sector, distance_m), distance_m, ..Self::NONE }
     }
 
     /// The same in axes that are turned by half a turn.
     fn astern(&self) -> Self {
         let seen = -self.seen;
-        let sector = sector(vector::angle(seen));
+        let sector = from_ahead(vector::angle(seen));
         let hidden = hidden(seen, sector, self.distance_m);
         Self { seen, hidden, velocity: -self.velocity, ..*self }
     }
 }
 
 /// Sectors between straight ahead and a bearing.
-fn sector(bearing_rad: f32) -> usize {
+fn from_ahead(bearing_rad: f32) -> usize {
     (bearing_rad.abs() / SECTOR_RAD + 0.5) as usize
+}
+
+/// A length that is at least that of the vector and at most 8.3 % greater; it saves a root.
+fn bound(vector: Vec2) -> f32 {
+    let (x, y) = (vector.x.abs(), vector.y.abs());
+    scalar::larger(x, y) + (core::f32::consts::SQRT_2 - 1.0) * scalar::smaller(x, y)
 }
 
 /// The point at the edge of the sector of `seen` that is nearer to straight ahead.
@@ -105,8 +110,8 @@ pub enum Kind {
 /// The directions that obstacles leave open.
 #[derive(Clone, Copy, Debug)]
 pub struct Openings {
-    /// Directions to obstacles, of length 1, each with the cosine of the angle that it closes to
-    /// either side.
+    /// Directions to obstacles, of length 1, each with the squared cosine of the angle that it
+    /// closes to either side; that angle is at most a quarter turn.
     closed: [(Vec2, f32); MAX_RANGES],
     count: usize,
 }
@@ -115,7 +120,10 @@ impl Openings {
     /// Whether a direction of length 1 is open.
     pub fn contain(&self, direction: Vec2) -> bool {
         let closed = self.closed.get(..self.count).unwrap_or_default();
-        closed.iter().all(|(obstacle, cosine)| obstacle.dot(&direction) <= *cosine)
+        closed.iter().all(|(obstacle, cosine2)| {
+            let cosine = obstacle.dot(&direction);
+            cosine <= 0.0 || cosine * cosine <= *cosine2
+        })
     }
 }
 
@@ -135,30 +143,32 @@ impl Body {
         if KEPT * distance_m >= wide_m {
             return wide_m;
         }
-        let touch_m = wide_m.min(self.radius_m + TOUCH_M);
+        let touch_m = scalar::smaller(wide_m, self.radius_m + TOUCH_M);
         // A point at the body's side stays free in spite of rounding.
-        wide_m.min((KEPT * distance_m).max(touch_m.min(0.9999 * distance_m)))
+        let kept_m = scalar::smaller(touch_m, 0.9999 * distance_m);
+        scalar::smaller(wide_m, scalar::larger(KEPT * distance_m, kept_m))
     }
 }
 
 impl Obstacles {
-    /// The readings nearer than `within_m`, for motion ahead. `coming` compares them with earlier
-    /// scans; those that move by themselves count up to `coming_m`.
+    /// The readings nearer than `within_m`, for motion ahead; `seen` are the same as points.
+    /// `coming` compares them with earlier scans; those that move by themselves count up to
+    /// `coming_m`.
     pub fn near(
         readings: &[RangeReading],
+        seen: &Points,
         within_m: f32,
         coming: &[Option<Compared<'_>>],
         coming_m: f32,
     ) -> Self {
         let mut near = Self { points: [Point::NONE; MAX_RANGES], count: 0 };
         let most_m = within_m.max(coming_m);
-        let close = readings.iter().filter(|reading| reading.distance_m < most_m);
-        let points = close.map(|reading| {
-            let point = Point::of(reading);
-            let velocities = coming.iter().flatten().map(|scan| scan.velocity(point.seen));
+        let close = readings.iter().zip(seen).filter(|(reading, _)| reading.distance_m < most_m);
+        let points = close.map(|(reading, seen)| {
+            let velocities = coming.iter().flatten().map(|scan| scan.velocity(*seen));
             let velocity = velocities.into_iter().find(|velocity| *velocity != Vec2::zeros());
             let velocity = velocity.unwrap_or_default();
-            Point { velocity, speed_mps: vector::length(velocity), ..point }
+            Point { velocity, speed_mps: bound(velocity), ..Point::of(reading, *seen) }
         });
         let count = points.filter(|point| point.distance_m < within_m || point.speed_mps > 0.0);
         for (slot, point) in near.points.iter_mut().zip(count) {
@@ -195,14 +205,15 @@ impl Obstacles {
         for (slot, (point, distance_m)) in closed.iter_mut().zip(close) {
             let reach_m = body.reach_m(distance_m);
             // The body comes nearest to the point beside it, or at the end of its way.
-            let along_m = scalar::sqrt(distance_m * distance_m - reach_m * reach_m);
-            let cosine = if along_m <= length_m {
-                along_m / distance_m
+            let (far, end) = (distance_m * distance_m, length_m * length_m);
+            let along = far - reach_m * reach_m;
+            let cosine2 = if along <= end {
+                along / far
             } else {
-                let (far, end) = (distance_m * distance_m, length_m * length_m);
-                (far + end - reach_m * reach_m) / (2.0 * distance_m * length_m)
+                let cosine = (along + end) / (2.0 * distance_m * length_m);
+                cosine * cosine
             };
-            *slot = (point / distance_m, cosine);
+            *slot = (point / distance_m, cosine2);
             count += 1;
         }
         Openings { closed, count }
@@ -218,8 +229,9 @@ impl Obstacles {
     pub fn let_pass(&self, body: &Body, arc: &Arc, time_s: f32) -> bool {
         let points = self.points.get(..self.count).unwrap_or_default();
         // So close together that the body does not pass between two of them.
-        let spacing_m = (body.radius_m + body.aside_m).max(LEAST_DISTANCE_M);
-        let nearest_m = arc.length_m + body.radius_m + body.aside_m;
+        let wide_m = body.radius_m + body.aside_m;
+        let spacing_m = scalar::larger(wide_m, LEAST_DISTANCE_M);
+        let nearest_m = arc.length_m + wide_m;
         points.iter().filter(|point| point.speed_mps > 0.0).all(|point| {
             let run_m = point.speed_mps * time_s;
             // It does not come near enough in that time.
@@ -229,13 +241,21 @@ impl Obstacles {
             let count = scalar::clamp(scalar::floor(run_m / spacing_m) + 1.0, 1.0, MOST_PLACES);
             // The nearest place that was seen before may be that of another obstacle: then only the
             // speed is right.
-            let straight_here = point.seen * (-run_m.min(point.distance_m) / point.distance_m);
-            [point.velocity * time_s, straight_here].into_iter().all(|run| {
-                (1..=count as u32).all(|place| {
-                    let at = point.seen + run * (place as f32 / count);
-                    arc.is_clear_of_place(body, at)
-                })
-            })
+            // Nearer than the body is wide, it touches a robot that stands, too.
+            let here_m = scalar::smaller(run_m, scalar::larger(point.distance_m - wide_m, 0.0));
+            let straight_here = point.seen * (-here_m / point.distance_m);
+            let own = point.velocity * time_s;
+            let is_free = |run: Vec2| {
+                // The robot drives away from it.
+                let is_behind = point.seen.x <= 0.0 && point.seen.x + run.x <= 0.0;
+                let step = run / count;
+                is_behind && arc.turned_rad < 0.5 * scalar::PI
+                    || (1..=count as u32)
+                        .all(|place| arc.is_clear_of_place(body, point.seen + step * place as f32))
+            };
+            // Two ways that end so close together are one.
+            let are_one = (own - straight_here).norm_squared() < 0.25 * spacing_m * spacing_m;
+            is_free(straight_here) && (are_one || is_free(own))
         })
     }
 }
@@ -284,7 +304,7 @@ impl Arc {
             return true;
         }
         let is_far = KEPT * KEPT * distance_m2 >= wide_m * wide_m;
-        let near_m = || body.reach_m(scalar::sqrt(distance_m2).max(LEAST_DISTANCE_M));
+        let near_m = || body.reach_m(scalar::larger(scalar::sqrt(distance_m2), LEAST_DISTANCE_M));
         self.is_clear_by(if is_far { wide_m } else { near_m() }, point)
     }
 
@@ -292,7 +312,7 @@ impl Arc {
     fn is_clear_by(&self, reach_m: f32, point: Vec2) -> bool {
         let &Self { length_m, turned_rad, is_to_the_right, arc_m, end } = self;
         if arc_m == 0.0 {
-            let beyond_m = (point.x - length_m).max(0.0);
+            let beyond_m = scalar::larger(point.x - length_m, 0.0);
             return point.y * point.y + beyond_m * beyond_m >= reach_m * reach_m;
         }
         let to_the_inside_m = if is_to_the_right { -point.y } else { point.y };
@@ -302,7 +322,7 @@ impl Arc {
         let is_abreast = about.x >= 0.0 && end.y * about.y - end.x * about.x >= 0.0;
         if turned_rad >= scalar::PI || is_abreast {
             let distance = about.norm_squared();
-            let (inner_m, outer_m) = ((arc_m - reach_m).max(0.0), arc_m + reach_m);
+            let (inner_m, outer_m) = (scalar::larger(arc_m - reach_m, 0.0), arc_m + reach_m);
             distance <= inner_m * inner_m || distance >= outer_m * outer_m
         } else {
             let from_end = about - Vec2::new(end.y, end.x) * arc_m;
@@ -314,16 +334,17 @@ impl Arc {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ranges::points;
     use proptest::prelude::*;
 
-    fn at(points: &[(f32, f32)]) -> Obstacles {
+    fn at(places: &[(f32, f32)]) -> Obstacles {
         let reading = |&(x, y): &(f32, f32)| RangeReading {
             bearing_rad: vector::angle(Vec2::new(x, y)),
             distance_m: vector::length(Vec2::new(x, y)),
         };
         let readings: [RangeReading; 2] =
-            [0, 1].map(|i| reading(points.get(i).unwrap_or(&(9.0, 9.0))));
-        Obstacles::near(&readings, 5.0, &[], 0.0)
+            [0, 1].map(|i| reading(places.get(i).unwrap_or(&(9.0, 9.0))));
+        Obstacles::near(&readings, &points(&readings), 5.0, &[], 0.0)
     }
 
     fn body(radius_m: f32) -> Body {
@@ -376,11 +397,13 @@ mod tests {
         let reading =
             |degrees: f32| RangeReading { bearing_rad: degrees.to_radians(), distance_m: 1.0 };
         for (degrees, edge) in [(5.0, 0.0), (30.0, 11.25), (-30.0, -11.25), (80.0, 78.75)] {
-            let hidden = Obstacles::near(&[reading(degrees)], 2.0, &[], 0.0);
+            let readings = [reading(degrees)];
+            let hidden = Obstacles::near(&readings, &points(&readings), 2.0, &[], 0.0);
             let found = vector::angle(hidden.points[0].hidden).to_degrees();
             assert!((found - edge).abs() < 0.2, "{degrees}: {found}");
         }
-        let astern = Obstacles::near(&[reading(150.0)], 2.0, &[], 0.0).astern();
+        let readings = [reading(150.0)];
+        let astern = Obstacles::near(&readings, &points(&readings), 2.0, &[], 0.0).astern();
         let found = vector::angle(astern.points[0].hidden).to_degrees();
         assert!((found + 11.25).abs() < 0.2, "{found}");
     }

@@ -20,6 +20,7 @@
 //! An empty scan that is repeated cannot be distinguished from open ground, an offset from the start
 //! not from other obstacles, and a delay that grows slowly not from obstacles that move.
 
+use heapless::Vec;
 use math::{Vec2, scalar, vector};
 use plan_format::parameters::RangePolicy;
 use robot_io::limits::MAX_RANGES;
@@ -84,6 +85,26 @@ const LEAP_COUNT: u8 = 4;
 /// Angle of a sector of the range finder, which reports its nearest obstacle only. The first one is
 /// centred ahead.
 pub(crate) const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
+
+/// A reading nearer than this counts as this far away, metres: at 0 it would have no direction.
+pub(crate) const LEAST_DISTANCE_M: f32 = 0.01;
+
+/// Readings as points in the robot's axes, metres: x straight ahead, y to the left.
+pub type Points = Vec<Vec2, MAX_RANGES>;
+
+/// The readings as points, in their order.
+pub fn points(readings: &[RangeReading]) -> Points {
+    let point = |reading: &RangeReading| {
+        vector::from_angle(reading.bearing_rad)
+            * scalar::larger(reading.distance_m, LEAST_DISTANCE_M)
+    };
+    readings.iter().take(MAX_RANGES).map(point).collect()
+}
+
+/// The sector of a bearing within half a turn to either side.
+pub(crate) fn sector(bearing_rad: f32) -> usize {
+    (bearing_rad / SECTOR_RAD + (MAX_RANGES as f32 + 0.5)) as usize % MAX_RANGES
+}
 
 /// A reading leaps if it changes by more than this, metres.
 const LEAP_M: f32 = 0.25;
@@ -317,9 +338,7 @@ impl RangeTrack {
         let is_repeated = readings.len() == usize::from(self.heard.count);
         let mut differences = Differences { is_repeated, ..Differences::default() };
         for now in readings {
-            // Bearings are within half a turn to either side.
-            let sector = (now.bearing_rad / SECTOR_RAD + (MAX_RANGES as f32 + 0.5)) as usize;
-            let sector = sector % MAX_RANGES;
+            let sector = sector(now.bearing_rad);
             let (Some(kept_m), Some(&before_m)) =
                 (self.by_sector_m.get_mut(sector), last_m.get(sector))
             else {

@@ -69,11 +69,10 @@ fn is_nearest_of_its_surface(
     index: usize,
     reading: &RangeReading,
 ) -> bool {
-    readings.iter().enumerate().all(|(other_index, other)| {
-        let is_nearer = other.distance_m < reading.distance_m
-            || other.distance_m == reading.distance_m && other_index < index;
-        !is_nearer || angle_between(reading, other) > SURFACE_ANGLE_RAD
-    })
+    let is_apart = |other: &RangeReading| angle_between(reading, other) > SURFACE_ANGLE_RAD;
+    let (before, after) = readings.split_at(index.min(readings.len()));
+    before.iter().all(|other| other.distance_m > reading.distance_m || is_apart(other))
+        && after.iter().all(|other| other.distance_m >= reading.distance_m || is_apart(other))
 }
 
 /// Angle between two bearings that are wrapped to [-pi, pi), the short way round.

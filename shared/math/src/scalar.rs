@@ -38,6 +38,19 @@ pub fn floor(x: f32) -> f32 {
     libm::floorf(x)
 }
 
+/// The larger of two numbers. A comparison costs less than `f32::max`, which is a call on targets
+/// without an instruction for it.
+#[inline]
+pub fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers, as [`larger`].
+#[inline]
+pub fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
 /// `x` clamped to `[low, high]`; `low` if `x` is NaN.
 pub fn clamp(x: f32, low: f32, high: f32) -> f32 {
     if x >= high {
