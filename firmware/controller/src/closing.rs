@@ -12,7 +12,7 @@
 //! brakes count with it likewise.
 //!
 //! Memory is a fixed number of scans. Rings with fewer than eight sectors are not covered: a sector
-//! wider than [`SECTOR_RAD`](crate::ranges::SECTOR_RAD) to both sides of a reading may hide obstacles
+//! wider than [`SECTOR_RAD`](crate::scan::SECTOR_RAD) to both sides of a reading may hide obstacles
 //! that count as free space.
 
 use math::{Vec2, scalar, vector};
@@ -21,7 +21,7 @@ use robot_io::{Percepts, RangeReading};
 use serde::{Deserialize, Serialize};
 
 use crate::drive::Twist;
-use crate::ranges::{LEAST_DISTANCE_M, Points, sector};
+use crate::scan::{LEAST_DISTANCE_M, Points, covering, free_m, sector};
 
 /// Scans that are kept.
 const SCANS: usize = 5;
@@ -32,44 +32,6 @@ const SPACING_US: u64 = 100_000;
 const LEAST_AGES_US: [u64; 2] = [400_000, 200_000];
 /// An older scan shows nothing about the present, microseconds.
 const MOST_AGE_US: u64 = 1_000_000;
-
-/// Free space ends this much before a reading: noise, metres.
-const BLUR_M: f32 = 0.06;
-/// It also ends before it by this share of the distance: edges and corners between two beams.
-const BLUR_SHARE: f32 = 0.03;
-
-/// Where the sectors that cover a direction change, as tangents, in the eighth of a turn beside an
-/// axis. The beams of a sector surely cover 0.3 of its angle to either side of its middle; beyond
-/// that, the next sector may cover the direction too. The angles are 0.3, 0.7, 1.3 and 1.7 sectors.
-const CHANGES: [f32; 4] = [0.118_358, 0.282_029, 0.560_027, 0.788_336];
-
-/// The two sectors that may cover a direction, by its eighth of a turn (a bit each: steeper than
-/// 45 degrees, behind, on the right) and the number of [`CHANGES`] between the axis and it.
-const COVERING: [[[u8; 2]; CHANGES.len() + 1]; 8] = covering_sectors();
-
-const fn covering_sectors() -> [[[u8; 2]; CHANGES.len() + 1]; 8] {
-    const COUNT: usize = MAX_RANGES;
-    let mut table = [[[0; 2]; CHANGES.len() + 1]; 8];
-    let mut eighth = 0;
-    while eighth < 8 {
-        let mut changes = 0;
-        while changes <= CHANGES.len() {
-            // From the axis on: 0, 0 and 1, 1, 1 and 2, 2.
-            let pair = [changes / 2, changes.div_ceil(2)];
-            let mut index = 0;
-            while index < 2 {
-                let steep = if eighth & 1 == 0 { pair[index] } else { COUNT / 4 - pair[index] };
-                let ahead = if eighth & 2 == 0 { steep } else { COUNT / 2 - steep };
-                let sector = if eighth & 4 == 0 { ahead } else { COUNT - ahead };
-                table[eighth][changes][index] = (sector % COUNT) as u8;
-                index += 1;
-            }
-            changes += 1;
-        }
-        eighth += 1;
-    }
-    table
-}
 
 /// Nothing moves faster than this: an obstacle that seems to was not seen before, m/s.
 pub const FASTEST_MPS: f32 = 2.0;
@@ -186,25 +148,6 @@ impl Scan {
     }
 }
 
-/// How far the space before a reading at this distance is surely free, metres.
-fn free_m(distance_m: f32) -> f32 {
-    scalar::larger((distance_m - BLUR_M) / (1.0 + BLUR_SHARE), 0.0)
-}
-
-/// The sectors that may cover the direction of a point: one, or two at their common edge.
-fn covering(point: Vec2) -> (usize, usize) {
-    let (x, y) = (point.x.abs(), point.y.abs());
-    let is_steep = y > x;
-    let (longer, shorter) = if is_steep { (y, x) } else { (x, y) };
-    let eighth =
-        usize::from(is_steep) | usize::from(point.x < 0.0) << 1 | usize::from(point.y < 0.0) << 2;
-    let changes: usize =
-        CHANGES.iter().map(|tangent| usize::from(shorter > tangent * longer)).sum();
-    let pair = COVERING.get(eighth).and_then(|by_changes| by_changes.get(changes));
-    let [one, other] = pair.copied().unwrap_or_default();
-    (one.into(), other.into())
-}
-
 /// An earlier scan and how the robot has moved since.
 #[derive(Clone, Copy, Debug)]
 pub struct Compared<'s> {
@@ -244,7 +187,7 @@ impl Compared<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ranges::{SECTOR_RAD, points};
+    use crate::scan::points;
 
     /// A post of this radius.
     type Post = ([f32; 2], f32);
@@ -337,24 +280,6 @@ mod tests {
                 let velocity = fastest(twist, noise_m, |_| posts);
                 assert_eq!(velocity, Vec2::zeros(), "{noise_m} {twist:?} {posts:?}");
             }
-        }
-    }
-
-    /// Around the robot, the sector of a direction is one of those that cover it, and the other one
-    /// is next to it, at the edge.
-    #[test]
-    fn a_direction_is_covered_by_its_sector_and_at_its_edge_by_the_next() {
-        for step in 0..720_u16 {
-            let angle_rad = scalar::wrap_angle(f32::from(step) * scalar::TAU / 720.0 + 1e-3);
-            let (one, other) = covering(vector::from_angle(angle_rad) * 3.0);
-            let own = sector(angle_rad);
-            assert!(one == own || other == own, "{angle_rad}: {own} {one} {other}");
-            let offset = angle_rad / SECTOR_RAD - scalar::floor(angle_rad / SECTOR_RAD + 0.5);
-            let is_at_edge = offset.abs() > 0.3;
-            // The sine is good to 1e-3.
-            assert!(one.abs_diff(other) % 14 <= 1, "{angle_rad}: {one} {other}");
-            let is_near_change = (offset.abs() - 0.3).abs() < 0.02;
-            assert!(is_near_change || (one != other) == is_at_edge, "{angle_rad}: {one} {other}");
         }
     }
 

@@ -51,7 +51,7 @@ impl Commanded {
 /// ```
 /// use controller::limit::{Commanded, limit};
 /// use controller::obstacles::Obstacles;
-/// use controller::ranges::points;
+/// use controller::scan::points;
 /// use robot_io::{Commands, Operator, Percepts, RangeReading, Reason};
 /// let vehicle = plan_format::Parameters::default().vehicle;
 /// let wanted = Commands { speed_mps: 1.0, ..Commands::stop(Reason::Driving) };
@@ -141,7 +141,7 @@ mod tests {
 
     use super::*;
     use crate::brake::within_m;
-    use crate::ranges::points;
+    use crate::scan::points;
     use plan_format::Parameters;
     use robot_io::{Manual, Operator, RangeReading};
     use std::format;

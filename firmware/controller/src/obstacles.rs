@@ -5,7 +5,7 @@ use robot_io::RangeReading;
 use robot_io::limits::MAX_RANGES;
 
 use crate::closing::Compared;
-use crate::ranges::{LEAST_DISTANCE_M, Points, SECTOR_RAD};
+use crate::scan::{LEAST_DISTANCE_M, Points, SECTOR_RAD};
 
 /// Share of the distance to a point that the body may use up by passing it. A body that is nearer
 /// to a point than it should be may pass it and leave it, and approach it a little.
@@ -334,7 +334,7 @@ impl Arc {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ranges::points;
+    use crate::scan::points;
     use proptest::prelude::*;
 
     fn at(places: &[(f32, f32)]) -> Obstacles {

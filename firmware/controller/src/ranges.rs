@@ -14,18 +14,19 @@
 //! - it has leapt: between two scans, most readings have grown by more than the robot moved, or most
 //!   have shrunk. Obstacles do not do that together, so the zero of the range finder has moved. It
 //!   is trusted again once it leaps back, or once the robot is disarmed.
-//! - it is late: after a silence in which the robot has moved, too many readings are as before. It
-//!   is trusted again once the robot is disarmed.
+//! - it is late: after a silence it shows what the robot saw before, see [`crate::late`]. It is
+//!   trusted again once the robot is disarmed.
 //!
 //! An empty scan that is repeated cannot be distinguished from open ground, an offset from the start
 //! not from other obstacles, and a delay that grows slowly not from obstacles that move.
 
-use heapless::Vec;
-use math::{Vec2, scalar, vector};
 use plan_format::parameters::RangePolicy;
 use robot_io::limits::MAX_RANGES;
 use robot_io::{Percepts, RangeReading, Reason};
 use serde::{Deserialize, Serialize};
+
+use crate::late::{Trial, Verdict};
+use crate::scan::{Moved, Scan, sector};
 
 /// How far the range readings can be trusted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -82,30 +83,6 @@ const REPEATED_COUNT: u8 = 3;
 /// A leap counts if this many readings leap in one direction, if they are half of all, and if
 /// none stays as it is.
 const LEAP_COUNT: u8 = 4;
-/// Angle of a sector of the range finder, which reports its nearest obstacle only. The first one is
-/// centred ahead.
-pub(crate) const SECTOR_RAD: f32 = scalar::TAU / MAX_RANGES as f32;
-
-/// A reading nearer than this counts as this far away, metres: at 0 it would have no direction.
-pub(crate) const LEAST_DISTANCE_M: f32 = 0.01;
-
-/// Readings as points in the robot's axes, metres: x straight ahead, y to the left.
-pub type Points = Vec<Vec2, MAX_RANGES>;
-
-/// The readings as points, in their order.
-pub fn points(readings: &[RangeReading]) -> Points {
-    let point = |reading: &RangeReading| {
-        vector::from_angle(reading.bearing_rad)
-            * scalar::larger(reading.distance_m, LEAST_DISTANCE_M)
-    };
-    readings.iter().take(MAX_RANGES).map(point).collect()
-}
-
-/// The sector of a bearing within half a turn to either side.
-pub(crate) fn sector(bearing_rad: f32) -> usize {
-    (bearing_rad / SECTOR_RAD + (MAX_RANGES as f32 + 0.5)) as usize % MAX_RANGES
-}
-
 /// A reading leaps if it changes by more than this, metres.
 const LEAP_M: f32 = 0.25;
 /// It may change by this much more for each metre that the robot has moved.
@@ -125,61 +102,11 @@ const GAP_US: u64 = 400_000;
 const LONGEST_GAP_US: u64 = 5_000_000;
 /// Readings that differ by less than this are as before, metres.
 const SAME_M: f32 = 0.12;
-/// What the robot must have done in between, metres and radians, and the share of readings that
-/// are then as before only if the scan is late. Walls along the way stay as far away as they are
-/// while the robot drives straight; they do not while it turns.
-const LATE: [Late; 4] = [
-    Late { moved_m: 0.15, turned_rad: 0.09, share: 0.75, needs_telling: false },
-    Late { moved_m: 0.0, turned_rad: 0.35, share: 0.4, needs_telling: false },
-    Late { moved_m: 0.25, turned_rad: 0.25, share: 0.5, needs_telling: false },
-    Late { moved_m: 0.25, turned_rad: 0.0, share: 0.4, needs_telling: true },
-];
-/// A reading at most this far aside of the robot's way must differ, metres.
-const TELLING_ASIDE_M: f32 = 0.35;
-/// It must not be farther away than this, metres: it may be a wall that leads away.
-const TELLING_M: f32 = 2.5;
-
-/// When a scan after a silence is late.
-struct Late {
-    moved_m: f32,
-    turned_rad: f32,
-    share: f32,
-    /// One of the readings that are as before must be on the robot's way.
-    needs_telling: bool,
-}
 
 /// Doubt for a garbled scan; a sound scan with readings takes 1 away.
 const GARBLED_DOUBT: u8 = 2;
 /// With this doubt the range finder is faulty, until the doubt is 0.
 const MOST_DOUBT: u8 = 16;
-
-/// The readings of one scan.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Scan {
-    readings: [RangeReading; MAX_RANGES],
-    count: u8,
-}
-
-impl Default for Scan {
-    fn default() -> Self {
-        let nothing = RangeReading { bearing_rad: 0.0, distance_m: 0.0 };
-        Self { readings: [nothing; MAX_RANGES], count: 0 }
-    }
-}
-
-impl Scan {
-    fn readings(&self) -> &[RangeReading] {
-        self.readings.get(..usize::from(self.count)).unwrap_or_default()
-    }
-
-    fn take(&mut self, readings: &[RangeReading]) {
-        // Never more than there is room for: percepts have the same limit.
-        for (kept, reading) in self.readings.iter_mut().zip(readings) {
-            *kept = *reading;
-        }
-        self.count = readings.len().min(MAX_RANGES) as u8;
-    }
-}
 
 /// What the judgement keeps from tick to tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -194,9 +121,8 @@ pub struct RangeTrack {
     /// The last sound scan, while others arrive.
     kept: Scan,
     is_kept: bool,
-    /// Where the robot is in its axes of the last sound scan, metres and radians.
-    moved: [f32; 2],
-    turned_rad: f32,
+    /// How the robot has moved since the last sound scan.
+    moved: Moved,
     /// Distance driven and angle turned since the last scan, metres and radians.
     since_m: f32,
     since_rad: f32,
@@ -208,6 +134,7 @@ pub struct RangeTrack {
     varied: u8,
     /// Sum of the leaps, metres.
     leapt_m: f32,
+    trial: Trial,
     is_late: bool,
     doubt: u8,
     is_doubted: bool,
@@ -224,8 +151,6 @@ struct Differences {
     shrunk_m: f32,
     /// Readings that show no difference.
     same: u8,
-    /// One of those is on the robot's way, ahead or astern.
-    is_telling: bool,
     is_repeated: bool,
 }
 
@@ -245,18 +170,16 @@ impl RangeTrack {
             // A new order to arm is a new attempt.
             (self.leapt_m, self.is_late, self.doubt, self.is_doubted) = (0.0, false, 0, false);
             (self.unchanged_m, self.unchanged_rad) = (0.0, 0.0);
+            self.trial.end();
         }
+        self.moved.advance(moved_m, turned_rad);
+        self.trial.advance(moved_m, turned_rad);
         // A time stamp from the future would never become stale.
         let scan_us = percepts.scan_us.map(|scan_us| scan_us.min(percepts.time_us));
         let is_sound = scan_us != self.heard_us && self.hear(percepts, scan_us);
         if is_sound {
             self.sound_us = scan_us;
-            (self.moved, self.turned_rad, self.is_kept) = ([0.0; 2], 0.0, false);
-        } else {
-            let middle_rad = self.turned_rad + 0.5 * turned_rad;
-            let step = vector::from_angle(middle_rad) * moved_m;
-            self.moved = (Vec2::from(self.moved) + step).into();
-            self.turned_rad += turned_rad;
+            (self.moved, self.is_kept) = (Moved::default(), false);
         }
         let age = |then_us: u64| percepts.time_us.saturating_sub(then_us);
         let is_fresh = |age_us: u64| age_us <= u64::from(policy.stale_after_us);
@@ -275,19 +198,19 @@ impl RangeTrack {
     /// Replaces the readings by those of the last sound scan, as they are from where the robot is
     /// now. Leaves those of a sound scan of this tick as they are.
     pub fn carry(&self, percepts: &mut Percepts) {
-        if self.sound_us.is_none() || self.moved == [0.0; 2] && self.turned_rad == 0.0 {
+        if self.sound_us.is_none() || self.moved == Moved::default() {
             return;
         }
-        let kept = if self.is_kept { &self.kept } else { &self.heard };
         percepts.ranges.clear();
-        for reading in kept.readings() {
-            let then = vector::from_angle(reading.bearing_rad) * reading.distance_m;
-            let now = then - Vec2::from(self.moved);
-            let bearing_rad = scalar::wrap_angle(vector::angle(now) - self.turned_rad);
-            let distance_m = vector::length(now);
+        for reading in self.sound().readings() {
             // Never full: both have the same capacity.
-            let _ = percepts.ranges.push(RangeReading { bearing_rad, distance_m });
+            let _ = percepts.ranges.push(self.moved.carried(reading));
         }
+    }
+
+    /// The last sound scan.
+    fn sound(&self) -> &Scan {
+        if self.is_kept { &self.kept } else { &self.heard }
     }
 
     fn is_frozen(&self) -> bool {
@@ -312,7 +235,11 @@ impl RangeTrack {
         if !is_garbled && self.since_m < LEAP_WITHIN_M && self.since_rad.abs() < LEAP_WITHIN_RAD {
             self.leapt_m += differences.leap_m();
         }
-        self.is_late |= is_after_gap && differences.show_the_past(self.since_m, self.since_rad);
+        if is_after_gap && self.sound_us.is_some() {
+            let (before, moved) = (*self.sound(), self.moved);
+            self.trial.begin(&before, moved);
+        }
+        self.is_late |= !is_garbled && self.trial.hear(&percepts.ranges) == Verdict::Late;
         if is_garbled {
             self.doubt = (self.doubt + GARBLED_DOUBT).min(MOST_DOUBT);
         } else if !percepts.ranges.is_empty() {
@@ -335,7 +262,7 @@ impl RangeTrack {
     /// Compares the readings with those of the last scan, sector by sector.
     fn compared(&mut self, readings: &[RangeReading], most_m: f32) -> Differences {
         let last_m = core::mem::take(&mut self.by_sector_m);
-        let is_repeated = readings.len() == usize::from(self.heard.count);
+        let is_repeated = readings.len() == self.heard.readings().len();
         let mut differences = Differences { is_repeated, ..Differences::default() };
         for now in readings {
             let sector = sector(now.bearing_rad);
@@ -348,7 +275,7 @@ impl RangeTrack {
             let by_m = now.distance_m - before_m;
             differences.is_repeated &= by_m == 0.0;
             if before_m > 0.0 {
-                differences.add(now, by_m, most_m);
+                differences.add(by_m, most_m);
             }
         }
         differences
@@ -369,7 +296,7 @@ impl RangeTrack {
 
 impl Differences {
     /// Adds a reading that has changed by `by_m`.
-    fn add(&mut self, now: &RangeReading, by_m: f32, most_m: f32) {
+    fn add(&mut self, by_m: f32, most_m: f32) {
         self.count += 1;
         if by_m > most_m {
             self.grown += 1;
@@ -379,9 +306,6 @@ impl Differences {
             self.shrunk_m += by_m;
         } else if by_m.abs() < SAME_M {
             self.same += 1;
-            let aside_m = now.distance_m * scalar::sin(now.bearing_rad);
-            self.is_telling |= now.distance_m < TELLING_M
-                && aside_m.abs() < TELLING_ASIDE_M.min(0.5 * now.distance_m);
         }
     }
 
@@ -395,18 +319,6 @@ impl Differences {
         } else {
             0.0
         }
-    }
-
-    /// Whether too many readings are as before for a robot that has moved by this since.
-    fn show_the_past(&self, moved_m: f32, turned_rad: f32) -> bool {
-        let (same, count) = (f32::from(self.same), f32::from(self.count));
-        let is_late = |late: &Late| {
-            moved_m >= late.moved_m
-                && turned_rad.abs() >= late.turned_rad
-                && same >= late.share * count
-                && (self.is_telling || !late.needs_telling)
-        };
-        self.same >= 3 && LATE.iter().any(is_late)
     }
 }
 
