@@ -8,6 +8,7 @@
 //! [`crate::behaviours`] reads the tables of behaviours.
 
 pub(crate) mod brakes;
+mod costs;
 pub(crate) mod follow;
 mod given;
 mod key;
@@ -21,6 +22,7 @@ mod speeds;
 mod tolls;
 pub mod words;
 
+pub use costs::{CostMap, Factors};
 pub use given::Given;
 pub use layer_gains::NamedGain;
 pub use masks::Mask;

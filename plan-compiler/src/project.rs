@@ -113,7 +113,10 @@ pub fn load(request: Request, problems: &mut Vec<Problem>) -> Option<Project> {
     let map = map.filter(|_| !is_incomplete)?;
     let named = source.as_ref().and_then(|text| formats::pcf::map_path(&map_path, &text.text));
     let masks = mission.masks.iter().map(|mask| mask.path.clone());
-    let inputs = std::iter::once(map_path).chain(named).chain(mission_path).chain(masks).collect();
+    let costs = mission.layers.iter().filter_map(|rule| rule.tolls.costs.as_ref());
+    let costs = costs.map(|costs| costs.path.clone());
+    let others = named.into_iter().chain(mission_path).chain(masks).chain(costs);
+    let inputs = std::iter::once(map_path).chain(others).collect();
     Some(Project { inputs, map, source, mission, options })
 }
 

@@ -178,7 +178,14 @@ impl Recipe {
         options.robot_radius_m = options.robot_radius_m.or(of_mission).or(self.robot_radius_m);
         if !is_asked {
             mission.fill_walls = Some(self.fill_walls);
-            mission.layers.clone_from(&self.layers);
+            // The recipe does not hold cost maps: they stay as the mission beside the map has them.
+            let own = std::mem::replace(&mut mission.layers, self.layers.clone());
+            for own in own.into_iter().filter(|own| own.tolls.costs.is_some()) {
+                let same = |layer: &&mut LayerRule| layer.name.name == own.name.name;
+                if let Some(layer) = mission.layers.iter_mut().find(same) {
+                    layer.tolls.costs = own.tolls.costs;
+                }
+            }
             mission.radio.clone_from(&self.radio);
         }
     }

@@ -3,12 +3,12 @@
 use super::obstacles::Added;
 use crate::input::Input;
 use crate::layers::Limits;
-use crate::mission::{LayerRule, Named, SpeedZone};
+use crate::mission::{CostMap, LayerRule, Named, SpeedZone};
 use crate::tolls::{LEAST, MOST, Tolls};
 use maps::problem::Problem;
 use maps::raster::{RasterOptions, keep_out, rasterise};
 use maps::{Bitmap, Feature};
-use plan_format::Grid;
+use plan_format::{Cell, Grid};
 
 /// Different speed limits in one blob.
 const MAX_LIMITS: usize = 15;
@@ -49,6 +49,12 @@ impl Site<'_> {
         problems: &mut Vec<Problem>,
     ) {
         let mut cut = tolls.multiply(&self.areas(rule));
+        if let Some(costs) = &rule.tolls.costs {
+            match self.of_cells(costs) {
+                Ok(factors) => cut += tolls.multiply(&factors),
+                Err(problem) => problems.push(problem),
+            }
+        }
         cut += tolls.multiply(&self.bands(rule));
         for zone in &rule.tolls.speed {
             let cells = self.cells_of(&zone.area);
@@ -70,7 +76,7 @@ impl Site<'_> {
         }
     }
 
-    fn tolls(&self, eighths: impl FnMut(plan_format::Cell) -> u32) -> Tolls {
+    fn tolls(&self, eighths: impl FnMut(Cell) -> u32) -> Tolls {
         Tolls::from_fn(self.grid.columns, self.grid.rows, eighths)
     }
 
@@ -83,6 +89,20 @@ impl Site<'_> {
             let last = areas.iter().rev().find(|(cells, _)| cells.get(cell));
             last.map_or(LEAST, |&(_, eighths)| eighths)
         })
+    }
+
+    /// The factors of a cost map, which must have the grid's cells.
+    fn of_cells(&self, costs: &CostMap) -> Result<Tolls, Problem> {
+        let (factors, grid) = (&costs.factors, self.grid);
+        if (factors.columns, factors.rows) == (grid.columns, grid.rows) {
+            let index = |cell: Cell| (cell.row * grid.columns + cell.column) as usize;
+            return Ok(self.tolls(|cell| factors.eighths[index(cell)].into()));
+        }
+        let message = format!("{} does not have the cells of the plan", costs.path.display());
+        let label = format!("{} columns and {} rows", factors.columns, factors.rows);
+        let help = format!("the plan has {} columns and {} rows", grid.columns, grid.rows);
+        let place = &costs.place;
+        Err(Problem::error(message).at(&place.source, place.span.clone(), label).help(help))
     }
 
     /// The factors of bands around obstacles; where they overlap, the highest.

@@ -1,9 +1,11 @@
 //! The tolls of a layer: where a step costs more than its length.
 
 use super::Named;
+use super::costs::{CostMap, MAX_BYTES, factors};
 use crate::tolls;
 use crate::toml::{Fields, Report, Span, key_span, number};
 use maps::formats::TagRule;
+use std::path::Path;
 use toml_edit::{Item, TableLike, Value};
 
 /// Where steps of a layer, and of the layers above it, cost more than their length.
@@ -15,6 +17,8 @@ pub struct TollRule {
     pub clearance: Vec<Band>,
     /// Areas of the map with a speed limit.
     pub speed: Vec<SpeedZone>,
+    /// A factor for each cell.
+    pub costs: Option<CostMap>,
 }
 
 /// A band around obstacles.
@@ -38,7 +42,7 @@ pub struct SpeedZone {
 }
 
 /// The keys of a layer that is a table.
-pub(super) const LAYER_KEYS: [&str; 4] = ["areas", "toll", "clearance", "speed"];
+pub(super) const LAYER_KEYS: [&str; 5] = ["areas", "toll", "clearance", "speed", "costs"];
 /// Farthest band, metres.
 const MAX_WITHIN_M: f64 = 1_000.0;
 /// Speed limits, m/s.
@@ -51,7 +55,8 @@ const SPEED: &str = "speed = { yard = 0.5 }, or { yard = { limit = 0.5, factor =
 impl TollRule {
     /// Whether it changes nothing.
     pub fn is_empty(&self) -> bool {
-        self.areas.is_empty() && self.clearance.is_empty() && self.speed.is_empty()
+        let has_areas = !self.areas.is_empty() || !self.speed.is_empty();
+        !has_areas && self.clearance.is_empty() && self.costs.is_none()
     }
 
     /// The areas of the map that it names.
@@ -72,6 +77,28 @@ pub(super) fn read(report: &mut Report<'_>, fields: &Fields<'_>) -> TollRule {
         areas: areas(report, fields),
         clearance: clearance(report, fields),
         speed: speed(report, fields),
+        costs: costs(report, fields),
+    }
+}
+
+fn costs(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<CostMap> {
+    let name = fields.text(report, "costs", "\"costs.npy\"")?;
+    let folder = Path::new(&report.source.name).parent().unwrap_or(Path::new(""));
+    let path = folder.join(name.as_str());
+    let size = std::fs::metadata(&path).map(|file| file.len());
+    let bytes = match size {
+        Ok(size) if size > MAX_BYTES => Err("it is larger than any grid".to_owned()),
+        _ => std::fs::read(&path).map_err(|error| error.to_string()),
+    };
+    match bytes.and_then(|bytes| factors(&bytes)) {
+        Ok(factors) => Some(CostMap { path, place: report.place(&name.span), factors }),
+        Err(reason) => {
+            let message = format!("{} cannot be used as a cost map", path.display());
+            let help = "save an array [row, column] of factors from 1 to 32, row 0 in the south, with \
+                        numpy.save";
+            report.error(message, &name.span, &reason, help);
+            None
+        }
     }
 }
 

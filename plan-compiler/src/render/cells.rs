@@ -4,7 +4,7 @@
 
 use super::palette::{self, BLOCKED, HATCH, PAPER, TOLL};
 use super::scale::round_number_above;
-use super::texture::{self, Level};
+use super::texture::{self, Density};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use plan_format::grid::cost_metres;
@@ -29,7 +29,7 @@ pub(super) struct Sampled {
     /// Costs, or [`IS_BLOCKED`] or [`NO_ROUTE`]; row 0 in the south.
     costs: Vec<u32>,
     /// The tolls of the samples; empty without tolls.
-    tolls: Vec<Level>,
+    tolls: Vec<Density>,
     resolution_m: f64,
 }
 
@@ -118,8 +118,8 @@ impl Sampled {
     }
 
     /// The levels of tolls that occur, from the lowest, without level 0.
-    pub(super) fn levels(&self) -> impl Iterator<Item = Level> {
-        (1..=Level::MAX).take(4).filter(|level| self.tolls.contains(level))
+    pub(super) fn levels(&self) -> impl Iterator<Item = Density> {
+        (1..=Density::MAX).take(4).filter(|level| self.tolls.contains(level))
     }
 
     /// The image in whole pixels; the hatching repeats after `hatch_px` pixels.

@@ -6,7 +6,7 @@ use super::palette::{self, ADVICE, HATCH, INK, PAPER, TOLL};
 use super::scale::round_number_below;
 use super::stroke::{dashes, stroke};
 use super::text::{self, Anchor, CAPITALS_EM, width_px};
-use super::texture::{self, Level};
+use super::texture::{self, Density};
 use super::view::{Measure, View};
 use maps::numbers::metres;
 use math::scalar::wide;
@@ -65,7 +65,7 @@ pub(super) enum Symbol {
     /// Cells without a route.
     Hatch,
     /// Cells with a toll, by its level.
-    Dots(Level),
+    Dots(Density),
     /// Cells out of a radio's reach.
     Shaded,
     /// The line at a threshold.

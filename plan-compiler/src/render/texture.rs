@@ -10,17 +10,17 @@ const UP_TO: [u32; 4] = [12, 16, 32, MOST];
 const APART: [f64; 4] = [2.0, 1.4, 1.0, 0.7];
 
 /// A level of tolls that is drawn in one texture: 0 to 4.
-pub(super) type Level = u8;
+pub(super) type Density = u8;
 
 /// The level of a cell; 0 without a toll, and where the toll is not known.
-pub(super) fn level(grid: &Grid, layer: &Layer<'_>, cell: Cell) -> Level {
+pub(super) fn level(grid: &Grid, layer: &Layer<'_>, cell: Cell) -> Density {
     let eighths = eighths_of(grid, layer, cell).unwrap_or(LEAST);
     let above = UP_TO.iter().position(|&most| eighths <= most).unwrap_or(UP_TO.len() - 1);
-    if eighths <= LEAST { 0 } else { above as Level + 1 }
+    if eighths <= LEAST { 0 } else { above as Density + 1 }
 }
 
 /// What a level means.
-pub(super) fn meaning(level: Level) -> String {
+pub(super) fn meaning(level: Density) -> String {
     let at = usize::from(level).saturating_sub(1).min(UP_TO.len() - 1);
     let factor = |eighths: u32| f64::from(eighths) / f64::from(LEAST);
     let below = at.checked_sub(1).map_or(LEAST, |at| UP_TO[at]);
@@ -28,13 +28,13 @@ pub(super) fn meaning(level: Level) -> String {
 }
 
 /// Distance between the dots of a level, from the distance between hatching lines.
-pub(super) fn apart(level: Level, hatch: f64) -> f64 {
+pub(super) fn apart(level: Density, hatch: f64) -> f64 {
     let at = usize::from(level).saturating_sub(1).min(APART.len() - 1);
     (APART[at] * hatch).max(2.0)
 }
 
 /// Whether a pixel belongs to a dot of a level.
-pub(super) fn is_dot(level: Level, hatch_px: u32, x: u32, y: u32) -> bool {
+pub(super) fn is_dot(level: Density, hatch_px: u32, x: u32, y: u32) -> bool {
     if level == 0 {
         return false;
     }

@@ -11,6 +11,7 @@ mod passages;
 mod people;
 mod pictures;
 mod reach;
+mod tolls;
 mod typed;
 
 use serde_json::Value;

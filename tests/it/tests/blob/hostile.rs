@@ -3,8 +3,13 @@
 
 use super::{draft, resealed, tiny};
 use controller::State;
+use maps::Bitmap;
 use plan_compiler::field::{ESCAPE, Field, NO_ROUTE};
-use plan_compiler::pack::pack;
+use plan_compiler::layers::Limits;
+use plan_compiler::pack::{pack, pack_with_limits};
+use plan_compiler::search::{Corners, Query, solve};
+use plan_compiler::terrain::Terrain;
+use plan_compiler::tolls::Tolls;
 use plan_format::{Blob, BlobError, Cell, Draft, LayerDraft, PlanDraft, limits, write};
 use robot_io::{Fix, Operator, Percepts};
 
@@ -58,8 +63,8 @@ fn repeated() -> Field {
 }
 
 /// A blob with `plans` plans of `layers` layers each, all with the same content.
-fn shared(plans: usize, layers: usize) -> Vec<u8> {
-    let packed = pack(&repeated());
+fn shared(plans: usize, layers: usize, unit: Option<u8>) -> Vec<u8> {
+    let packed = pack(&Field { unit, ..repeated() });
     let layer = |number| LayerDraft { name: format!("{number}"), rank: 0, packed: packed.clone() };
     let layers: Vec<LayerDraft> = (0..layers).map(layer).collect();
     let plan = |number| PlanDraft {
@@ -74,18 +79,20 @@ fn shared(plans: usize, layers: usize) -> Vec<u8> {
 
 #[test]
 fn layers_that_share_their_tables_are_checked_once() {
-    let (one, all) = (shared(1, 1), shared(limits::MAX_PLANS, limits::MAX_LAYERS));
-    let ((alone, beats_alone), (together, beats_together)) = (beats(&one), beats(&all));
-    assert_eq!((alone, together), (Ok(()), Ok(())));
-    // Checking the tables for each of the 512 layers would take hundreds of beats.
-    assert!(beats_together <= beats_alone + 1, "{beats_together} beats, alone {beats_alone}");
+    for unit in [None, Some(1)] {
+        let (one, all) = (shared(1, 1, unit), shared(limits::MAX_PLANS, limits::MAX_LAYERS, unit));
+        let ((alone, beats_alone), (together, beats_together)) = (beats(&one), beats(&all));
+        assert_eq!((alone, together), (Ok(()), Ok(())));
+        // Checking the tables for each of the 512 layers would take hundreds of beats.
+        assert!(beats_together <= beats_alone + 1, "{beats_together} beats, alone {beats_alone}");
+    }
 }
 
 /// For a map with half the rows, a table of 256 words contains 129 overlapping tables, each a word
 /// after the other. All of them are sound, and the layers of the blob use them all.
 #[test]
 fn overlapping_tables_are_refused_for_the_work() {
-    let mut blob = shared(limits::MAX_PLANS, limits::MAX_LAYERS);
+    let mut blob = shared(limits::MAX_PLANS, limits::MAX_LAYERS, None);
     // The directory begins with the size of the cell grid, as two numbers of two bytes.
     assert_eq!(blob[HEADER_BYTES..][..4], [0x80, 0x04, 0x80, 0x04]);
     blob[HEADER_BYTES + 3] = 0x02;
@@ -131,7 +138,8 @@ fn query(blob: &Blob<'_>) -> usize {
             for (row, column) in (0..=rows.min(MAX_CELLS))
                 .flat_map(|row| (0..=columns.min(MAX_CELLS)).map(move |column| (row, column)))
             {
-                let _ = (layer.look_up(Cell::new(column, row)), layer.step(Cell::new(column, row)));
+                let cell = Cell::new(column, row);
+                let _ = (layer.look_up(cell), layer.step(cell), layer.speed_limit(cell));
                 queried += 1;
             }
         }
@@ -165,7 +173,25 @@ fn percepts(blob: &Blob<'_>, tick: u64) -> Percepts {
 /// Small blobs that together have every kind of section.
 fn small() -> Vec<Vec<u8>> {
     let with_behaviours = Draft { mission: soak::fixtures::endless_loop(), ..tiny() };
-    vec![write(&tiny()).unwrap(), write(&with_behaviours).unwrap()]
+    vec![write(&tiny()).unwrap(), write(&with_behaviours).unwrap(), write(&tolled()).unwrap()]
+}
+
+/// Cells with several tolls, some in blocks of roots and some in blocks of own costs, and speed limits.
+fn tolled() -> Draft {
+    let blocked = Bitmap::from_fn(18, 9, |cell| cell.column == 6 && cell.row != 4);
+    let tolls = Tolls::from_fn(18, 9, |cell| match cell.column {
+        0..8 => 8 + (cell.column * 7 + cell.row * 5) % 11,
+        8..12 => 16,
+        _ => 8,
+    });
+    let terrain = Terrain::new(blocked).with_tolls(tolls);
+    let (goal, corners) = (Cell::new(16, 1), Corners::Forbid);
+    let field = solve(&Query { terrain: &terrain, goal, corners });
+    let mut limits = Limits::default();
+    limits.lower(&Bitmap::from_fn(18, 9, |cell| cell.row > 5), 0.5);
+    let mut draft = draft(std::slice::from_ref(&field));
+    draft.plans[0].layers[0].packed = pack_with_limits(&field, &limits);
+    draft
 }
 
 /// Each byte of a small blob becomes each other byte, and the checksum is corrected.

@@ -1,6 +1,7 @@
 //! Fields with tolls, compared with a slow reference, packed, read back and proved.
 
 use super::{cells, corners, legal, maps};
+use controller::State;
 use maps::Bitmap;
 use plan_compiler::field::{self, Field};
 use plan_compiler::layers::Limits;
@@ -11,10 +12,11 @@ use plan_compiler::tolls::Tolls;
 use plan_compiler::verify::verify;
 use plan_format::mission::MissionDraft;
 use plan_format::{
-    Answer, Blob, Cell, Direction, Draft, Grid, Layer, LayerDraft, Parameters, PlanDraft, Step,
-    write,
+    Answer, Blob, Cell, Direction, Draft, Grid, Layer, LayerDraft, Origin, Parameters, PlanDraft,
+    Step, write,
 };
 use proptest::prelude::*;
+use robot_io::{Fix, Operator, Percepts};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -133,9 +135,13 @@ fn solve(blocked: &Bitmap, tolls: &Tolls, goal: Cell, corners: Corners) -> Optio
 
 /// The blob of a field, whose goal is a cell of a grid of 1 m.
 fn blob(field: &Field, limits: &Limits, goal: Cell) -> Vec<u8> {
+    write(&draft_of(field, limits, goal)).unwrap()
+}
+
+fn draft_of(field: &Field, limits: &Limits, goal: Cell) -> Draft {
     let packed = pack_with_limits(field, limits);
     let (columns, rows) = (field.columns, field.rows);
-    write(&Draft {
+    Draft {
         grid: Grid { columns, rows, resolution_m: 1.0, corner_m: [0.0, 0.0] },
         origin: None,
         parameters: Parameters::default(),
@@ -145,8 +151,7 @@ fn blob(field: &Field, limits: &Limits, goal: Cell) -> Vec<u8> {
             layers: vec![LayerDraft { name: "physical".into(), rank: 0, packed }],
         }],
         mission: MissionDraft::default(),
-    })
-    .unwrap()
+    }
 }
 
 /// Compares every look-up with the field, but for the choice that the advice rule leaves.
@@ -298,4 +303,50 @@ fn limits_are_read_in_every_cell() {
         let cell = Cell::new(index as u32 % 70, index as u32 / 70);
         assert!(matches!(layer.look_up(cell), Answer::Move { cost: read, .. } if read == cost));
     }
+}
+
+/// The speeds that the controller commands a robot that drives east over open ground, by its x, m.
+fn commanded_speeds(limits: &Limits) -> Vec<(f32, f32)> {
+    let goal = Cell::new(60, 10);
+    let terrain = Terrain::new(Bitmap::new(70, 20));
+    let field = Solver::new().solve(&Query { terrain: &terrain, goal, corners: Corners::Forbid });
+    let mut draft = draft_of(&field, limits, goal);
+    let place = math::GeoPoint { lat_e7: 510_000_000, lon_e7: 70_000_000 };
+    draft.origin = Some(Origin { place, at_m: [0.0, 0.0], heading_rad: 0.0 });
+    let bytes = write(&draft).unwrap();
+    let blob = Blob::parse(&bytes).unwrap();
+    let frame = blob.map_frame().expect("an origin");
+    let mut state = State::new(&blob);
+    let mut speeds = Vec::new();
+    for tick in 1..=400u64 {
+        let (time_us, x) = (tick * 50_000, 5.0 + tick as f32 * 0.05);
+        let fix = Fix {
+            time_us,
+            is_valid: true,
+            place: frame.to_geodetic(math::Vec2::new(x, 10.5)),
+            accuracy_mm: 100,
+            velocity_mmps: Some([1_000, 0]),
+            receiver_ms: Some(tick as u32 * 50),
+        };
+        let operator = Operator { is_armed: true, ..Operator::default() };
+        let heading_rad = Some(0.0);
+        let percepts =
+            Percepts { time_us, fix: Some(fix), heading_rad, operator, ..Percepts::default() };
+        speeds.push((x, controller::tick(&blob, &mut state, &percepts).speed_mps));
+    }
+    speeds
+}
+
+#[test]
+fn the_robot_obeys_a_speed_zone_while_it_is_inside() {
+    let mut limits = Limits::default();
+    limits.lower(&Bitmap::from_fn(70, 20, |cell| (12..18).contains(&cell.column)), 0.4);
+    let speeds = commanded_speeds(&limits);
+    let fastest = |range: std::ops::Range<f32>| {
+        let inside = speeds.iter().filter(|(x, _)| range.contains(x));
+        inside.map(|&(_, speed)| speed).fold(0.0, f32::max)
+    };
+    assert!(fastest(7.0..11.8) > 1.0, "{}", fastest(7.0..11.8));
+    assert!((0.3..=0.4).contains(&fastest(12.2..17.8)), "{}", fastest(12.2..17.8));
+    assert!(fastest(18.2..24.0) > 1.0, "{}", fastest(18.2..24.0));
 }
