@@ -157,6 +157,21 @@ S  NE NE NE NE NE NE NE NE --
     );
 }
 
+/// H17: only paths order components, not the numbers of their vertices.
+#[test]
+fn h17_branches_do_not_order_each_other() {
+    let bytes = mission("action a hold 0\nframe R\n= a@1|a@2 a@4 a@3 a@4");
+    let mission = Mission::parse(&bytes).expect("it is sound");
+    let mut grid = SituationGrid::default();
+    let root = component(Symbol::PlanFrame(0), 0, None, Life::Scheduled);
+    grid.apply(&mission, &Event::Planned { id: 0, component: root });
+    decompose(&mut grid, &mission, 0, 0, 1);
+    let relation = |x: Id, y: Id| grid.relation(&mission, Node::from(x), Node::from(y));
+    assert_eq!(relation(2, 5), Some(Relation::CB));
+    assert_eq!(relation(1, 3), Some(Relation::CB));
+    assert_eq!([relation(1, 5), relation(3, 4)], [Some(Relation::NE); 2]);
+}
+
 /// H14, H15: each description is checked at its time; constraints are inherited downwards.
 #[test]
 fn h14_initial_transient_goal_and_inherited_constraints() {
