@@ -8,6 +8,9 @@ use crate::toml::{Report, Spanned, Text, key_span};
 use plan_format::limits::{MAX_NAME_BYTES, MAX_ROBOTS};
 use toml_edit::{Item, Table, TableLike, Value};
 
+/// Time between two packets of a mate, seconds: `runtime::link` sends them.
+const NEWS_PERIOD_S: f64 = 0.2;
+
 /// The robots of a mission, and the one that it is read for.
 #[derive(Clone, Debug, Default)]
 pub struct Team {
@@ -80,6 +83,7 @@ pub(crate) fn part(file: &Table, robot: Option<&str>, report: &mut Report<'_>) -
     if let Some(parts) = &parts {
         add_part(&mut part, parts, &team, report);
     }
+    check_silence(&part, report);
     (part, team)
 }
 
@@ -146,13 +150,36 @@ fn add_part(part: &mut Table, parts: &Item, team: &Team, report: &mut Report<'_>
             report.wrong_type(&path, item, &span, "a section", &format!("[{path}]"));
             continue;
         };
-        if team.number(name).is_none() {
+        let dotted = format!("{name}.");
+        let dotted = team.robots.iter().find(|robot| robot.value.starts_with(&dotted));
+        if team.number(name).is_some() {
+            if team.robots.get(team.robot).is_some_and(|robot| robot.value == name) {
+                merge(part, own);
+            }
+        } else if let Some(robot) = dotted {
+            let message = format!("there is no robot `{name}`: a name with a dot needs quotes");
+            let help = format!("write [robots.{:?}]", robot.as_str());
+            report.error(message, &span, "not a robot", &help);
+        } else {
             let known = team.robots.iter().map(Text::as_str);
             let name = Spanned { value: name.to_owned(), span };
             report.unknown("robot", &name, known, "add it to team.robots, or remove this part");
-        } else if team.robots.get(team.robot).is_some_and(|robot| robot.value == name) {
-            merge(part, own);
         }
+    }
+}
+
+/// Warns of a link that is lost between two packets of a mate.
+fn check_silence(part: &Table, report: &mut Report<'_>) {
+    let Some(team) = part.get("team").and_then(Item::as_table_like) else { return };
+    let Some(item) = team.get("lost_after") else { return };
+    let number = item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64));
+    if number.is_some_and(|seconds| 0.0 < seconds && seconds <= NEWS_PERIOD_S) {
+        let span = item.span().unwrap_or_else(|| key_span(team, "lost_after"));
+        let message = format!(
+            "the link to a mate is lost between two packets: mates send every {NEWS_PERIOD_S} s"
+        );
+        let help = "give at least 0.4, which bridges one lost packet; the default is 0.75";
+        report.warning(message, &span, "too short", help);
     }
 }
 

@@ -6,6 +6,7 @@
 //! on the seed, its row and its number alone, so the numbers are the same on every machine, with
 //! any number of threads, and for any division into shards.
 
+pub mod curves;
 pub mod field;
 pub mod figures;
 pub mod findings;
@@ -101,13 +102,14 @@ impl Row {
     }
 
     /// Its mission below `tests/maps`, and the weights that replace those of the mission.
-    fn mission(self) -> (&'static str, Option<Gains>) {
+    fn mission(self, variation: &Variation) -> (&'static str, Option<Gains>) {
         match self {
             Self::Reactive => ("team.mission.toml", Some(Gains::REACTIVE_ONLY)),
             Self::MostlyReactive => ("team.mission.toml", Some(Gains::MOSTLY_REACTIVE)),
             Self::MostlyPlan => ("team.mission.toml", Some(Gains::MOSTLY_PLAN)),
             Self::Plan => ("team.mission.toml", Some(Gains::PLAN_ONLY)),
             Self::Parallel => ("team-parallel.mission.toml", None),
+            Self::Serial if variation.waits_only => ("team-waits.mission.toml", None),
             Self::Serial => ("team-serial.mission.toml", None),
         }
     }
@@ -171,7 +173,7 @@ impl Team {
     /// Compiles a row's mission on a map with the posts that `field` draws. The error is a message
     /// for the user.
     pub fn new(row: Row, field: u64, variation: &Variation) -> Result<Self, String> {
-        let (mission, gains) = row.mission();
+        let (mission, gains) = row.mission(variation);
         let path = root().join("tests/maps").join(mission);
         let mut problems = Vec::new();
         let team = Self::compiled(row, &path, gains, field, variation, &mut problems);
@@ -317,6 +319,18 @@ pub struct Campaign {
 }
 
 impl Campaign {
+    /// The command that runs all its shards at once.
+    pub fn command(&self) -> String {
+        let Self { rows, trials, seed, field, variation, .. } = self;
+        let rows: Vec<&str> = rows.iter().map(|row| row.name()).collect();
+        let known = Variation::variants().into_iter().find(|(_, known)| known == variation);
+        let variant = known.map(|(name, _)| format!(" --variant {name}")).unwrap_or_default();
+        format!(
+            "cargo experiment --trials {trials} --seed {seed} --field {field} --rows {}{variant}",
+            rows.join(",")
+        )
+    }
+
     fn numbers(&self) -> impl Iterator<Item = u32> + '_ {
         let (index, count) = self.shard;
         (0..self.trials).filter(move |number| number % count == index)

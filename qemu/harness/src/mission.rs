@@ -23,6 +23,8 @@ pub const PRESETS: [(&str, Gains); 4] = [
 /// Changes to the mission file; by default none.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
+    /// The robot of the mission's team; it runs alone.
+    pub robot: Option<String>,
     /// The parallel plan to follow.
     pub plan: Option<String>,
     /// The gains.
@@ -70,7 +72,8 @@ fn read_and_compile(
     changes: &Changes,
     problems: &mut Vec<Problem>,
 ) -> Option<Scenario> {
-    let options = Options { goals: changes.goals.clone(), ..Options::default() };
+    let (goals, robot) = (changes.goals.clone(), changes.robot.clone());
+    let options = Options { goals, robot, ..Options::default() };
     let request = Request { path: path.into(), options, ..Request::default() };
     let mut project = project::load(request, problems)?;
     // A world beside the mission has precedence, for a map may have several missions.

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use harness::experiment::variation::Variation;
+use harness::experiment::curves::{self, Point};
+use harness::experiment::variation::{Condition, Variation};
 use harness::experiment::{Campaign, Row, Trial, figures, table};
 use indicatif::{ProgressBar, ProgressStyle};
 use plan_compiler::output;
@@ -34,24 +35,25 @@ struct Arguments {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = row)]
     rows: Vec<Row>,
     /// Change a setting on which a finding depends: no-turn-limit, constant-speed, no-posts,
-    /// common-goal, independent-starts, open-area
+    /// common-goal, independent-starts, open-area, waits-only
     #[arg(long, value_name = "NAME", value_parser = variant)]
     variant: Option<Variation>,
     /// Go beyond the paper: a table for each of wrong maps, GPS errors, unmapped posts, a lost robot,
-    /// a bad radio
-    #[arg(long, conflicts_with_all = ["variant", "merge", "csv", "json"])]
+    /// a bad radio, a computed attenuating area
+    #[arg(long, conflicts_with_all = ["variant", "merge", "csv", "json", "shard"])]
     beyond: bool,
     /// Run only every N-th trial of each row, from number I on; --merge puts the parts together
     #[arg(long, value_name = "I/N", value_parser = shard, default_value = "0/1")]
     shard: (u32, u32),
     /// Run nothing: print the table of these files that --csv wrote
-    #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with_all = ["shard", "rows", "trials", "seed", "field"])]
+    #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with_all = ["shard", "rows", "trials", "seed", "field", "variant"])]
     merge: Vec<PathBuf>,
     /// Write every trial to a file
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Draw routes and means to this folder
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["merge", "beyond"])]
+    /// Draw to this folder: means and the routes of the first trial of each row; with --merge means;
+    /// with --beyond curves
+    #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
     /// Print one JSON object with the numbers of every trial
     #[arg(long)]
@@ -92,14 +94,24 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<String, String> {
+    if let Some(problem) = arguments.csv.as_deref().and_then(output::check) {
+        return Err(problem.message);
+    }
     if arguments.beyond {
         return beyond(arguments);
     }
     let (campaign, trials) = if arguments.merge.is_empty() {
-        experiment(arguments, arguments.variant.unwrap_or_default())?
+        let campaign = campaign(arguments, arguments.variant.unwrap_or_default());
+        if let Some(folder) = &arguments.figures {
+            figures::draw_routes(folder, &campaign)?;
+        }
+        (campaign.command(), run_with_bar(&campaign)?)
     } else {
         merge(&arguments.merge)?
     };
+    if let Some(folder) = &arguments.figures {
+        figures::draw_bars(folder, &trials)?;
+    }
     if let Some(path) = &arguments.csv {
         let text = table::csv(&campaign, &trials);
         output::write_file(path, |out| out.write_all(text.as_bytes()))
@@ -108,25 +120,16 @@ fn run(arguments: &Arguments) -> Result<String, String> {
     Ok(if arguments.json { table::json(&trials) } else { table::text(&trials) })
 }
 
-/// Runs the trials; the text describes the campaign.
-fn experiment(arguments: &Arguments, variation: Variation) -> Result<(String, Vec<Trial>), String> {
+fn campaign(arguments: &Arguments, variation: Variation) -> Campaign {
     let is_wanted = |row: &Row| arguments.rows.is_empty() || arguments.rows.contains(row);
-    let campaign = Campaign {
+    Campaign {
         rows: Row::ALL.into_iter().filter(is_wanted).collect(),
         trials: arguments.trials,
         seed: arguments.seed,
         field: arguments.field,
         variation,
         shard: arguments.shard,
-    };
-    let trials = run_with_bar(&campaign)?;
-    if let Some(folder) = &arguments.figures {
-        figures::draw(folder, &campaign, &trials)?;
     }
-    let Arguments { seed, field, .. } = arguments;
-    let known = Variation::variants().into_iter().find(|(_, known)| *known == variation);
-    let variant = known.map(|(name, _)| format!(", variant {name}")).unwrap_or_default();
-    Ok((format!("cargo experiment, seed {seed}, field {field}{variant}"), trials))
 }
 
 fn run_with_bar(campaign: &Campaign) -> Result<Vec<Trial>, String> {
@@ -140,11 +143,16 @@ fn run_with_bar(campaign: &Campaign) -> Result<Vec<Trial>, String> {
 
 /// The means under each condition beyond the paper, the paper's own first.
 fn beyond(arguments: &Arguments) -> Result<String, String> {
-    let usual = [("as in the paper", Variation::default())];
-    let mut text = String::new();
-    for (name, variation) in usual.into_iter().chain(Variation::beyond()) {
-        let (_, trials) = experiment(arguments, variation)?;
+    let usual = run_with_bar(&campaign(arguments, Variation::default()))?;
+    let mut text = format!("as in the paper\n{}\n", table::short(&usual));
+    let mut points = Vec::new();
+    for Condition { name, axis, variation } in Variation::beyond() {
+        let trials = run_with_bar(&campaign(arguments, variation))?;
         text += &format!("{name}\n{}\n", table::short(&trials));
+        points.extend(axis.map(|(axis, value)| Point { axis, value, trials }));
+    }
+    if let Some(folder) = &arguments.figures {
+        curves::draw(folder, &usual, &points)?;
     }
     Ok(text)
 }

@@ -51,6 +51,9 @@ struct Arguments {
     /// goals of map and mission; the robot drives to the first one, or to that of --plan
     #[arg(long = "goal", value_name = "NAME=X,Y", value_parser = words::goal, allow_hyphen_values = true)]
     goals: Vec<Goal>,
+    /// The robot of the mission's team; it runs alone, and hears no mates
+    #[arg(long, value_name = "NAME")]
+    robot: Option<String>,
     /// The parallel plan to follow instead of the mission's
     #[arg(long)]
     plan: Option<String>,
@@ -101,6 +104,7 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<bool, Failure> {
     let changes = Changes {
+        robot: arguments.robot.clone(),
         plan: arguments.plan.clone(),
         gains: arguments.gains,
         goals: arguments.goals.clone(),

@@ -23,23 +23,29 @@ const HEIGHT: f64 = 240.0;
 /// Room around the bars, pixels.
 const MARGIN: f64 = 50.0;
 
-/// Writes the figures to a folder: `routes-ROW.svg` of the first trial of each row, and
-/// `METRIC.svg`. The error is a message for the user.
-pub fn draw(folder: &Path, campaign: &Campaign, trials: &[Trial]) -> Result<(), String> {
-    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let write = |name: String, svg: String| {
-        output::write_file(&folder.join(name), |out| out.write_all(svg.as_bytes()))
-            .map_err(|problem| problem.message)
-    };
+/// Writes `routes-ROW.svg` of the first trial of each row to a folder. The error is a message for the
+/// user.
+pub fn draw_routes(folder: &Path, campaign: &Campaign) -> Result<(), String> {
     for &row in &campaign.rows {
         // A colon cannot be part of a file's name everywhere.
         let name = row.name().replace(':', "-");
-        write(format!("routes-{name}.svg"), routes(campaign, row)?)?;
-    }
-    for metric in Metric::ALL {
-        write(format!("{}.svg", metric.name()), bars(trials, metric))?;
+        write(folder, &format!("routes-{name}.svg"), &routes(campaign, row)?)?;
     }
     Ok(())
+}
+
+/// Writes `METRIC.svg` to a folder for each metric. The error is a message for the user.
+pub fn draw_bars(folder: &Path, trials: &[Trial]) -> Result<(), String> {
+    let mut metrics = Metric::ALL.into_iter();
+    metrics.try_for_each(|metric| {
+        write(folder, &format!("{}.svg", metric.name()), &bars(trials, metric))
+    })
+}
+
+pub(super) fn write(folder: &Path, name: &str, svg: &str) -> Result<(), String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    output::write_file(&folder.join(name), |out| out.write_all(svg.as_bytes()))
+        .map_err(|problem| problem.message)
 }
 
 /// The routes of the first trial of a row, over the most constrained layer of the robot in the

@@ -193,7 +193,7 @@ fn read_line(line: &str) -> Option<Trial> {
 }
 
 /// Puts the trials of several files together. The error is a message for the user: files of
-/// different campaigns, or a trial that is in two files.
+/// different campaigns, a trial that is in two files, or one that is in none.
 pub fn merge(files: Vec<(String, String, Vec<Trial>)>) -> Result<(String, Vec<Trial>), String> {
     let mut merged: Vec<Trial> = Vec::new();
     let mut first: Option<(String, String)> = None;
@@ -216,5 +216,28 @@ pub fn merge(files: Vec<(String, String, Vec<Trial>)>) -> Result<(String, Vec<Tr
     {
         return Err(format!("trial {} of {} is there twice", pair[0].number, pair[0].row.name()));
     }
-    Ok((first.map(|(_, campaign)| campaign).unwrap_or_default(), merged))
+    let campaign = first.map(|(_, campaign)| campaign).unwrap_or_default();
+    match missing(&campaign, &merged) {
+        Some(message) => Err(message),
+        None => Ok((campaign, merged)),
+    }
+}
+
+/// Which of a campaign's trials are not there; `None` if all are.
+fn missing(campaign: &str, trials: &[Trial]) -> Option<String> {
+    let option = |name: &str| campaign.split(' ').skip_while(|word| *word != name).nth(1);
+    let count: u32 = option("--trials").and_then(|count| count.parse().ok()).unwrap_or(0);
+    let rows = option("--rows").unwrap_or_default().split(',').filter_map(Row::named);
+    let mut absent: Vec<(Row, u32)> =
+        rows.flat_map(|row| (0..count).map(move |n| (row, n))).collect();
+    absent.retain(|&(row, number)| {
+        trials.binary_search_by_key(&(row.index(), number), |t| (t.row.index(), t.number)).is_err()
+    });
+    let &(row, number) = absent.first()?;
+    Some(format!(
+        "{} of the trials are in none of the files, the first of them trial {number} of {}: add the \
+         file of its shard",
+        absent.len(),
+        row.name()
+    ))
 }

@@ -2,7 +2,8 @@
 //! the paper assumes away (W, section 6).
 
 use maps::{Map, Role, Shape};
-use plan_compiler::mission::{GoalAt, Mission};
+use plan_compiler::comms::Need;
+use plan_compiler::mission::{Goal, GoalAt, Mission, RadioRule};
 use sim::placement::Placement;
 use sim::{
     Channel, Conditions, Difference, Fault, PlannedFault, RadioSettings, ReceiverSettings,
@@ -21,6 +22,22 @@ const OPEN_EAST_M: f64 = 216.0;
 /// When the robot in the middle is lost, seconds.
 const LOST_AFTER_S: f64 = 60.0;
 
+/// Where radio must reach if the attenuating area is computed, and by how much, dB: two masts in the
+/// western corners, in view of all the way around the blocks.
+const MASTS: [(&str, [f64; 2]); 2] = [("south", [17.0, 20.0]), ("north", [17.0, 246.0])];
+const MARGIN_DB: f64 = 20.0;
+
+/// A condition beyond the paper.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Condition {
+    /// Its name.
+    pub name: String,
+    /// What varies, with its unit, and its value; `None` if it is not a number.
+    pub axis: Option<(&'static str, f64)>,
+    /// What it changes.
+    pub variation: Variation,
+}
+
 /// Changes of the experiment; by default none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Variation {
@@ -36,6 +53,10 @@ pub struct Variation {
     pub starts_apart: bool,
     /// Whether there is a way round the attenuating area on both sides.
     pub is_open: bool,
+    /// Whether robots of the serial row only wait, whatever happens.
+    pub waits_only: bool,
+    /// Whether the attenuating area is computed from the radio's reach, not drawn by hand.
+    pub is_computed: bool,
     /// Standard deviation of a fix, metres; `None` for sensors without error.
     pub gps_sigma_m: Option<f64>,
     /// How far the true obstacles lie east of where the map shows them, metres.
@@ -57,6 +78,8 @@ impl Default for Variation {
             has_common_goal: false,
             starts_apart: false,
             is_open: false,
+            waits_only: false,
+            is_computed: false,
             gps_sigma_m: None,
             shift_m: 0.0,
             unmapped: 0.0,
@@ -77,6 +100,7 @@ impl Variation {
             ("common-goal", Self { has_common_goal: true, ..usual }),
             ("independent-starts", Self { starts_apart: true, ..usual }),
             ("open-area", Self { is_open: true, ..usual }),
+            ("waits-only", Self { waits_only: true, ..usual }),
         ]
     }
 
@@ -85,22 +109,29 @@ impl Variation {
         Self::variants().into_iter().find(|(known, _)| *known == name).map(|(_, variant)| variant)
     }
 
-    /// The conditions beyond the paper, each with its name.
-    pub fn beyond() -> Vec<(&'static str, Self)> {
+    /// The conditions beyond the paper.
+    pub fn beyond() -> Vec<Condition> {
         let usual = Self::default();
-        let gps = |sigma_m| Self { gps_sigma_m: Some(sigma_m), ..usual };
+        let at = |axis: &'static str, value: f64, variation| Condition {
+            name: format!("{axis} {value}"),
+            axis: Some((axis, value)),
+            variation,
+        };
+        let named = |name: &str, variation| Condition { name: name.into(), axis: None, variation };
+        let shift = |shift_m| at("map shift, m", shift_m, Self { shift_m, ..usual });
+        let gps =
+            |sigma_m| at("GPS sigma, m", sigma_m, Self { gps_sigma_m: Some(sigma_m), ..usual });
+        let posts = |unmapped| at("unmapped posts, share", unmapped, Self { unmapped, ..usual });
         let worse = RadioSettings { loss: 0.5, delay_s: 0.5, ..usual.radio };
-        vec![
-            ("map shifted by 2 m", Self { shift_m: 2.0, ..usual }),
-            ("GPS sigma 0.5 m", gps(0.5)),
-            ("GPS sigma 1 m", gps(1.0)),
-            ("GPS sigma 2 m", gps(2.0)),
-            ("GPS sigma 5 m", gps(5.0)),
-            ("10 % unmapped", Self { unmapped: 0.1, ..usual }),
-            ("30 % unmapped", Self { unmapped: 0.3, ..usual }),
-            ("one robot lost", Self { loses_one: true, ..usual }),
-            ("half the packets lost, late", Self { radio: worse, ..usual }),
-        ]
+        let conditions = [0.5, 1.0, 2.0, 4.0].map(shift).into_iter();
+        let conditions = conditions.chain([0.5, 1.0, 2.0, 5.0].map(gps));
+        let conditions = conditions.chain([0.1, 0.3].map(posts));
+        let others = [
+            named("one robot lost", Self { loses_one: true, ..usual }),
+            named("half the packets lost, late", Self { radio: worse, ..usual }),
+            named("attenuating area computed", Self { is_computed: true, ..usual }),
+        ];
+        conditions.chain(others).collect()
     }
 
     /// Changes the parameters and the goals of a robot's mission.
@@ -113,6 +144,20 @@ impl Variation {
             vehicle.max_speed_mps = vehicle.base_speed_mps;
             vehicle.base_speed_mps = ANY_SPEED_MPS;
         }
+        if self.is_computed {
+            let place = |(name, at): (&str, [f64; 2])| Goal {
+                name: name.to_owned(),
+                at: GoalAt::Position(at),
+                layers: None,
+                place: None,
+            };
+            mission.radio = Some(RadioRule {
+                threshold_db: MARGIN_DB,
+                need: Need::Any,
+                places: MASTS.map(place).into(),
+                ..RadioRule::default()
+            });
+        }
         if self.has_common_goal {
             for goal in mission.goals.iter_mut().flatten() {
                 let common = middle.iter().find(|(name, _)| *name == goal.name && name == "goal");
@@ -123,8 +168,11 @@ impl Variation {
         }
     }
 
-    /// Opens the attenuating area, if it is to be open.
+    /// Opens the attenuating area if it is to be open, and takes it away if it is to be computed.
     pub(super) fn change_map(&self, map: &mut Map) {
+        if self.is_computed {
+            map.features.retain(|area| area.role != Role::Attenuating);
+        }
         if !self.is_open {
             return;
         }
