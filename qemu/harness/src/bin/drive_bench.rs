@@ -150,7 +150,8 @@ fn gallery(folder: &Path, plan: &Drives, runs: &[Run]) -> Result<(), String> {
         let driven = drive_bench::drive(run.row, &row.setting, course)?;
         let file = format!("{:04} {}.png", run.number, run.course).replace([' ', ','], "-");
         let route = &driven.outcome.route;
-        let story = Story { turns: Vec::new(), engaged: vec![0; route.len()] };
+        let (turns, steps) = (Vec::new(), Vec::new());
+        let story = Story { turns, steps, engaged: vec![0; route.len()] };
         let path = folder.join(file);
         picture::draw(&driven.scenario, &driven.start, route, &story, &driven.outcome, &path)?;
     }
