@@ -298,7 +298,7 @@ fn draw_item(symbol: Symbol, meaning: &str, measure: Measure) -> Group {
 fn dots([x, y, width, height]: [f64; 4], apart: f64, size: f64) -> String {
     let (across, down) = ((width / apart) as usize, (height / apart) as usize);
     let dot = |row: usize, column: usize| {
-        let shift = if row % 2 == 0 { 0.25 } else { 0.75 };
+        let shift = if row.is_multiple_of(2) { 0.25 } else { 0.75 };
         let [left, middle] =
             [x + (column as f64 + shift) * apart, y + (row as f64 + 0.5) * apart].map(text::round);
         format!("M{left} {middle}h{}", text::round(size))

@@ -93,7 +93,7 @@ impl Tolled {
             (least.min(node.multiplier), most.max(node.multiplier))
         });
         let shift = (STRAIGHT_STEP * u32::from(range.0.min(range.1))).ilog2();
-        let buckets = ((DIAGONAL_STEP * u32::from(range.1) >> shift) + 2).next_power_of_two();
+        let buckets = (((DIAGONAL_STEP * u32::from(range.1)) >> shift) + 2).next_power_of_two();
         self.ring.iter_mut().for_each(Vec::clear);
         self.ring.resize(buckets as usize, Vec::new());
         let Some(goal) = goal else { return };
