@@ -19,6 +19,7 @@ mod qemu;
 mod runs;
 mod team;
 mod team_plans;
+mod team_qemu;
 mod wording;
 mod work;
 mod worlds;
