@@ -262,7 +262,7 @@ tether = "left"
 
     #[test]
     fn mistakes_in_a_team_have_their_lines() {
-        let table: [(&str, Option<&str>, &[&str]); 10] = [
+        let table: [(&str, Option<&str>, &[&str]); 13] = [
             (
                 TEAM,
                 None,
@@ -295,6 +295,21 @@ tether = "left"
                 "[team]\nrobots = [3]\n",
                 Some("a"),
                 &["2: `team.robots` must be a list of two robots or more, by their names"],
+            ),
+            (
+                "[team]\nrobots = [\"a\", \"rover.1\"]\n[robots.rover.1]\nseed = 4\n",
+                Some("a"),
+                &["3: there is no robot `rover`: a name with a dot needs quotes"],
+            ),
+            (
+                "[team]\nrobots = [\"a\", \"b\"]\nlost_after = 0.2\n",
+                Some("a"),
+                &["3: the link to a mate is lost between two packets: mates send every 0.2 s"],
+            ),
+            (
+                "[team]\nrobots = [\"a\", \"b\"]\n[robots.b.team]\nlost_after = 0.1\n",
+                Some("a"),
+                &[],
             ),
             ("[team]\nlost_after = 3\n", None, &["1: [team] does not name its robots"]),
         ];

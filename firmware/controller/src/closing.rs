@@ -56,7 +56,7 @@ struct Scan {
     time_us: Option<u64>,
     position_m: [f32; 2],
     heading_rad: f32,
-    /// What was seen, in the robot's axes of that moment, metres.
+    /// The nearest point of each sector, in the robot's axes of that moment, metres.
     seen_m: [[f32; 2]; MAX_RANGES],
     count: u8,
     /// What is nearer than the square root of this lies in free space, m^2, by sector; 0 without a
@@ -119,14 +119,20 @@ impl Closing {
 impl Scan {
     /// This scan with its readings.
     fn with(mut self, readings: &[RangeReading], seen: &Points) -> Self {
-        for ((reading, point), slot) in readings.iter().zip(seen).zip(&mut self.seen_m) {
+        let mut nearest = [Vec2::zeros(); MAX_RANGES];
+        for (reading, point) in readings.iter().zip(seen) {
+            let free_m = free_m(scalar::larger(reading.distance_m, LEAST_DISTANCE_M));
+            let sector = sector(reading.bearing_rad);
+            let slots = nearest.get_mut(sector).zip(self.free_m2.get_mut(sector));
+            let Some((nearest, free_m2)) = slots else { continue };
+            if *nearest == Vec2::zeros() || *free_m2 > free_m * free_m {
+                (*nearest, *free_m2) = (*point, free_m * free_m);
+            }
+        }
+        let nearest = nearest.iter().filter(|point| **point != Vec2::zeros());
+        for (slot, point) in self.seen_m.iter_mut().zip(nearest) {
             *slot = (*point).into();
             self.count += 1;
-            let free_m = free_m(scalar::larger(reading.distance_m, LEAST_DISTANCE_M));
-            let Some(free_m2) = self.free_m2.get_mut(sector(reading.bearing_rad)) else { continue };
-            if *free_m2 == 0.0 || *free_m2 > free_m * free_m {
-                *free_m2 = free_m * free_m;
-            }
         }
         self
     }

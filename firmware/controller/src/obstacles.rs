@@ -51,7 +51,7 @@ struct Point {
     hidden: Vec2,
     /// Their distance from the body's centre.
     distance_m: f32,
-    /// The obstacle's own velocity, m/s, and a bound of its length, see [`bound`].
+    /// The obstacle's own velocity, m/s, and its length.
     velocity: Vec2,
     speed_mps: f32,
 }
@@ -84,12 +84,6 @@ impl Point {
 /// Sectors between straight ahead and a bearing.
 fn from_ahead(bearing_rad: f32) -> usize {
     (bearing_rad.abs() / SECTOR_RAD + 0.5) as usize
-}
-
-/// A length that is at least that of the vector and at most 8.3 % greater; it saves a root.
-fn bound(vector: Vec2) -> f32 {
-    let (x, y) = (vector.x.abs(), vector.y.abs());
-    scalar::larger(x, y) + (core::f32::consts::SQRT_2 - 1.0) * scalar::smaller(x, y)
 }
 
 /// The point at the edge of the sector of `seen` that is nearer to straight ahead.
@@ -168,7 +162,7 @@ impl Obstacles {
             let velocities = coming.iter().flatten().map(|scan| scan.velocity(*seen));
             let velocity = velocities.into_iter().find(|velocity| *velocity != Vec2::zeros());
             let velocity = velocity.unwrap_or_default();
-            Point { velocity, speed_mps: bound(velocity), ..Point::of(reading, *seen) }
+            Point { velocity, speed_mps: vector::length(velocity), ..Point::of(reading, *seen) }
         });
         let count = points.filter(|point| point.distance_m < within_m || point.speed_mps > 0.0);
         for (slot, point) in near.points.iter_mut().zip(count) {
@@ -241,8 +235,7 @@ impl Obstacles {
             let count = scalar::clamp(scalar::floor(run_m / spacing_m) + 1.0, 1.0, MOST_PLACES);
             // The nearest place that was seen before may be that of another obstacle: then only the
             // speed is right.
-            // Nearer than the body is wide, it touches a robot that stands, too.
-            let here_m = scalar::smaller(run_m, scalar::larger(point.distance_m - wide_m, 0.0));
+            let here_m = scalar::smaller(run_m, point.distance_m);
             let straight_here = point.seen * (-here_m / point.distance_m);
             let own = point.velocity * time_s;
             let is_free = |run: Vec2| {
@@ -253,9 +246,7 @@ impl Obstacles {
                     || (1..=count as u32)
                         .all(|place| arc.is_clear_of_place(body, point.seen + step * place as f32))
             };
-            // Two ways that end so close together are one.
-            let are_one = (own - straight_here).norm_squared() < 0.25 * spacing_m * spacing_m;
-            is_free(straight_here) && (are_one || is_free(own))
+            is_free(straight_here) && is_free(own)
         })
     }
 }

@@ -90,6 +90,7 @@ impl Machine {
         }
         setup::qemu()?;
         let profile = match build {
+            Build::Release if self == Self::CortexM3 => "firmware-small",
             Build::Release => "firmware",
             Build::Debug => "firmware-debug",
         };

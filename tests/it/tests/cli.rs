@@ -521,10 +521,16 @@ fn arrays_agree_with_the_look_up() {
 
 /// The numbers of an array of 60 rows and 80 columns.
 fn npy(path: &Path, kind: &str) -> Vec<u8> {
+    npy_of(path, kind, (60, 80))
+}
+
+/// The numbers of an array of these rows and columns.
+fn npy_of(path: &Path, kind: &str, (rows, columns): (u32, u32)) -> Vec<u8> {
     let bytes = fs::read(path).unwrap();
     let header = String::from_utf8_lossy(&bytes[10..128]);
     assert!(bytes.starts_with(b"\x93NUMPY\x01\x00"));
-    for part in [kind, "'fortran_order': False", "'shape': (60, 80)"] {
+    let shape = format!("'shape': ({rows}, {columns})");
+    for part in [kind, "'fortran_order': False", &shape] {
         assert!(header.contains(part), "{header}");
     }
     bytes[128..].to_vec()

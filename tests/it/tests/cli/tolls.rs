@@ -1,6 +1,6 @@
 //! Layers with tolls and speed zones, as a user builds, asks, draws and proves them.
 
-use super::{Run, YARD, check_mission, npy};
+use super::{Run, YARD, check_mission, npy_of};
 use serde_json::Value;
 
 /// The shipped example, in a folder of its own.
@@ -84,7 +84,7 @@ fn tolls_are_drawn_and_exported() {
         [("toll", [1.0, 1.5, 2.0, 3.0, 4.5, 6.0, 9.0, 9.0]), ("limit", [0.5; 8])]
     {
         run.done(&format!("export plans.bin --layer school/physical --what {what} -o {what}.npy"));
-        let bytes = npy(&run.path(&format!("{what}.npy")), "'<f4'");
+        let bytes = npy_of(&run.path(&format!("{what}.npy")), "'<f4'", (97, 161));
         let numbers = bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap()));
         let mut different: Vec<f32> = numbers.filter(|n| n.is_finite() && *n > 0.0).collect();
         different.sort_by(f32::total_cmp);
