@@ -188,7 +188,7 @@ fn wrong_command_lines_and_files_have_their_status() {
         ("--trials 0", 2, "0 is not in 1..=1000000"),
         ("--rows reactive,serail", 2, "not a row; the rows are reactive, 66:34"),
         ("--shard 4/4", 2, "write I/N with I below N"),
-        ("--variant windy", 2, "not a variant; the variants are no-turn-limit"),
+        ("--variant windy", 2, "not a variant; the variants are"),
         ("--beyond --variant no-posts", 2, "cannot be used with"),
         ("--merge notes.txt --rows plan", 2, "cannot be used with"),
         ("--merge gone.csv", 3, "gone.csv: "),

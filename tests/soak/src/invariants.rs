@@ -15,6 +15,8 @@ pub struct Watch {
     now_us: u64,
     seen_us: Option<u64>,
     failed_us: [Option<u64>; MAX_BEHAVIOURS],
+    /// Behaviours that run once and have finished.
+    is_over: [bool; MAX_BEHAVIOURS],
     /// The plans after the last tick.
     grid: SituationGrid,
 }
@@ -90,7 +92,7 @@ impl Watch {
                 let is_engaged = is_engaged(behaviours.phase(index));
                 let is_dormant = report.criticalities[index] <= behaviour.dormant;
                 let rests = self.failed_us[index].is_some_and(|at| self.now_us < at + REST_US);
-                if is_engaged || !is_dormant && !rests {
+                if is_engaged || !is_dormant && !rests && !self.is_over[index] {
                     return Err(format!(
                         "no action runs, and no decision explains why {index} waits"
                     ));
@@ -98,13 +100,21 @@ impl Watch {
             }
         }
         for decision in &report.decisions {
-            if let Decision::Failed { behaviour } = decision {
-                self.failed_us[usize::from(*behaviour)] = Some(self.now_us);
+            match decision {
+                Decision::Failed { behaviour } => {
+                    self.failed_us[usize::from(*behaviour)] = Some(self.now_us);
+                }
+                Decision::Finished { behaviour } => self.is_over[usize::from(*behaviour)] = true,
+                _ => {}
             }
         }
         if report.omitted > 0 {
-            // A failure may be among the omitted decisions.
+            // A failure or an end may be among the omitted decisions.
             self.failed_us = [Some(self.now_us); MAX_BEHAVIOURS];
+            self.is_over = [true; MAX_BEHAVIOURS];
+        }
+        for (is_over, behaviour) in self.is_over.iter_mut().zip(mission.behaviours().iter()) {
+            *is_over &= behaviour.once;
         }
         Ok(())
     }
