@@ -24,13 +24,15 @@ const GONE_M: f32 = 0.1;
 /// Obstacles that must have gone for late scans, and distances that must be as before. One wrong
 /// verdict stops the robot for good.
 const LATE_VOTES: u8 = 3;
+/// This many obstacles are enough where most sectors are as before.
+const FEW_VOTES: u8 = 2;
 /// This many times as many as are where they must be.
 const LATE_MAJORITY: u8 = 2;
 /// Obstacles that must be where they must be for scans in time.
 const IN_TIME_VOTES: u8 = 3;
 /// A robot that has turned this far sees nothing as before, radians: not even walls that it passes.
 const TURNED_RAD: f32 = 0.35;
-/// Then this share of the sectors at their old distances shows a late scan: three of five.
+/// Most sectors are as before if this share of them is at its old distance: three of five.
 const SAME_SHARE: (usize, usize) = (3, 5);
 /// A trial ends after the robot has moved this far, metres, or turned this far, radians: farther
 /// away, distances are the same by chance.
@@ -91,8 +93,8 @@ fn compare(now: &[RangeReading], before: &[RangeReading], moved: &Moved) -> Verd
     let as_before = now_m.iter().zip(&before_m).filter(|(now, before)| is_same(**now, **before));
     let as_before = as_before.count();
     let (part, whole) = SAME_SHARE;
+    let is_most_as_before = whole * as_before >= part * before.len();
     let has_turned = moved.turned_rad.abs() >= TURNED_RAD;
-    let shows_most_as_before = has_turned && whole * as_before >= part * before.len();
     let (mut gone, mut there) = (0_u8, 0_u8);
     for reading in before {
         let carried = moved.carried(reading);
@@ -104,10 +106,17 @@ fn compare(now: &[RangeReading], before: &[RangeReading], moved: &Moved) -> Verd
         let distance_m = carried.distance_m;
         gone += u8::from(nearest_m > 0.0 && distance_m + GONE_M < free_m(nearest_m));
         let has_changed = !is_same(distance_m, reading.distance_m);
-        there += u8::from(has_changed && shown.iter().any(|shown_m| is_same(*shown_m, distance_m)));
+        // A sector that is as before says nothing.
+        let speaks = |sector: usize| {
+            let (now, before) = (now_m.get(sector), before_m.get(sector));
+            let (Some(now_m), Some(before_m)) = (now, before) else { return false };
+            is_same(*now_m, distance_m) && !is_same(*now_m, *before_m)
+        };
+        there += u8::from(has_changed && (speaks(one) || speaks(other)));
     }
-    let have_gone = gone >= LATE_VOTES && gone > LATE_MAJORITY * there;
-    if as_before >= usize::from(LATE_VOTES) && (have_gone || shows_most_as_before) {
+    let least = if is_most_as_before { FEW_VOTES } else { LATE_VOTES };
+    let have_gone = gone >= least && gone > LATE_MAJORITY * there;
+    if as_before >= usize::from(LATE_VOTES) && (have_gone || has_turned && is_most_as_before) {
         Verdict::Late
     } else if there >= IN_TIME_VOTES && there > gone {
         Verdict::InTime

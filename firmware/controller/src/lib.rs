@@ -260,7 +260,7 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let intent =
         behave::behave(blob, &mut state.behaviours, &percepts, position, &mates, &mut report);
     let vehicle = intent.constrained(&blob.parameters().vehicle);
-    let now = state.commanded.now(&percepts, sensed.ranges.age_s());
+    let now = state.commanded.now(&percepts, sensed.ranges.age_s(), vehicle.braking_mps2);
     let seen = scan::points(&percepts.ranges);
     state.closing.update(&percepts, &seen, &now.twist, sensed.elapsed_s);
     let within_m = brake::within_m(&vehicle, sensed.ranges.age_s());
@@ -275,7 +275,7 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let limited = limit::limit(&vehicle, &percepts, &near, &now, wanted);
     let commands = state.arming.explained(limited, &wanted, &percepts);
     state.track.commanded(&commands);
-    state.commanded.commanded(percepts.time_us, &commands);
+    state.commanded.commanded(percepts.time_us, &commands, &now);
     state.stuck.update(&sensed, &commands, blob.parameters());
     state.team.speak(&blob.parameters().team, position, &commands);
     Explanation { commands, sensed, report, blend }

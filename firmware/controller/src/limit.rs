@@ -18,24 +18,30 @@ pub struct Commanded {
     time_us: u64,
     speed_mps: f32,
     turn_rate_radps: f32,
+    /// The speed that the robot had in that tick, m/s.
+    had_mps: f32,
 }
 
 impl Commanded {
-    /// Present speed and turn rate: measured, or else as commanded. `age_s` is the age of the range
-    /// readings, seconds.
-    pub fn now(&self, percepts: &Percepts, age_s: f32) -> Moving {
+    /// Present speed and turn rate: measured, or else those of a robot that obeys and whose speed
+    /// changes by at most `braking_mps2`. `age_s` is the age of the range readings, seconds.
+    pub fn now(&self, percepts: &Percepts, age_s: f32, braking_mps2: f32) -> Moving {
         let elapsed_us = percepts.time_us.saturating_sub(self.time_us).min(LONGEST_STEP_US);
+        let elapsed_s = elapsed_us as u32 as f32 * 1e-6;
+        let most_mps = braking_mps2 * elapsed_s;
+        let obeyed_mps =
+            self.had_mps + scalar::clamp(self.speed_mps - self.had_mps, -most_mps, most_mps);
         let twist = Twist {
-            speed_mps: percepts.speed_mps.unwrap_or(self.speed_mps),
+            speed_mps: percepts.speed_mps.unwrap_or(obeyed_mps),
             turn_rate_radps: percepts.turn_rate_radps.unwrap_or(self.turn_rate_radps),
         };
-        Moving { twist, elapsed_s: elapsed_us as u32 as f32 * 1e-6, age_s }
+        Moving { twist, elapsed_s, age_s }
     }
 
-    /// Remembers the commands that leave a tick.
-    pub fn commanded(&mut self, time_us: u64, commands: &Commands) {
+    /// Remembers the commands that leave a tick, and the motion in that tick.
+    pub fn commanded(&mut self, time_us: u64, commands: &Commands, now: &Moving) {
         let Commands { speed_mps, turn_rate_radps, .. } = *commands;
-        *self = Self { time_us, speed_mps, turn_rate_radps };
+        *self = Self { time_us, speed_mps, turn_rate_radps, had_mps: now.twist.speed_mps };
     }
 }
 
@@ -57,7 +63,7 @@ impl Commanded {
 /// let wanted = Commands { speed_mps: 1.0, ..Commands::stop(Reason::Driving) };
 /// let operator = Operator { is_armed: true, ..Operator::default() };
 /// let percepts = Percepts { operator, ..Percepts::default() };
-/// let now = Commanded::default().now(&percepts, 0.0);
+/// let now = Commanded::default().now(&percepts, 0.0, vehicle.braking_mps2);
 /// // The body has a radius of 0.3 m, brakes with 2 m/s^2 and stops 2 cm before an obstacle.
 /// for (distance_m, low, high) in [(0.8, 1.0, 1.0), (0.5, 0.4, 0.8), (0.32, 0.0, 0.0)] {
 ///     let obstacle = RangeReading { bearing_rad: 0.0, distance_m };
@@ -163,7 +169,8 @@ mod tests {
     fn limit(vehicle: &Vehicle, percepts: &Percepts, wanted: Commands) -> Commands {
         let seen = points(&percepts.ranges);
         let near = Obstacles::near(&percepts.ranges, &seen, within_m(vehicle, 0.0), &[], 0.0);
-        super::limit(vehicle, percepts, &near, &Commanded::default().now(percepts, 0.0), wanted)
+        let now = Commanded::default().now(percepts, 0.0, vehicle.braking_mps2);
+        super::limit(vehicle, percepts, &near, &now, wanted)
     }
 
     /// The body has a radius of 0.3 m, the stop distance is 0.3 m.

@@ -592,7 +592,7 @@ fn odometry_that_contradicts_commands_and_receiver_does_not_count() {
 
 /// The speed that the last tick commanded, m/s.
 fn commanded_mps(robot: &Robot<'_>) -> f32 {
-    robot.state.commanded.now(&Percepts::default(), 0.0).twist.speed_mps
+    robot.state.track.commanded_mps()
 }
 
 /// Neither odometry nor fixes show what is commanded.

@@ -126,8 +126,8 @@ fn failures(filled: &Filled) -> String {
             _ => format!("neither arrived nor stands; at the end {:?}", run.last),
         };
         format!(
-            "{} {}: {map} --seed {seed}, start = [{x:.3}, {y:.3}], heading = {heading_rad:.3}, from = \
-             {from_s:.2}: {what}\n",
+            "{} {}: {map} --seed {seed}, start = [{x:?}, {y:?}], heading = {heading_rad:?}, from = \
+             {from_s:?}: {what}\n",
             name(filled),
             filled.row.kind,
         )
