@@ -111,6 +111,8 @@ const MOST_DOUBT: u8 = 16;
 /// What the judgement keeps from tick to tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RangeTrack {
+    /// Time of the last tick.
+    now_us: u64,
     /// Time of the last scan, sound or not.
     heard_us: Option<u64>,
     /// Time of the last sound scan.
@@ -181,6 +183,7 @@ impl RangeTrack {
             self.sound_us = scan_us;
             (self.moved, self.is_kept) = (Moved::default(), false);
         }
+        self.now_us = percepts.time_us;
         let age = |then_us: u64| percepts.time_us.saturating_sub(then_us);
         let is_fresh = |age_us: u64| age_us <= u64::from(policy.stale_after_us);
         match (self.heard_us, self.sound_us) {
@@ -227,7 +230,9 @@ impl RangeTrack {
     fn hear(&mut self, percepts: &Percepts, scan_us: Option<u64>) -> bool {
         let is_garbled = percepts.garbled_ranges > 0;
         let elapsed_us = scan_us.zip(self.heard_us).map_or(0, |(us, last)| us.saturating_sub(last));
-        let is_after_gap = (GAP_US..LONGEST_GAP_US).contains(&elapsed_us);
+        // A clock that stands and leaps is not the range finder's fault.
+        let has_leapt = percepts.time_us.saturating_sub(self.now_us) >= GAP_US;
+        let is_after_gap = (GAP_US..LONGEST_GAP_US).contains(&elapsed_us) && !has_leapt;
         let elapsed_s = elapsed_us.min(GAP_US) as u32 as f32 * 1e-6;
         let most_m = LEAP_M + LEAP_PER_M * self.since_m + LEAP_MPS * elapsed_s;
         let differences = self.compared(&percepts.ranges, most_m);
@@ -341,19 +346,22 @@ mod tests {
     ) -> RangeTrust {
         let policy = Parameters::default().ranges;
         let mut track = RangeTrack::default();
-        let mut judge = |time_us, scan: &[(f32, f32)], moved_m, turned_rad| {
+        let mut judge = |time_us, scan_us, scan: &[(f32, f32)], moved_m, turned_rad| {
             let reading = |&(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
             let percepts = Percepts {
                 time_us,
-                scan_us: Some(time_us),
+                scan_us: Some(scan_us),
                 ranges: scan.iter().map(reading).collect(),
                 operator: Operator { is_armed: true, ..Operator::default() },
                 ..Percepts::default()
             };
             track.judge(&percepts, &policy, moved_m, turned_rad)
         };
-        assert_eq!(judge(1_000_000, before, 0.0, 0.0), RangeTrust::Fresh { age_us: 0 });
-        judge(2_000_000, after, moved_m, turned_rad)
+        let first = judge(1_000_000, 1_000_000, before, 0.0, 0.0);
+        assert_eq!(first, RangeTrust::Fresh { age_us: 0 });
+        // Ticks without a scan; a leap of the clock would prove nothing.
+        judge(1_950_000, 1_000_000, before, moved_m, turned_rad);
+        judge(2_000_000, 2_000_000, after, 0.0, 0.0)
     }
 
     /// What a range finder without noise sees of a robot that stops does not change, and neither does
