@@ -58,7 +58,8 @@ pub struct Stack {
 impl Stack {
     /// Puts a layer on top; `added` are the cells that it blocks besides those below it.
     pub fn add(&mut self, name: &str, added: Bitmap) {
-        self.add_with_tolls(name, added, |_, _| {});
+        let (tolls, limits) = self.inherited();
+        self.push(name, added, tolls, limits);
     }
 
     /// As [`Stack::add`]. `add_tolls` multiplies the tolls of the layers below by those that the layer
@@ -69,16 +70,28 @@ impl Stack {
         added: Bitmap,
         add_tolls: impl FnOnce(&mut Tolls, &mut Limits),
     ) {
-        let mut blocked = added;
+        let (tolls, mut limits) = self.inherited();
+        let mut tolls = tolls.unwrap_or_else(|| Tolls::none(added.columns(), added.rows()));
+        add_tolls(&mut tolls, &mut limits);
+        self.push(name, added, Some(tolls), limits);
+    }
+
+    /// The tolls and the speed limits of the uppermost layer.
+    fn inherited(&self) -> (Option<Tolls>, Limits) {
         let below = self.layers.last();
-        if let Some(below) = below {
+        let tolls = below.and_then(|below| below.terrain.tolls.clone());
+        (tolls, below.map(|below| below.limits.clone()).unwrap_or_default())
+    }
+
+    fn push(&mut self, name: &str, mut blocked: Bitmap, tolls: Option<Tolls>, limits: Limits) {
+        if let Some(below) = self.layers.last() {
             blocked.add_all(&below.terrain.blocked);
         }
-        let tolls = below.and_then(|below| below.terrain.tolls.clone());
-        let mut tolls = tolls.unwrap_or_else(|| Tolls::none(blocked.columns(), blocked.rows()));
-        let mut limits = below.map(|below| below.limits.clone()).unwrap_or_default();
-        add_tolls(&mut tolls, &mut limits);
-        let terrain = Terrain::new(blocked).with_tolls(tolls);
+        let terrain = Terrain::new(blocked);
+        let terrain = match tolls {
+            Some(tolls) => terrain.with_tolls(tolls),
+            None => terrain,
+        };
         self.layers.push(Layer { name: name.to_owned(), terrain, limits });
     }
 

@@ -178,7 +178,8 @@ impl Flow {
     fn grow_first(&mut self, draft: &MissionDraft) -> bool {
         let mut has_grown = false;
         for (frame, production) in productions(draft) {
-            let at_entry = edges(draft, production).iter().filter(|edge| edge.from == 0);
+            let at_entry =
+                draft.edges_of(&draft.productions[production]).iter().filter(|edge| edge.from == 0);
             let begun = at_entry.fold(0, |actions, edge| actions | self.begin(edge.symbol));
             has_grown |= self.first[frame] | begun != self.first[frame];
             self.first[frame] |= begun;
@@ -190,7 +191,7 @@ impl Flow {
         let mut has_grown = false;
         for (frame, production) in productions(draft) {
             let exit = draft.productions[production].vertices.saturating_sub(1);
-            let all = edges(draft, production);
+            let all = draft.edges_of(&draft.productions[production]);
             for edge in all {
                 let next = all.iter().filter(|other| other.from == edge.to);
                 let mut after = next.fold(0, |actions, other| actions | self.begin(other.symbol));
@@ -228,12 +229,6 @@ fn productions(draft: &MissionDraft) -> impl Iterator<Item = (usize, usize)> + '
         let first = usize::from(frame.first);
         (first..first + usize::from(frame.count)).map(move |production| (index, production))
     })
-}
-
-fn edges(draft: &MissionDraft, production: usize) -> &[plan_format::mission::Edge] {
-    let production = &draft.productions[production];
-    let first = usize::from(production.first_edge);
-    &draft.edges[first..first + usize::from(production.edges)]
 }
 
 /// What each robot does: its action, and its last signal.

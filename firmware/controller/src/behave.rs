@@ -13,7 +13,7 @@ use math::{Vec2, vector};
 use plan_format::grid::cost_metres;
 use plan_format::mission::ActionKind;
 use plan_format::parameters::{Gains, Vehicle};
-use plan_format::{Answer, Blob};
+use plan_format::{Answer, Blob, Layer};
 use robot_io::{Commands, Percepts, Reason};
 
 use crate::guidance::{self, Guidance, Target};
@@ -174,9 +174,12 @@ impl Surroundings<'_, '_> {
         }
     }
 
-    fn best_cost(&self, plan: u16) -> Option<u32> {
-        let layers = self.blob.parallel_plan(usize::from(plan))?.layer_count();
-        (0..layers).rev().find_map(|layer| self.cost(plan, layer))
+    /// The most constrained layer of a parallel plan that has a route, with its cost.
+    fn best(&self, plan: u16) -> Option<(Layer<'_>, u32)> {
+        let parallel_plan = self.blob.parallel_plan(usize::from(plan))?;
+        (0..parallel_plan.layer_count())
+            .rev()
+            .find_map(|layer| Some((parallel_plan.layer(layer)?, self.cost(plan, layer)?)))
     }
 
     fn metres(&self, cost: u32) -> f32 {
@@ -186,7 +189,7 @@ impl Surroundings<'_, '_> {
 
 impl World for Surroundings<'_, '_> {
     fn cost_to_goal(&self, plan: u16) -> Option<f32> {
-        self.best_cost(plan).map(|cost| self.metres(cost))
+        self.best(plan).map(|(_, cost)| self.metres(cost))
     }
 
     fn price(&self, plan: u16, layer: u8) -> Option<f32> {
@@ -202,10 +205,7 @@ impl World for Surroundings<'_, '_> {
         };
         let distance_m = vector::length(parallel_plan.goal() - position);
         let is_near = distance_m <= self.blob.parameters().schemas.goal_tolerance_m;
-        let best = (0..parallel_plan.layer_count())
-            .rev()
-            .find_map(|layer| Some((parallel_plan.layer(layer)?, self.cost(plan, layer)?)));
-        best.is_some_and(|(layer, cost)| {
+        self.best(plan).is_some_and(|(layer, cost)| {
             let is_there =
                 || guidance::is_there(self.blob, Some(layer), Some(cost), position, distance_m);
             cost == 0 || is_near && is_there()

@@ -21,7 +21,7 @@ use robot_io::{Percepts, RangeReading};
 use serde::{Deserialize, Serialize};
 
 use crate::drive::Twist;
-use crate::scan::{LEAST_DISTANCE_M, Points, covering, free_m, sector};
+use crate::scan::{LEAST_DISTANCE_M, Points, free_m, in_direction, sector};
 
 /// Scans that are kept.
 const SCANS: usize = 5;
@@ -145,12 +145,7 @@ impl Scan {
     /// How far the space in the direction of `point` was free, m^2; 0 if that is unknown. An
     /// obstacle at the edge of a sector may fall between the beams of two.
     fn free_m2(&self, point: Vec2) -> f32 {
-        let (one, other) = covering(point);
-        let of = |sector: usize| self.free_m2.get(sector).copied().unwrap_or_default();
-        match (of(one), of(other)) {
-            (0.0, free_m2) | (free_m2, 0.0) => free_m2,
-            (one, other) => scalar::smaller(one, other),
-        }
+        in_direction(&self.free_m2, point)
     }
 }
 

@@ -15,7 +15,7 @@ use math::vector;
 use robot_io::RangeReading;
 use serde::{Deserialize, Serialize};
 
-use crate::scan::{Moved, Scan, by_sector, covering, free_m};
+use crate::scan::{Moved, Scan, by_sector, covering, free_m, in_direction};
 
 /// Distances that differ by less than this are the same, metres.
 const SAME_M: f32 = 0.12;
@@ -98,11 +98,8 @@ fn compare(now: &[RangeReading], before: &[RangeReading], moved: &Moved) -> Verd
     let (mut gone, mut there) = (0_u8, 0_u8);
     for reading in before {
         let carried = moved.carried(reading);
-        let (one, other) = covering(vector::from_angle(carried.bearing_rad));
-        let shown = [one, other].map(|sector| now_m.get(sector).copied().unwrap_or_default());
-        let [one_m, other_m] = shown;
-        let nearest_m =
-            if one_m == 0.0 || other_m > 0.0 && other_m < one_m { other_m } else { one_m };
+        let direction = vector::from_angle(carried.bearing_rad);
+        let nearest_m = in_direction(&now_m, direction);
         let distance_m = carried.distance_m;
         gone += u8::from(nearest_m > 0.0 && distance_m + GONE_M < free_m(nearest_m));
         let has_changed = !is_same(distance_m, reading.distance_m);
@@ -112,6 +109,7 @@ fn compare(now: &[RangeReading], before: &[RangeReading], moved: &Moved) -> Verd
             let (Some(now_m), Some(before_m)) = (now, before) else { return false };
             is_same(*now_m, distance_m) && !is_same(*now_m, *before_m)
         };
+        let (one, other) = covering(direction);
         there += u8::from(has_changed && (speaks(one) || speaks(other)));
     }
     let least = if is_most_as_before { FEW_VOTES } else { LATE_VOTES };

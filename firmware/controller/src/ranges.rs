@@ -174,14 +174,16 @@ impl RangeTrack {
             (self.unchanged_m, self.unchanged_rad) = (0.0, 0.0);
             self.trial.end();
         }
-        self.moved.advance(moved_m, turned_rad);
         self.trial.advance(moved_m, turned_rad);
         // A time stamp from the future would never become stale.
         let scan_us = percepts.scan_us.map(|scan_us| scan_us.min(percepts.time_us));
-        let is_sound = scan_us != self.heard_us && self.hear(percepts, scan_us);
+        let step = (moved_m, turned_rad);
+        let is_sound = scan_us != self.heard_us && self.hear(percepts, scan_us, step);
         if is_sound {
             self.sound_us = scan_us;
             (self.moved, self.is_kept) = (Moved::default(), false);
+        } else {
+            self.moved.advance(moved_m, turned_rad);
         }
         self.now_us = percepts.time_us;
         let age = |then_us: u64| percepts.time_us.saturating_sub(then_us);
@@ -226,8 +228,9 @@ impl RangeTrack {
         self.is_frozen() || self.is_late || self.is_doubted || self.leapt_m.abs() > BACK_M
     }
 
-    /// Takes over a new scan. Returns whether it is sound.
-    fn hear(&mut self, percepts: &Percepts, scan_us: Option<u64>) -> bool {
+    /// Takes over a new scan. Returns whether it is sound. `step` is how far the robot has moved and
+    /// turned since the last tick.
+    fn hear(&mut self, percepts: &Percepts, scan_us: Option<u64>, step: (f32, f32)) -> bool {
         let is_garbled = percepts.garbled_ranges > 0;
         let elapsed_us = scan_us.zip(self.heard_us).map_or(0, |(us, last)| us.saturating_sub(last));
         // A clock that stands and leaps is not the range finder's fault.
@@ -241,7 +244,8 @@ impl RangeTrack {
             self.leapt_m += differences.leap_m();
         }
         if is_after_gap && self.sound_us.is_some() {
-            let (before, moved) = (*self.sound(), self.moved);
+            let (before, mut moved) = (*self.sound(), self.moved);
+            moved.advance(step.0, step.1);
             self.trial.begin(&before, moved);
         }
         self.is_late |= !is_garbled && self.trial.hear(&percepts.ranges) == Verdict::Late;

@@ -115,6 +115,17 @@ pub(crate) fn covering(point: Vec2) -> (usize, usize) {
     (one.into(), other.into())
 }
 
+/// The smaller one of what the sectors that may cover the direction of a point hold; 0 stands for
+/// nothing.
+pub(crate) fn in_direction(by_sector: &[f32; MAX_RANGES], point: Vec2) -> f32 {
+    let (one, other) = covering(point);
+    let of = |sector: usize| by_sector.get(sector).copied().unwrap_or_default();
+    match (of(one), of(other)) {
+        (0.0, held) | (held, 0.0) => held,
+        (one, other) => scalar::smaller(one, other),
+    }
+}
+
 /// The nearest distance of each sector, metres; 0 without a reading.
 pub(crate) fn by_sector(readings: impl Iterator<Item = RangeReading>) -> [f32; MAX_RANGES] {
     let mut nearest_m = [0.0; MAX_RANGES];

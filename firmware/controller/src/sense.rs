@@ -144,11 +144,6 @@ impl Track {
         self.is_creeping = commands.reason == Reason::NoHeading && commands.speed_mps != 0.0;
     }
 
-    /// The speed that the last tick commanded, m/s.
-    pub fn commanded_mps(&self) -> f32 {
-        self.speed_mps
-    }
-
     /// Puts what counts in the place of readings that do not: the last sound scan, see
     /// [`RangeTrack::carry`], and the speed and turn rate that the robot believes.
     pub fn correct(&self, percepts: &mut Percepts) {

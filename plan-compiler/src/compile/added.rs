@@ -46,6 +46,10 @@ pub(super) fn stack(
         }
         let rules = input.mission.layers.iter().filter(|rule| rule.name.name == name);
         let rules: Vec<_> = rules.filter(|rule| !rule.tolls.is_empty()).collect();
+        if rules.is_empty() {
+            stack.add(name, blocked);
+            continue;
+        }
         let site = tolls::Site { input, grid, options, added: &all };
         stack.add_with_tolls(name, blocked, |tolls, limits| {
             rules.iter().for_each(|rule| site.add(rule, tolls, limits, problems));

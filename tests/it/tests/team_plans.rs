@@ -2,8 +2,8 @@
 //! about places, links, mates and time. Mission text in, motion out: each robot runs the firmware's
 //! tick on a field without obstacles, knows its pose, and hears a mate while the test links them.
 
-use maps::formats;
 use maps::problem::Source;
+use maps::{Map, formats};
 use math::{Vec2, vector};
 use plan_compiler::compile::compile;
 use plan_compiler::input::{Input, Options};
@@ -62,13 +62,19 @@ fn mission(team: &[&str], actions: &str, parts: &str) -> Arc<Source> {
 }
 
 fn blob(source: &Arc<Source>, robot: &str) -> &'static [u8] {
-    let loaded = formats::load_bytes(Path::new("field.ovl"), MAP.into(), &Default::default());
+    compiled(MAP, source, robot).1.leak()
+}
+
+/// A map, and the blob of one robot of a team there.
+pub(crate) fn compiled(map: &str, source: &Arc<Source>, robot: &str) -> (Map, Vec<u8>) {
+    let loaded = formats::load_bytes(Path::new("field.ovl"), map.into(), &Default::default());
     let map = loaded.map.expect("the map is readable");
     let (mission, mut problems) = parse_for(source, Some(robot));
     let options = Options::default();
     let input = Input { map: &map, source: None, mission: &mission, options: &options };
     let blob = compile(&input, &|_, _| {}, &mut problems);
-    blob.unwrap_or_else(|| panic!("{problems:?}")).leak()
+    let blob = blob.unwrap_or_else(|| panic!("{problems:?}"));
+    (map, blob)
 }
 
 /// A robot that drives exactly as commanded.

@@ -1,16 +1,12 @@
 //! A team in QEMU: three robots, each on an emulated machine of its own, that hear each other over the
 //! simulated radio only. Their traces are those of their twins on the host.
 
-use std::path::Path;
 use std::sync::Arc;
 
+use crate::team_plans::compiled;
 use harness::{Build, Machine, QemuPilot};
-use maps::formats;
 use maps::problem::Source;
 use maps::radio::{Settings, Sight};
-use plan_compiler::compile::compile;
-use plan_compiler::input::{Input, Options};
-use plan_compiler::mission::parse_for;
 use robot_io::Reason;
 use sim::{
     HostPilot, Outcome, Pilot, Point, Radio, RadioSettings, Scenario, SensorSettings, Start,
@@ -70,14 +66,8 @@ stay = { do = "hold 600 s" }
 const TEAM: [(&str, Point); 3] = [("a", [6.0, 4.0]), ("b", [12.0, 10.0]), ("c", [33.0, 3.0])];
 
 fn scenario(robot: &str) -> Scenario {
-    let loaded = formats::load_bytes(Path::new("yard.ovl"), MAP.into(), &Default::default());
-    let map = loaded.map.expect("the map is readable");
     let source = Arc::new(Source { name: "yard.mission.toml".into(), text: MISSION.into() });
-    let (mission, mut problems) = parse_for(&source, Some(robot));
-    let options = Options::default();
-    let input = Input { map: &map, source: None, mission: &mission, options: &options };
-    let blob = compile(&input, &|_, _| {}, &mut problems);
-    let blob = blob.unwrap_or_else(|| panic!("{problems:?}"));
+    let (map, blob) = compiled(MAP, &source, robot);
     let world = "start = [0, 0]\nsignal = 1\ntime_limit = 120\n";
     let surroundings: Surroundings = world.parse().expect("this world file is sound");
     Scenario::new(map, blob, Some(surroundings))

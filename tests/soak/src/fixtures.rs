@@ -1,5 +1,7 @@
 //! Missions for particular measurements, and blobs with missions.
 
+use behaviour::World;
+use math::{Vec2, vector};
 use plan_compiler::field::{Field, GOAL};
 use plan_compiler::pack::pack;
 use plan_format::grid::octile;
@@ -139,4 +141,22 @@ pub fn budget() -> MissionDraft {
          behaviour b3 turning; when r3; resources 1; hysteresis 0.02",
     );
     ::fixtures::mission(&text)
+}
+
+/// A world without plans, in which the robot is at a position, or at none that counts.
+pub struct Open(pub Option<Vec2>);
+
+impl World for Open {
+    fn cost_to_goal(&self, _: u16) -> Option<f32> {
+        None
+    }
+    fn price(&self, _: u16, _: u8) -> Option<f32> {
+        None
+    }
+    fn is_at_goal(&self, _: u16) -> bool {
+        false
+    }
+    fn is_at(&self, point: Vec2) -> bool {
+        self.0.is_some_and(|at| vector::length(point - at) < 0.5)
+    }
 }

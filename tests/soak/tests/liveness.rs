@@ -1,12 +1,12 @@
 //! H35, H36: whatever sleeps and protects something, the robot does not idle while a behaviour is critical, and
 //! the most critical one has its turn within the bound that the compiler reports.
 
-use behaviour::{Behaviours, Decision, Observations, Phase, REST_US, Report, World};
+use behaviour::{Behaviours, Decision, Observations, Phase, REST_US, Report};
 use maps::problem::{Problem, Source};
-use math::Vec2;
 use plan_compiler::behaviours::{Plans, compile};
 use plan_compiler::mission::parse;
 use plan_format::mission::{Mission, MissionDraft};
+use soak::fixtures::Open;
 use std::fmt::Write;
 use std::sync::Arc;
 
@@ -17,24 +17,6 @@ const SEEN_MS: u64 = 2 * TICK_US / 1_000;
 const MISSIONS: u64 = 300;
 /// Ticks of each: about four minutes.
 const TICKS: u64 = 5_000;
-
-/// The missions use neither positions nor plans.
-struct Nowhere;
-
-impl World for Nowhere {
-    fn cost_to_goal(&self, _: u16) -> Option<f32> {
-        None
-    }
-    fn price(&self, _: u16, _: u8) -> Option<f32> {
-        None
-    }
-    fn is_at_goal(&self, _: u16) -> bool {
-        false
-    }
-    fn is_at(&self, _: Vec2) -> bool {
-        false
-    }
-}
 
 /// Numbers from a seed (splitmix64).
 struct Random(u64);
@@ -169,7 +151,8 @@ fn drive(seed: u64, seen: &mut Seen) -> Result<(), String> {
             time_us: tick * TICK_US,
             position: None,
             channels: &channels,
-            world: &Nowhere,
+            // The missions use neither positions nor plans.
+            world: &Open(None),
             mates: &[],
             team: 0,
         };

@@ -565,6 +565,7 @@ fn odometry_that_contradicts_commands_and_receiver_does_not_count() {
         let (mut last, mut first) = (Commands::stop(Reason::NoFix), None);
         for index in 0..300 {
             let before = robot.clone();
+            let commanded_mps = last.speed_mps;
             last = robot.drive_with(|percepts| {
                 complete(&before, &last, false, percepts);
                 let speed = percepts.speed_mps.expect("odometry");
@@ -583,16 +584,11 @@ fn odometry_that_contradicts_commands_and_receiver_does_not_count() {
                 let mut percepts = robot.percepts();
                 percepts.speed_mps = Some(9.0);
                 robot.state.track.correct(&mut percepts);
-                let off_mps = percepts.speed_mps.expect("odometry") - commanded_mps(&before);
+                let off_mps = percepts.speed_mps.expect("odometry") - commanded_mps;
                 assert!(off_mps.abs() < 0.35, "{name} {index}: {off_mps} m/s");
             }
         }
     }
-}
-
-/// The speed that the last tick commanded, m/s.
-fn commanded_mps(robot: &Robot<'_>) -> f32 {
-    robot.state.track.commanded_mps()
 }
 
 /// Neither odometry nor fixes show what is commanded.

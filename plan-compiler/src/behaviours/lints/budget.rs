@@ -82,8 +82,7 @@ impl Search<'_> {
         let mut need = SINGLE;
         self.above.push(frame);
         for production in &draft.productions[first..first + usize::from(record.count)] {
-            let edges = usize::from(production.first_edge);
-            let edges = &draft.edges[edges..edges + usize::from(production.edges)];
+            let edges = draft.edges_of(production);
             let parts = edges.iter().map(|edge| match edge.symbol {
                 Symbol::PlanFrame(inner) => self.of_frame(inner.into()),
                 Symbol::Action(_) => Some(SINGLE),
@@ -116,8 +115,7 @@ impl Search<'_> {
 fn most_at_once(draft: &MissionDraft, production: &Production, parts: &[Need]) -> usize {
     /// With more states of one production than this, the sum of all parts is taken.
     const MAX_STATES: usize = 5_000;
-    let first = usize::from(production.first_edge);
-    let edges = &draft.edges[first..first + parts.len()];
+    let edges = draft.edges_of(production);
     let is_ready = |finished: u32, edge: usize| {
         let is_before = |other: usize| edges[other].to == edges[edge].from;
         (0..parts.len()).all(|other| !is_before(other) || finished & 1 << other != 0)

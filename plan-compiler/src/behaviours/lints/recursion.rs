@@ -8,8 +8,7 @@ use plan_format::mission::{MissionDraft, PlanFrame, Production, Symbol};
 /// Whether an edge of a production is the last component that its frame waits for: it leads to the
 /// exit and all other edges come before it.
 pub(super) fn is_last(draft: &MissionDraft, production: &Production, edge: usize) -> bool {
-    let first = usize::from(production.first_edge);
-    let edges = &draft.edges[first..first + usize::from(production.edges)];
+    let edges = draft.edges_of(production);
     let last = edges[edge];
     last.to + 1 == production.vertices
         && edges
@@ -20,8 +19,7 @@ pub(super) fn is_last(draft: &MissionDraft, production: &Production, edge: usize
 
 /// Whether a path leads from one vertex of a production to another, or they are the same.
 pub(super) fn leads(draft: &MissionDraft, production: &Production, from: u8, to: u8) -> bool {
-    let first = usize::from(production.first_edge);
-    let edges = &draft.edges[first..first + usize::from(production.edges)];
+    let edges = draft.edges_of(production);
     let mut reached = vec![false; usize::from(production.vertices)];
     reached[usize::from(from)] = true;
     // Edges lead to higher numbers, so all edges into a vertex are seen before it.

@@ -56,9 +56,9 @@ impl Lints<'_> {
 
     fn report_shut_out(&mut self, sleeper: usize, by: usize, victim: usize, held: Held) {
         let facts = self.facts_of(held, victim);
-        let edges = self.draft.productions[held.production];
-        let after = self.draft.edges.iter().skip(edges.first_edge.into()).take(edges.edges.into());
-        let after: Vec<&str> = after
+        let edges = self.draft.edges_of(&self.draft.productions[held.production]);
+        let after: Vec<&str> = edges
+            .iter()
             .filter(|edge| edge.to == held.vertex)
             .map(|edge| self.symbol(edge.symbol))
             .collect();
@@ -172,9 +172,7 @@ fn points_of_plan(draft: &MissionDraft, root: usize) -> Vec<Held> {
                     found.push(Held { frame, production, vertex, must, must_not });
                 }
             }
-            let record = draft.productions[production];
-            let edges = draft.edges.iter().skip(record.first_edge.into()).take(record.edges.into());
-            for edge in edges {
+            for edge in draft.edges_of(&draft.productions[production]) {
                 if let Symbol::PlanFrame(inner) = edge.symbol {
                     let held = protected(draft, production, edge.from, edge.to, outer);
                     waiting.push((inner.into(), held, depth + 1));

@@ -165,8 +165,7 @@ impl Lints<'_> {
         let mut is_loop = false;
         let mut always = false;
         for production in &draft.productions[first..first + usize::from(record.count)] {
-            let edges = usize::from(production.first_edge);
-            let symbols = draft.edges[edges..edges + usize::from(production.edges)].iter();
+            let symbols = draft.edges_of(production).iter();
             let all_end = symbols.clone().all(|edge| match edge.symbol {
                 Symbol::PlanFrame(inner) => ends[usize::from(inner)],
                 Symbol::Action(_) => true,

@@ -8,7 +8,7 @@ use crate::behaviours::syntax::{self, Literal};
 use crate::toml::{Spanned, Text};
 use plan_format::mission::effects;
 use plan_format::mission::{
-    Condition, Description, Edge, Facts, Interval, MissionDraft, PlanFrame, Production, Symbol,
+    Condition, Description, Facts, Interval, MissionDraft, PlanFrame, Symbol,
 };
 
 impl Lowering<'_> {
@@ -141,7 +141,7 @@ fn needs_of_frames(syntax: &syntax::Syntax, draft: &MissionDraft) -> Vec<Conditi
             let mut all = own_needs(draft, Symbol::PlanFrame(index as u16));
             let first = usize::from(draft.frames[index].first);
             for (written, production) in frame.productions.iter().zip(&draft.productions[first..]) {
-                let edges = edges_of(draft, production);
+                let edges = draft.edges_of(production);
                 for edge in edges {
                     let earlier = edges.iter().filter(|e| written.graph.leads(e.to, edge.from));
                     let (adds, deletes) = earlier
@@ -180,11 +180,6 @@ fn description(draft: &MissionDraft, symbol: Symbol) -> Option<&Description> {
         Symbol::Action(index) => draft.actions.get(usize::from(index))?.description,
     };
     draft.descriptions.get(usize::from(index))
-}
-
-fn edges_of<'d>(draft: &'d MissionDraft, production: &Production) -> &'d [Edge] {
-    let first = usize::from(production.first_edge);
-    draft.edges.get(first..first + usize::from(production.edges)).unwrap_or(&[])
 }
 
 /// The derived intervals of a production. If exactly one component certainly makes a fact true and
@@ -247,7 +242,7 @@ fn causal_link(
     is_negated: bool,
 ) -> Option<(u8, u8)> {
     let production = draft.productions.get(index)?;
-    let edges = edges_of(draft, production);
+    let edges = draft.edges_of(production);
     // What makes the fact true and what makes it false; the reverse for the absence of a fact.
     let turned = |(adds, deletes): (Facts, Facts)| {
         let (for_it, against) = if is_negated { (deletes, adds) } else { (adds, deletes) };

@@ -26,6 +26,12 @@ pub struct MissionDraft {
 }
 
 impl MissionDraft {
+    /// The edges of a production; none if it names others than there are.
+    pub fn edges_of(&self, production: &Production) -> &[Edge] {
+        let first = usize::from(production.first_edge);
+        self.edges.get(first..first + usize::from(production.edges)).unwrap_or_default()
+    }
+
     /// Puts a name into the name table, once.
     ///
     /// A name that exceeds [`limits::MAX_NAME_BYTES`] or [`limits::MAX_MISSION_NAMES_BYTES`] is not

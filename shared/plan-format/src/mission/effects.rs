@@ -68,13 +68,7 @@ pub fn below(draft: &MissionDraft, frame: usize) -> Vec<Symbol> {
     let Some(frame) = draft.frames.get(frame) else { return Vec::new() };
     let first = usize::from(frame.first);
     let productions = draft.productions.iter().skip(first).take(usize::from(frame.count));
-    productions
-        .flat_map(|production| {
-            let first = usize::from(production.first_edge);
-            draft.edges.iter().skip(first).take(usize::from(production.edges))
-        })
-        .map(|edge| edge.symbol)
-        .collect()
+    productions.flat_map(|production| draft.edges_of(production)).map(|edge| edge.symbol).collect()
 }
 
 /// Whether frame `to` can occur below frame `from`.

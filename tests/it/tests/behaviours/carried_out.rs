@@ -2,27 +2,10 @@
 //! that run once, and the way back.
 
 use super::compiled;
-use behaviour::{Behaviours, Observations, Report, World};
+use behaviour::{Behaviours, Observations, Report};
 use math::{Vec2, vector};
 use plan_format::mission::{ActionKind, Mission};
-
-/// An open field.
-struct Open(Vec2);
-
-impl World for Open {
-    fn cost_to_goal(&self, _: u16) -> Option<f32> {
-        None
-    }
-    fn price(&self, _: u16, _: u8) -> Option<f32> {
-        None
-    }
-    fn is_at_goal(&self, _: u16) -> bool {
-        false
-    }
-    fn is_at(&self, point: Vec2) -> bool {
-        vector::length(point - self.0) < 0.5
-    }
-}
+use soak::fixtures::Open;
 
 /// Carries out a mission with ticks of 100 ms. Fuel is given for each tick. The robot moves 1 m a
 /// tick towards the point to which an action drives. Returns the actions that run, each with the
@@ -43,7 +26,7 @@ fn carried_out(text: &str, fuel: impl Fn(usize) -> f32, ticks: usize) -> String 
             channels: &channels,
             mates: &[],
             team: 0,
-            world: &Open(at),
+            world: &Open(Some(at)),
         };
         let running = behaviours.step(&mission, &seen, &mut Report::default());
         let names = running.iter().map(|part| {

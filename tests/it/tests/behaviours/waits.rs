@@ -1,33 +1,15 @@
 //! H36: no behaviour waits longer for the robot than the bound that the compiler reports.
 
 use super::compiled;
-use behaviour::{Behaviours, Decision, Observations, Phase, Refusal, Report, World};
+use behaviour::{Behaviours, Decision, Observations, Phase, Refusal, Report};
 use maps::problem::Problem;
-use math::Vec2;
 use plan_format::mission::Mission;
+use soak::fixtures::Open;
 use std::fmt::Write;
 
 const TICK_US: u64 = 50_000;
 /// The end of an action takes effect in the next tick, and so does a claim.
 const SEEN_MS: u64 = 2 * TICK_US / 1_000;
-
-/// The missions below use neither positions nor plans.
-struct Nowhere;
-
-impl World for Nowhere {
-    fn cost_to_goal(&self, _: u16) -> Option<f32> {
-        None
-    }
-    fn price(&self, _: u16, _: u8) -> Option<f32> {
-        None
-    }
-    fn is_at_goal(&self, _: u16) -> bool {
-        false
-    }
-    fn is_at(&self, _: Vec2) -> bool {
-        false
-    }
-}
 
 /// Behaviours with steps of different lengths. The first eight are as critical as their input
 /// channels; the others have the inverse criticality of these.
@@ -166,7 +148,8 @@ fn check(text: &str, count: usize) -> usize {
             channels: &[0, 1, 2, 3, 4, 5, 6, 7].map(wave),
             mates: &[],
             team: 0,
-            world: &Nowhere,
+            // The missions use neither positions nor plans.
+            world: &Open(None),
         };
         let mut report = Report::default();
         behaviours.step(&mission, &seen, &mut report);
