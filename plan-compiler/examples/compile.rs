@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let map = loaded.map.ok_or_else(|| format!("the map cannot be read: {problems:?}"))?;
 
     // This replaces `--goal gate=-17.5,17.5` and a mission file.
-    let at = GoalAt::Position([-17.5, 17.5]);
+    let at = vec![GoalAt::Position([-17.5, 17.5])];
     let goal = Goal { name: "gate".to_owned(), at, layers: None, place: None };
     let input = Input {
         map: &map,

@@ -13,6 +13,7 @@ mod added;
 mod area;
 mod globe;
 mod goals;
+mod members;
 mod memory;
 mod obstacles;
 mod radio;
@@ -25,12 +26,12 @@ use crate::behaviours::{self, PlanNames, Plans};
 use crate::input::Input;
 use crate::layers::{Layer, Stack};
 use crate::mission::{RadioRule, brakes, follow, layer_gains};
-use crate::pack::pack_with_limits;
+use crate::pack::{pack_with_limits, with_goals};
 use crate::recipe;
 use crate::search::{Corners, MAX_COST, Query, Solver, is_cut_short};
 use crate::tolls::Tolls;
 use crate::width::{self, LayerPassages};
-use goals::Placed;
+use goals::{Placed, PlacedLayer};
 use maps::numbers::metres;
 use maps::problem::has_errors;
 use maps::radio::Model;
@@ -39,7 +40,8 @@ use plan_format::grid::cost_metres;
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Vehicle;
 use plan_format::{
-    Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, limits, write_with_recipe,
+    Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, limits,
+    write_with_recipe,
 };
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -175,7 +177,7 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
 /// What behaviours may refer to by name.
 fn plan_names(goals: &[Placed], all: &[Layer]) -> Plans {
     let layers = |goal: &Placed| {
-        let own = goal.layers.iter().filter_map(|&index| all.get(index));
+        let own = goal.layers.iter().filter_map(|own| all.get(usize::from(own.rank)));
         own.map(|layer| layer.name.clone()).collect()
     };
     let plans =
@@ -219,6 +221,9 @@ fn no_free_cell(grid: &Grid, radius: f64) -> Problem {
     })
 }
 
+/// What one search has to find: a layer of a plan.
+type Job<'a> = (&'a Placed, &'a PlacedLayer, &'a Layer);
+
 impl Prepared {
     /// The memory that the second half needs.
     pub fn need(&self) -> Need {
@@ -252,20 +257,16 @@ impl Prepared {
     }
 
     /// Every plan with its packed layers; `None` if they exceed what any blob can hold.
-    fn search(
-        &self,
+    fn search<'p>(
+        &'p self,
         progress: Progress<'_>,
         problems: &mut Vec<Problem>,
     ) -> Option<Vec<PlanDraft>> {
         let layers = self.stack.layers();
-        // A stack has at most `limits::MAX_LAYERS` layers.
-        let jobs: Vec<(&Placed, &Layer, u8)> = self
-            .goals
-            .iter()
-            .flat_map(|goal| {
-                goal.layers.iter().map(move |&index| (goal, &layers[index], index as u8))
-            })
-            .collect();
+        let of_goal = |goal: &'p Placed| {
+            goal.layers.iter().map(move |own| (goal, own, &layers[usize::from(own.rank)]))
+        };
+        let jobs: Vec<Job<'p>> = self.goals.iter().flat_map(of_goal).collect();
         let steps = jobs.len() * STEPS_A_LAYER;
         progress(0, steps);
         let (done, bytes) = (AtomicUsize::new(0), AtomicUsize::new(0));
@@ -274,12 +275,13 @@ impl Prepared {
         // The first layer is `physical`.
         let solid = layers.first().map_or(&none, |layer| &layer.terrain.blocked);
         let site = width::Site { grid: &self.grid, solid, grown_m: self.grown_m, need };
-        let solve = |solver: &mut Solver, &(goal, layer, rank): &(&Placed, &Layer, u8)| {
+        let solve = |solver: &mut Solver, &(goal, own, layer): &Job<'_>| {
             if bytes.load(Ordering::Relaxed) > PACKED_BUDGET_BYTES {
                 return None;
             }
             let step = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, steps);
-            let query = Query { terrain: &layer.terrain, goal: goal.cell, corners: self.corners };
+            let goals: Vec<Cell> = own.goals.iter().map(|&(_, cell)| cell).collect();
+            let query = Query { terrain: &layer.terrain, goals: &goals, corners: self.corners };
             let field = solver.solve(&query);
             step();
             let is_cut_short = is_cut_short(&query, &field);
@@ -288,10 +290,13 @@ impl Prepared {
                 layer: layer.name.clone(),
                 passages: width::passages(&field, &site),
             };
-            let packed = pack_with_limits(&field, &layer.limits);
+            let mut packed = pack_with_limits(&field, &layer.limits);
+            if goal.at.len() > 1 {
+                packed = with_goals(packed, &own.goals)?;
+            }
             bytes.fetch_add(packed.bytes(), Ordering::Relaxed);
             step();
-            let draft = LayerDraft { name: layer.name.clone(), rank, packed };
+            let draft = LayerDraft { name: layer.name.clone(), rank: own.rank, packed };
             Some((draft, is_cut_short, passages))
         };
         let solve_all = || jobs.par_iter().map_init(Solver::new, solve).collect::<Option<Vec<_>>>();
@@ -302,7 +307,7 @@ impl Prepared {
             Err(_) => solve_all(),
         };
         let solved = solved?;
-        for ((goal, layer, _), (_, is_cut_short, _)) in jobs.iter().zip(&solved) {
+        for ((goal, _, layer), (_, is_cut_short, _)) in jobs.iter().zip(&solved) {
             problems.extend(is_cut_short.then(|| too_far(&goal.name, layer, &self.grid)));
         }
         let mut left = solved.as_slice();
@@ -318,7 +323,7 @@ impl Prepared {
         let mut solved = solved.into_iter();
         let plans = self.goals.iter().map(|goal| PlanDraft {
             name: goal.name.clone(),
-            goal_m: goal.at,
+            goals_m: goal.at.clone(),
             layers: solved.by_ref().take(goal.layers.len()).collect(),
         });
         Some(plans.collect())

@@ -43,6 +43,13 @@ pub fn check(blob: &Blob<'_>) -> Vec<Problem> {
         }
         first.get_or_insert(blocked);
     }
+    for parallel in blob.parallel_plans().filter(|parallel| parallel.goal_count() > 1) {
+        let (name, count) = (parallel.name(), parallel.goal_count());
+        let message =
+            format!("plan `{name}` leads to {count} goals, but a map of an Iplan.dat has one");
+        let help = "build a plan for each of its goals, or convert a blob without it";
+        problems.push(Problem::error(message).help(help));
+    }
     if first.is_none() {
         let problem = Problem::error("the blob contains no plans");
         problems.push(problem.help("build it with a goal: an Iplan.dat needs one"));

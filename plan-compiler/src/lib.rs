@@ -9,6 +9,8 @@ pub mod boards;
 pub mod comms;
 pub mod compile;
 pub mod field;
+pub mod goals;
+
 pub mod image;
 pub mod input;
 pub mod iplan;

@@ -129,15 +129,16 @@ pub struct Named {
 pub struct Goal {
     /// The name of its parallel plan.
     pub name: String,
-    /// Where it is.
-    pub at: GoalAt,
+    /// Where it is: at least one position. Several are goals of one plan, which leads to the one that
+    /// costs least.
+    pub at: Vec<GoalAt>,
     /// The layers of its plan; `None` for all layers of the mission.
     pub layers: Option<Vec<Named>>,
     /// Its place in the mission file; `None` for a goal of the command line.
     pub place: Option<Place>,
 }
 
-/// How a goal's position was given.
+/// How a position of a goal was given.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GoalAt {
     /// Coordinates of the map, metres.
@@ -218,6 +219,8 @@ pub fn tidy_name(raw: &str) -> Result<&str, String> {
 
 /// The keys of a goal's table.
 const GOAL_KEYS: [&str; 4] = ["at", "lat", "lon", "layers"];
+/// Those that say where it is.
+const POSITION_KEYS: [&str; 3] = ["at", "lat", "lon"];
 
 /// Walks the document and fills in the mission.
 struct Reader<'r> {
@@ -358,7 +361,7 @@ impl Reader<'_> {
         let name = self.name("goal", raw, span.clone());
         let here = item.span().unwrap_or_else(|| span.clone());
         let (at, layers) = match item.as_table_like() {
-            None => (self.position("goal", raw, item, here), None),
+            None => (self.positions(raw, item, here), None),
             Some(table) => {
                 let mut layers = None;
                 for (key, inner) in table.iter() {
@@ -366,7 +369,7 @@ impl Reader<'_> {
                     match key {
                         "at" | "lat" | "lon" => {}
                         "layers" => layers = self.names(&format!("goals.{raw}.layers"), inner),
-                        other => self.unknown_goal_key(raw, other, &key_span),
+                        other => self.unknown_goal_key(&format!("goal `{raw}`"), other, &key_span),
                     }
                 }
                 (self.goal_table(raw, table, span.clone()), layers)
@@ -375,7 +378,7 @@ impl Reader<'_> {
         Some(Goal { name: name?, at: at?, layers, place: Some(self.report.place(&span)) })
     }
 
-    /// Where a goal or a place of a radio is, `what` says which.
+    /// Where a goal, one of several goals or a place of a radio is, `what` says which.
     fn position(&mut self, what: &str, name: &str, item: &Item, span: Span) -> Option<GoalAt> {
         match item.as_value() {
             Some(Value::String(uri)) if is_geo_uri(uri.value()) => match geo_uri(uri.value()) {
@@ -398,7 +401,10 @@ impl Reader<'_> {
                             format!("{what} `{name}` is not a position"),
                             &span,
                             "expected two finite numbers",
-                            &format!("write {name} = [x, y] in the map's metres, x east, y north"),
+                            &format!(
+                                "write {} in the map's metres, x east, y north",
+                                place::written(what, name, "[x, y]")
+                            ),
                         );
                         None
                     }
@@ -406,13 +412,14 @@ impl Reader<'_> {
             }
             _ => {
                 let expected = "a position or the name of a point of the map";
-                let path = format!("{what}s.{name}");
+                let table = if what == place::MEMBER { "goal" } else { what };
+                let path = format!("{table}s.{name}");
                 self.report.wrong_type(
                     &path,
                     item,
                     &span,
                     expected,
-                    &format!("{name} = [12.5, 40.0]"),
+                    &place::written(what, name, "[12.5, 40.0]"),
                 );
                 None
             }
@@ -497,7 +504,7 @@ impl Reader<'_> {
 
     fn unknown_goal_key(&mut self, goal: &str, name: &str, span: &Span) {
         let how = "a goal has `at`, or `lat` and `lon`, and `layers`";
-        self.report.unknown_key(&format!("goal `{goal}`"), name, span, GOAL_KEYS.into_iter(), how);
+        self.report.unknown_key(goal, name, span, GOAL_KEYS.into_iter(), how);
     }
 }
 
@@ -544,8 +551,8 @@ pub(crate) mod tests {
         );
         assert_eq!(problems, [""; 0]);
         let goals = mission.goals.unwrap();
-        assert_eq!(goals[0].at, GoalAt::Position([1.0, -2.5]));
-        assert_eq!(goals[1].at, GoalAt::PointOfMap("PP1".into()));
+        assert_eq!(goals[0].at, [GoalAt::Position([1.0, -2.5])]);
+        assert_eq!(goals[1].at, [GoalAt::PointOfMap("PP1".into())]);
         assert_eq!(goals[2].layers.as_ref().unwrap()[0].name, "comms");
         assert_eq!(mission.layers[0].areas[1].name, "Zone 2");
         assert_eq!(mission.parameters.gains.reactive, 0.66);

@@ -91,6 +91,8 @@ pub enum What {
     Toll,
     /// Speed limit, m/s, float32; infinite where there is none.
     Limit,
+    /// int8: the number of the goal that the advice leads to, from 0; -2 blocked or without a route.
+    Goal,
 }
 
 impl What {
@@ -120,7 +122,7 @@ pub fn write_array(
     if format == ArrayFormat::Npy {
         let kind = match what {
             What::Cost | What::Toll | What::Limit => "<f4",
-            What::Direction => "|i1",
+            What::Direction | What::Goal => "|i1",
             What::Blocked => "|u1",
         };
         out.write_all(&npy_header(kind, grid))?;
@@ -134,12 +136,16 @@ pub fn write_array(
                 What::Limit => layer.speed_limit(cell).unwrap_or(f32::INFINITY),
                 _ => cost(answer, grid) as f32,
             };
+            let code = || match code(answer, what) {
+                0 if what == What::Goal => layer.goal_number(cell) as i8,
+                code => code,
+            };
             let comma = if column > 0 { "," } else { "" };
             match (format, what.is_float()) {
                 (ArrayFormat::Npy, true) => out.write_all(&number.to_le_bytes())?,
-                (ArrayFormat::Npy, false) => out.write_all(&code(answer, what).to_le_bytes())?,
+                (ArrayFormat::Npy, false) => out.write_all(&code().to_le_bytes())?,
                 (ArrayFormat::Csv, true) => write!(out, "{comma}{number}")?,
-                (ArrayFormat::Csv, false) => write!(out, "{comma}{}", code(answer, what))?,
+                (ArrayFormat::Csv, false) => write!(out, "{comma}{}", code())?,
             }
         }
         if format == ArrayFormat::Csv {
@@ -161,6 +167,7 @@ fn cost(answer: Answer, grid: &Grid) -> f64 {
 fn code(answer: Answer, what: What) -> i8 {
     match (what, answer) {
         (What::Blocked, answer) => i8::from(matches!(answer, Answer::Blocked { .. })),
+        (What::Goal, Answer::Move { .. } | Answer::Goal) => 0,
         (_, Answer::Move { direction, .. }) => direction.code() as i8,
         (_, Answer::Goal) => -1,
         _ => -2,

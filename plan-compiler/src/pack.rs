@@ -9,6 +9,7 @@ mod codes;
 mod corrections;
 mod cover;
 mod encode;
+mod goals;
 mod moves;
 mod parts;
 mod roots;
@@ -19,6 +20,7 @@ use crate::field::{Field, NO_ROUTE, is_blocked};
 use crate::layers::Limits;
 use cover::Covering;
 use encode::{Block, superblock};
+pub use goals::{Numbered, with_goals};
 use plan_format::layout::{
     BLOCK_CELLS, BLOCKS, CORRECTION_BITS, Correction, LIMIT_BITS, MULTIPLIERS, NO_LIMIT,
     NO_ROUTE_ENTRY, OWN_4_4, ROUTE_BITS, TERRAIN_BITS, Terrain, superblocks,
@@ -36,8 +38,9 @@ pub fn pack_with_limits(field: &Field, limits: &Limits) -> PackedLayer {
     if limits.is_none() {
         return packed;
     }
-    let everywhere =
-        || PackedPlane { superblocks: vec![Superblock::Uniform(0); blocks_of(field) / BLOCKS] };
+    let everywhere = || PackedPlane {
+        superblocks: vec![Superblock::Uniform(0); blocks_of([field.columns, field.rows]) / BLOCKS],
+    };
     // Roots without tolls are roots with multiplier 1.
     let mut tolls = packed.tolls.take().unwrap_or_else(|| PackedTolls {
         unit: 0,
@@ -52,8 +55,8 @@ pub fn pack_with_limits(field: &Field, limits: &Limits) -> PackedLayer {
 }
 
 /// Blocks of a layer, in row-major order; their number is that of a whole number of superblocks.
-fn blocks_of(field: &Field) -> usize {
-    superblocks(field.columns) as usize * superblocks(field.rows) as usize * BLOCKS
+fn blocks_of([columns, rows]: [u32; 2]) -> usize {
+    superblocks(columns) as usize * superblocks(rows) as usize * BLOCKS
 }
 
 fn limits_plane(field: &Field, limits: &Limits) -> PackedPlane {
@@ -74,7 +77,7 @@ fn limits_plane(field: &Field, limits: &Limits) -> PackedPlane {
         }
         Block::Palette(entries)
     };
-    let blocks: Vec<Block> = (0..blocks_of(field)).map(block).collect();
+    let blocks: Vec<Block> = (0..blocks_of([field.columns, field.rows])).map(block).collect();
     plane(&blocks, block_columns, LIMIT_BITS, NO_LIMIT, |_, _| OWN_4_4)
 }
 
@@ -113,6 +116,7 @@ fn packed(field: &Field) -> PackedLayer {
         routes: plane(&routes.blocks, block_columns, ROUTE_BITS, NO_ROUTE_ENTRY, own),
         roots: routes.roots.iter().flat_map(|root| root.words()).collect(),
         tolls: None,
+        goals: None,
         counts: counts(field),
     }
 }
@@ -149,6 +153,7 @@ fn packed_with_tolls(field: &Field, bordered: &moves::Bordered, unit: u8) -> Pac
             limits: None,
             multipliers,
         }),
+        goals: None,
         counts: counts(field),
     }
 }

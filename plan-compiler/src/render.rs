@@ -22,12 +22,13 @@ mod view;
 pub use marks::Mark;
 pub use reach::{Reach, lacking_in, reach};
 
+use crate::goals;
 use cells::{Bands, Sampled};
 use legend::{Entry, Ramp, Symbol};
 use maps::{Feature, Point, Role, Shape};
 use marks::Names;
 use palette::{ATTENUATING, BLOCKED, INK, OBSTACLE, PAPER, UNMAPPED, ZONE};
-use plan_format::{Blob, Layer, ParallelPlan};
+use plan_format::{Blob, Grid, Layer, ParallelPlan, Step};
 use sheet::{Contents, Sheet, TITLE_EM};
 use stroke::stroke;
 use svg::Document;
@@ -230,10 +231,19 @@ fn entries(
     entries
 }
 
-/// Names and goals of the other plans.
-fn other_goals<'b>(blob: &Blob<'b>, parallel: &ParallelPlan<'_>) -> Vec<(&'b str, Point)> {
+/// Names and positions of the goals of the other plans.
+fn other_goals(blob: &Blob<'_>, parallel: &ParallelPlan<'_>) -> Vec<(String, Point)> {
     let others = blob.parallel_plans().filter(|other| other.name() != parallel.name());
-    others.map(|other| (other.name(), other.goal_m())).collect()
+    others.flat_map(|other| goals::all(&other)).collect()
+}
+
+/// Names and positions of the goals to which a layer leads.
+fn own_goals(grid: &Grid, parallel: &ParallelPlan<'_>, layer: &Layer<'_>) -> Vec<(String, Point)> {
+    let is_end = |(_, [x, y]): &(String, Point)| {
+        let cell = grid.cell_at(*x, *y);
+        parallel.goal_count() == 1 || cell.is_some_and(|cell| layer.step(cell) == Step::Goal)
+    };
+    goals::all(parallel).filter(is_end).collect()
 }
 
 /// One layer; the origin is the north-west corner of its map.
@@ -263,11 +273,12 @@ fn draw(
         map = map.add(marks::route(&path, piece.style, unit));
     }
     let others = other_goals(blob, parallel);
+    let own = own_goals(blob.grid(), parallel, layer);
     let place = |at: Point| view.place(at);
     let marks: Vec<(Mark, [f64; 2])> = others
         .iter()
         .map(|(_, at)| (Mark::OtherGoal, place(*at)))
-        .chain([(Mark::Goal, place(parallel.goal_m()))])
+        .chain(own.iter().map(|(_, at)| (Mark::Goal, place(*at))))
         // Other marks are smaller than the goal's star, so they stay visible on it.
         .chain(overlay.marks.iter().map(|(mark, at, _)| (*mark, place(*at))))
         .collect();
@@ -279,9 +290,8 @@ fn draw(
     }
     let routes = overlay.routes.iter().flat_map(|piece| piece.points);
     let mut names = Names::new(&places, routes.map(|at| view.place(*at)).collect(), unit);
-    let goals = [(parallel.name(), parallel.goal_m())].into_iter().chain(others);
-    for (name, at) in goals {
-        if let Some(name) = names.place(name, place(at), view) {
+    for (name, at) in own.into_iter().chain(others) {
+        if let Some(name) = names.place(&name, place(at), view) {
             over = over.add(name);
         }
     }

@@ -5,7 +5,7 @@
 
 use maps::Point;
 use plan_format::grid::cost_metres;
-use plan_format::{Answer, Grid, Layer};
+use plan_format::{Answer, Grid, Layer, ParallelPlan};
 
 /// A route to the goal.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub struct Route {
     pub points: Vec<Point>,
     /// Length from the centre of the first cell to the centre of the goal's cell, metres.
     pub length_m: f64,
+    /// The number of the goal among those of its plan.
+    pub goal: u8,
 }
 
 /// Why there is no route.
@@ -38,7 +40,12 @@ impl std::fmt::Display for NoRoute {
 }
 
 /// Follows the advice of a layer from a point to the goal.
-pub fn follow(grid: &Grid, layer: &Layer<'_>, goal: Point, start: Point) -> Result<Route, NoRoute> {
+pub fn follow(
+    grid: &Grid,
+    parallel: &ParallelPlan<'_>,
+    layer: &Layer<'_>,
+    start: Point,
+) -> Result<Route, NoRoute> {
     let mut cell = grid.cell_at(start[0], start[1]).ok_or(NoRoute::OffMap)?;
     let mut points = vec![start];
     let mut cost = 0u64;
@@ -46,9 +53,10 @@ pub fn follow(grid: &Grid, layer: &Layer<'_>, goal: Point, start: Point) -> Resu
     for _ in 0..grid.cells() {
         let direction = match layer.look_up(cell) {
             Answer::Goal => {
-                points.push(goal);
+                let goal = layer.goal_number(cell);
+                points.push(parallel.goals_m().nth(goal.into()).unwrap_or(parallel.goal_m()));
                 let step_m = cost_metres(1, grid.resolution_m);
-                return Ok(Route { points, length_m: cost as f64 * step_m });
+                return Ok(Route { points, length_m: cost as f64 * step_m, goal });
             }
             Answer::Move { direction, .. } | Answer::Blocked { escape: Some(direction) } => {
                 direction
@@ -83,7 +91,7 @@ mod tests {
         let grid = Grid { columns, rows, resolution_m: 0.5, corner_m: [10.0, 20.0] };
         let packed = pack(&solve(&Query {
             terrain: &Terrain::new(blocked),
-            goal,
+            goals: &[goal],
             corners: Corners::Forbid,
         }));
         let goal_m = grid.centre(goal);
@@ -92,12 +100,13 @@ mod tests {
             grid,
             origin: None,
             parameters: Parameters::default(),
-            plans: vec![PlanDraft { name: "g".into(), goal_m, layers }],
+            plans: vec![PlanDraft { name: "g".into(), goals_m: vec![goal_m], layers }],
             mission: Default::default(),
         })
         .unwrap();
         let blob = Blob::parse_exact(&blob).unwrap();
-        follow(&grid, &blob.find("g").unwrap().layer(0).unwrap(), goal_m, start)
+        let parallel = blob.find("g").unwrap();
+        follow(&grid, &parallel, &parallel.layer(0).unwrap(), start)
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! The search: from one goal to every cell, the exact cost and the best first move.
+//! The search: from every cell the exact cost to the goal, and the best first move. With several
+//! goals, to the one that costs least.
 //!
 //! Uniform-cost search over the eight neighbours (W, section 2.1). Costs are integers,
 //! [`STRAIGHT_STEP`] and [`DIAGONAL_STEP`] for a step. So ties are exact, every correct order of
@@ -72,13 +73,13 @@ pub const MAX_COST: u32 = 0xF000_0000;
 /// it is none.
 const NARROW: u64 = 12;
 
-/// What to search for: the routes to one goal over one terrain.
+/// What to search for: the routes over one terrain to one goal, or to the cheapest of several.
 #[derive(Clone, Copy, Debug)]
 pub struct Query<'t> {
     /// The ground.
     pub terrain: &'t Terrain,
-    /// The end of every route. If it is blocked or off the grid, no cell has a route.
-    pub goal: Cell,
+    /// The ends of all routes. No route leads to a goal that is blocked or off the grid.
+    pub goals: &'t [Cell],
     /// Whether diagonal steps may cut corners.
     pub corners: Corners,
 }
@@ -135,9 +136,9 @@ impl Solver {
 
     /// As [`solve`] without the ways out of blocked cells, into a field that is overwritten.
     pub fn routes_into(&mut self, query: &Query<'_>, field: &mut Field) {
-        let Query { terrain, goal, corners } = *query;
+        let Query { terrain, goals, corners } = *query;
         [field.columns, field.rows] = terrain.size();
-        let goal = terrain.is_free(goal).then_some(goal);
+        let goals: Vec<Cell> = goals.iter().copied().filter(|&at| terrain.is_free(at)).collect();
         let vectors = self.vectors;
         if self.terrain != *terrain {
             self.terrain.clone_from(terrain);
@@ -147,17 +148,17 @@ impl Solver {
         let blocked = &terrain.blocked;
         field.unit = terrain.tolls.as_ref().map(Tolls::unit);
         if let Some(tolls) = &terrain.tolls {
-            self.tolled.search(&self.open, tolls, goal, corners, vectors);
+            self.tolled.search(&self.open, tolls, &goals, corners, vectors);
             return tolled_advice::advise(&self.tolled, query, vectors, field);
         }
         match self.method.unwrap_or(self.suitable) {
             Method::Tiles => {
-                self.tiles.search(&self.open, goal, corners, vectors);
-                advice::advise(&self.tiles, blocked, goal, corners, vectors, field);
+                self.tiles.search(&self.open, &goals, corners, vectors);
+                advice::advise(&self.tiles, blocked, &goals, corners, vectors, field);
             }
             Method::Buckets => {
-                self.buckets.search(&self.open, goal, corners, vectors);
-                advice::advise(&self.buckets, blocked, goal, corners, vectors, field);
+                self.buckets.search(&self.open, &goals, corners, vectors);
+                advice::advise(&self.buckets, blocked, &goals, corners, vectors, field);
             }
         }
     }

@@ -244,7 +244,7 @@ tether = "left"
             assert_eq!(problems, [""; 0], "{robot}");
             let goals = mission.goals.unwrap_or_default();
             let at = |name: &str| {
-                goals.iter().find(|goal| goal.name == name).map(|goal| goal.at.clone())
+                goals.iter().find(|goal| goal.name == name).map(|goal| goal.at[0].clone())
             };
             let team = mission.parameters.team;
             (at("meet"), at("home"), mission.parameters.vehicle, team)

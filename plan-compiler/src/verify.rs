@@ -1,12 +1,14 @@
 //! Proves a blob again, cell by cell, without trusting the program that made it.
 //!
 //! It proves for every layer:
-//! - The goal, and no other cell, costs nothing.
+//! - The goals that are free, and no other cells, cost nothing.
 //! - Every other free cell with a route advises a legal step to a free cell whose cost is lower by
-//!   exactly that step. So following the advice reaches the goal at the stated cost.
-//! - No legal step leads to a cell from which the goal would be cheaper. So, by induction along a
+//!   exactly that step. So following the advice reaches a goal at the stated cost.
+//! - No legal step leads to a cell from which a goal would be cheaper. So, by induction along a
 //!   best path, the stated cost is the least.
 //! - Among equal steps, a diagonal comes before a straight one.
+//! - Of several goals, a cell names the one that the cell names to which its advised step leads, and the
+//!   cell of a goal that goal. So a cell names the goal that following the advice from it reaches.
 //! - A free cell without a route has no legal step to a cell with a route.
 //! - A blocked cell's escape is the first step of a shortest way out, found here by a plain Dijkstra
 //!   search.
@@ -77,8 +79,9 @@ pub fn verify(blob: &Blob<'_>, progress: Progress<'_>) -> Report {
     // The factors of each layer, in eighths, where any plan has shown them; else 0.
     let mut known: HashMap<&str, Vec<u16>> = HashMap::new();
     for parallel in blob.parallel_plans() {
-        let [x, y] = parallel.goal_m();
-        let goal = grid.cell_at(x, y);
+        let goals: Vec<Option<Cell>> =
+            parallel.goals_m().map(|[x, y]| grid.cell_at(x, y)).collect();
+        let cells: Vec<Cell> = goals.iter().copied().flatten().collect();
         let mut below: Option<(Terrain, Layer<'_>, Vec<u16>)> = None;
         for layer in parallel.layers() {
             let field = decode(grid, &layer);
@@ -91,7 +94,10 @@ pub fn verify(blob: &Blob<'_>, progress: Progress<'_>) -> Report {
             }
             let known = known.entry(layer.name()).or_insert_with(|| vec![0; factors.len()]);
             check_factors(known, &factors, &mut found);
-            Proof { field: &field, goal, corners }.check(&mut found);
+            Proof { field: &field, goals: &cells, corners }.check(&mut found);
+            if goals.len() > 1 {
+                check_numbers(&layer, &goals, &mut found);
+            }
             report.layers += 1;
             report.cells += grid.cells();
             below = Some((terrain, layer, factors));
@@ -254,10 +260,34 @@ fn check_nesting(below: &Terrain, terrain: &Terrain, found: &mut Findings<'_>) {
     }
 }
 
+/// Checks that each cell with a route names the goal to which its advice leads.
+fn check_numbers(layer: &Layer<'_>, goals: &[Option<Cell>], found: &mut Findings<'_>) {
+    let grid = found.grid;
+    for cell in cells(grid) {
+        let number = layer.goal_number(cell);
+        match layer.look_up(cell) {
+            Answer::Move { direction, .. } => {
+                let next = cell.neighbour(direction, grid.columns, grid.rows);
+                let next = next.map(|next| layer.goal_number(next));
+                if next.is_some_and(|next| next != number) {
+                    found.add(cell, "its goal is not that of its advised step");
+                }
+            }
+            // Of several goals in one cell, the first.
+            Answer::Goal
+                if goals.iter().position(|&at| at == Some(cell)) != Some(number.into()) =>
+            {
+                found.add(cell, "names another goal than its own");
+            }
+            _ => {}
+        }
+    }
+}
+
 /// The proof of one layer.
 struct Proof<'f> {
     field: &'f Field,
-    goal: Option<Cell>,
+    goals: &'f [Cell],
     corners: Corners,
 }
 
@@ -276,7 +306,7 @@ impl Proof<'_> {
         if is_blocked(code) {
             return self.check_escape(cell, ways_out);
         }
-        if (code == GOAL) != (self.goal == Some(cell)) {
+        if (code == GOAL) != self.goals.contains(&cell) {
             return Err("the goal is not where the plan says".into());
         }
         let cost = self.cost(cell);
@@ -408,7 +438,7 @@ mod tests {
         let grid = Grid { columns, rows, resolution_m: 1.0, corner_m: [0.0, 0.0] };
         let mut report = Report::default();
         let mut found = Findings { report: &mut report, grid: &grid, layer: "a/b", listed: 0 };
-        Proof { field, goal: Some(goal), corners }.check(&mut found);
+        Proof { field, goals: &[goal], corners }.check(&mut found);
         assert!(report.count >= report.violations.len());
         report.violations.into_iter().map(|violation| violation.what).collect()
     }
@@ -434,7 +464,7 @@ mod tests {
     fn right_fields_are_proved() {
         for corners in [Corners::Forbid, Corners::Allow] {
             for goal in [Cell::new(0, 7), Cell::new(9, 0), Cell::new(5, 3), Cell::new(0, 0)] {
-                let field = solve(&Query { terrain: &room(), goal, corners });
+                let field = solve(&Query { terrain: &room(), goals: &[goal], corners });
                 assert_eq!(check(&field, goal, corners), [""; 0]);
             }
         }
@@ -443,14 +473,14 @@ mod tests {
     #[test]
     fn a_field_is_wrong_by_the_other_rule() {
         let goal = Cell::new(0, 7);
-        let field = solve(&Query { terrain: &room(), goal, corners: Corners::Allow });
+        let field = solve(&Query { terrain: &room(), goals: &[goal], corners: Corners::Allow });
         assert_ne!(check(&field, goal, Corners::Forbid), [""; 0]);
     }
 
     #[test]
     fn every_change_of_any_cell_is_found() {
         let goal = Cell::new(9, 7);
-        let right = solve(&Query { terrain: &room(), goal, corners: Corners::Forbid });
+        let right = solve(&Query { terrain: &room(), goals: &[goal], corners: Corners::Forbid });
         for index in 0..right.code.len() {
             for code in (0..=NO_ESCAPE).chain(ESCAPE..ESCAPE + 8) {
                 let mut wrong = right.clone();

@@ -20,13 +20,13 @@ const GOAL: Cell = Cell::new(SIDE - 1, SIDE - 1);
 fn with_plan<T>(wall: &[Cell], test: impl FnOnce(&ParallelPlan<'_>) -> T) -> T {
     let layer = |(name, rank, wall): (&str, u8, &[Cell])| {
         let terrain = Terrain::new(Bitmap::from_fn(SIDE, SIDE, |cell| wall.contains(&cell)));
-        let query = Query { terrain: &terrain, goal: GOAL, corners: Corners::Forbid };
+        let query = Query { terrain: &terrain, goals: &[GOAL], corners: Corners::Forbid };
         LayerDraft { name: name.into(), rank, packed: pack(&solve(&query)) }
     };
     let grid = Grid { columns: SIDE, rows: SIDE, resolution_m: 1.0, corner_m: [0.0; 2] };
     let plan = PlanDraft {
         name: "gate".into(),
-        goal_m: grid.centre(GOAL),
+        goals_m: vec![grid.centre(GOAL)],
         layers: [("physical", 0, &[][..]), ("comms", 3, wall)].into_iter().map(layer).collect(),
     };
     let (parameters, mission) = (Parameters::default(), MissionDraft::default());

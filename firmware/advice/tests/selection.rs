@@ -179,7 +179,7 @@ fn with_plan<T>(layers: &[&str], test: impl FnOnce(&ParallelPlan<'_>) -> T) -> T
     };
     let blob = PlanDraft {
         name: "plan".into(),
-        goal_m: grid.centre(*goal),
+        goals_m: vec![grid.centre(*goal)],
         layers: fields.iter().enumerate().map(layer).collect(),
     };
     let draft = Draft {

@@ -203,9 +203,10 @@ impl World for Surroundings<'_, '_> {
         else {
             return false;
         };
-        let distance_m = vector::length(parallel_plan.goal() - position);
-        let is_near = distance_m <= self.blob.parameters().schemas.goal_tolerance_m;
         self.best(plan).is_some_and(|(layer, cost)| {
+            let number = self.blob.cell_at(position).map_or(0, |cell| layer.goal_number(cell));
+            let distance_m = vector::length(parallel_plan.goal_at(number) - position);
+            let is_near = distance_m <= self.blob.parameters().schemas.goal_tolerance_m;
             let is_there =
                 || guidance::is_there(self.blob, Some(layer), Some(cost), position, distance_m);
             cost == 0 || is_near && is_there()

@@ -89,7 +89,7 @@ pub struct Detours {
 /// The shortest way to a goal so far.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Best {
-    goal_m: [f32; 2],
+    destination_m: [f32; 2],
     way_m: f32,
     time_us: u64,
 }
@@ -99,8 +99,8 @@ struct Best {
 pub struct Situation<'p> {
     /// Time of the tick.
     pub time_us: u64,
-    /// The goal, map metres.
-    pub goal: Vec2,
+    /// The destination, map metres; only compared with that of the tick before.
+    pub destination: Vec2,
     /// Length of the way to the goal, metres.
     pub way_m: f32,
     /// The vehicle.
@@ -142,10 +142,10 @@ impl Detours {
 
     /// Takes note of progress, and ends a detour that helped or lasted too long.
     fn advance(&mut self, situation: &Situation<'_>, is_ahead_open: bool) {
-        let &Situation { time_us, goal, way_m, .. } = situation;
-        let fresh = Best { goal_m: goal.into(), way_m, time_us };
+        let &Situation { time_us, destination, way_m, .. } = situation;
+        let fresh = Best { destination_m: destination.into(), way_m, time_us };
         let best = match self.best {
-            Some(best) if best.goal_m == fresh.goal_m => best,
+            Some(best) if best.destination_m == fresh.destination_m => best,
             _ => {
                 *self = Self { best: Some(fresh), ..Self::default() };
                 return;

@@ -19,8 +19,10 @@ pub struct Guidance {
     pub layer: Option<u8>,
     /// Cost of the way to the goal, metres: that of the route, or without one the distance.
     pub way_m: f32,
-    /// The goal, map metres.
+    /// The goal, map metres; of several, the one that the advice leads to.
     pub goal: Vec2,
+    /// What tells one destination from another: the goal, of several the first.
+    pub destination: Vec2,
     /// Weights of the blend.
     pub gains: Gains,
     /// What the robot is doing.
@@ -31,7 +33,8 @@ impl Guidance {
     /// Guidance straight to a goal, without advice.
     pub fn straight(position: Vec2, goal: Vec2, gains: Gains, reason: Reason) -> Self {
         let way_m = vector::length(goal - position);
-        Self { step: None, ahead: Vec2::zeros(), layer: None, way_m, goal, gains, reason }
+        let (ahead, destination) = (Vec2::zeros(), goal);
+        Self { step: None, ahead, layer: None, way_m, goal, destination, gains, reason }
     }
 }
 
@@ -53,6 +56,9 @@ pub struct Progress {
     pub choice: Choice,
     /// The robot has reached the goal and has not left it since.
     pub is_at_goal: bool,
+    /// Of a plan with several goals, the number of the one that the robot approaches or has reached;
+    /// `None` before the first advice.
+    pub goal: Option<u8>,
 }
 
 /// A robot at its goal stands still until it is this many tolerances away from it: a position
@@ -88,65 +94,109 @@ pub fn guide(
         *progress = Progress { plan: target.plan, ..Progress::default() };
     }
     let parallel_plan = blob.parallel_plan(usize::from(target.plan));
-    // Without a map, only the fallback can have a goal.
-    let goal = parallel_plan.map(|plan| plan.goal()).or(blob.goal()).ok_or(Reason::NoPlan)?;
-    let guided = weigh(blob, target, progress, position, channels, goal);
+    let guided = match &parallel_plan {
+        Some(plan) => weigh(blob, plan, target, progress, position, channels)
+            .map(|guidance| Guidance { destination: plan.goal(), ..guidance }),
+        None => without_map(blob, target, progress, position),
+    };
     progress.is_at_goal = guided == Err(Reason::AtGoal);
     guided
 }
 
+/// Guidance without a plan: only the fallback can have a goal.
+fn without_map(
+    blob: &Blob<'_>,
+    target: &Target,
+    progress: &Progress,
+    position: Vec2,
+) -> Result<Guidance, Reason> {
+    let goal = blob.goal().ok_or(Reason::NoPlan)?;
+    if stays(blob, progress, position, goal) {
+        return Err(Reason::AtGoal);
+    }
+    straight(blob, position, goal, reactive_only(target), Reason::NoPlan)
+}
+
+/// Without advice the reactive schemas must drive, even if their own gain is 0.
+fn reactive_only(target: &Target) -> Gains {
+    Gains { reactive: 1.0, plan: 0.0, noise: target.gains.noise }
+}
+
+/// Whether a robot that has reached a goal has not left it since.
+fn stays(blob: &Blob<'_>, progress: &Progress, position: Vec2, goal: Vec2) -> bool {
+    let tolerance_m = blob.parameters().schemas.goal_tolerance_m;
+    progress.is_at_goal && vector::length(goal - position) <= LEAVING * tolerance_m
+}
+
+/// Guidance straight to a goal, without advice, until the robot is there.
+fn straight(
+    blob: &Blob<'_>,
+    position: Vec2,
+    goal: Vec2,
+    gains: Gains,
+    reason: Reason,
+) -> Result<Guidance, Reason> {
+    let guidance = Guidance::straight(position, goal, gains, reason);
+    let is_near = guidance.way_m <= blob.parameters().schemas.goal_tolerance_m;
+    if is_near { Err(Reason::AtGoal) } else { Ok(guidance) }
+}
+
 fn weigh(
     blob: &Blob<'_>,
+    parallel_plan: &ParallelPlan<'_>,
     target: &Target,
     progress: &mut Progress,
     position: Vec2,
     channels: &[Option<f32>],
-    goal: Vec2,
 ) -> Result<Guidance, Reason> {
-    let parameters = blob.parameters();
-    let distance_m = vector::length(goal - position);
-    let tolerance_m = parameters.schemas.goal_tolerance_m;
-    if progress.is_at_goal && distance_m <= LEAVING * tolerance_m {
+    let goal_of = |progress: &Progress| match progress.goal {
+        Some(number) => parallel_plan.goal_at(number),
+        None => parallel_plan.goal(),
+    };
+    if stays(blob, progress, position, goal_of(progress)) {
         return Err(Reason::AtGoal);
     }
-    let is_near = distance_m <= tolerance_m;
-    let without_advice = |gains, reason| {
-        let guidance = Guidance::straight(position, goal, gains, reason);
-        if is_near { Err(Reason::AtGoal) } else { Ok(guidance) }
-    };
-    // Without advice the reactive schemas must drive, even if their own gain is 0.
-    let reactive_only = Gains { reactive: 1.0, plan: 0.0, noise: target.gains.noise };
-    let Some(parallel_plan) = blob.parallel_plan(usize::from(target.plan)) else {
-        return without_advice(reactive_only, Reason::NoPlan);
-    };
     // With a gain of 0 the plan is not looked up, so its trouble has no effect either.
     if target.gains.plan == 0.0 {
-        return without_advice(target.gains, Reason::Driving);
+        progress.goal = nearest_goal(blob, parallel_plan, position);
+        return straight(blob, position, goal_of(progress), target.gains, Reason::Driving);
     }
+    let parameters = blob.parameters();
     let cell = blob.cell_at(position);
     let advice = match parameters.selection {
         Selection::Gains(rule) => {
             let gains = rule.of_channels(channels);
             let hysteresis = rule.hysteresis;
-            advise_by_gains(&parallel_plan, cell, &gains, hysteresis, &mut progress.choice)
+            advise_by_gains(parallel_plan, cell, &gains, hysteresis, &mut progress.choice)
         }
-        selection => advise(&parallel_plan, cell, selection, &mut progress.choice),
+        selection => advise(parallel_plan, cell, selection, &mut progress.choice),
     };
+    let layer = || advice.layer.and_then(|index| parallel_plan.layer(usize::from(index)));
+    // Without a route the goal stays that of the last one, so that it does not change with every
+    // obstacle that the robot touches.
+    if parallel_plan.has_several_goals()
+        && matches!(advice.kind, Kind::Move | Kind::Goal)
+        && let Some((layer, cell)) = layer().zip(cell)
+    {
+        progress.goal = Some(layer.goal_number(cell));
+    }
+    let goal = goal_of(progress);
+    let distance_m = vector::length(goal - position);
     let in_trouble = |policy, reason| match policy {
         OnTrouble::Stop => Err(reason),
-        OnTrouble::Reactive => without_advice(reactive_only, reason),
+        OnTrouble::Reactive => straight(blob, position, goal, reactive_only(target), reason),
     };
     let with_advice = |reason| {
         let straight = Guidance::straight(position, goal, target.gains, reason);
         Ok(Guidance {
             step: advice.direction,
-            ahead: ahead(blob, &parallel_plan, &advice, position),
+            ahead: ahead(blob, parallel_plan, &advice, position),
             layer: advice.layer,
             way_m: advice.cost.map_or(distance_m, |cost| cost_metres(blob, cost)),
             ..straight
         })
     };
-    let layer = || advice.layer.and_then(|index| parallel_plan.layer(usize::from(index)));
+    let is_near = distance_m <= parameters.schemas.goal_tolerance_m;
     match advice.kind {
         Kind::Goal => Err(Reason::AtGoal),
         Kind::Move if is_near && is_there(blob, layer(), advice.cost, position, distance_m) => {
@@ -157,6 +207,25 @@ fn weigh(
         Kind::NoRoute => in_trouble(parameters.trouble.no_route, Reason::NoRoute),
         Kind::OffMap => in_trouble(parameters.trouble.off_map, Reason::OffMap),
     }
+}
+
+/// The number of the goal that is nearest in a straight line, of those to which the least constrained
+/// layer leads: for a robot that does without advice. `None` if the plan has one goal.
+fn nearest_goal(blob: &Blob<'_>, plan: &ParallelPlan<'_>, position: Vec2) -> Option<u8> {
+    if !plan.has_several_goals() {
+        return None;
+    }
+    let mut nearest = (f32::INFINITY, None);
+    for number in 0..plan.goal_count() as u8 {
+        let goal = plan.goal_at(number);
+        let cell = blob.cell_at(goal);
+        let is_end = plan.layer(0).zip(cell).is_some_and(|(l, cell)| l.step(cell) == Step::Goal);
+        let distance_m = vector::length(goal - position);
+        if is_end && distance_m < nearest.0 {
+            nearest = (distance_m, Some(number));
+        }
+    }
+    nearest.1
 }
 
 /// The advice as a vector of length 1.

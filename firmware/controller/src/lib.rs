@@ -209,6 +209,12 @@ impl State {
         }
     }
 
+    /// Of a plan with several goals, the number of the one that the robot approaches or has reached;
+    /// `None` if the plan that it followed last has one.
+    pub const fn goal(&self) -> Option<u8> {
+        self.progress.goal
+    }
+
     /// The checks before arming that failed in the last tick.
     pub const fn checks(&self) -> Checks {
         self.arming.checks()
@@ -356,7 +362,7 @@ fn decide(
     let (ahead, rule) = if parameters.blend == Route {
         let situation = detour::Situation {
             time_us: percepts.time_us,
-            goal: guidance.goal,
+            destination: guidance.destination,
             way_m: guidance.way_m,
             vehicle,
             near,

@@ -81,8 +81,17 @@ pub async fn control_task<M: RawMutex>(
         let trace_hash = trace.get();
         let checks = state.checks();
         let news = state.team.news(&blob.parameters().team);
-        let record =
-            CommandRecord { time_us, commands, trace_hash, instructions, receiver, checks, news };
+        let goal = state.goal();
+        let record = CommandRecord {
+            time_us,
+            commands,
+            trace_hash,
+            instructions,
+            receiver,
+            checks,
+            news,
+            goal,
+        };
         robot.act(&record).await;
         slots.telemetry.signal(record);
         robot.feed_watchdog();

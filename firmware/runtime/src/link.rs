@@ -99,6 +99,7 @@ mod tests {
             receiver: Receiver::Silent,
             checks: Checks::PLAN,
             news: None,
+            goal: None,
         };
         let telemetry = Telemetry::<NoopRawMutex>::new();
         let wire = Pipe::<NoopRawMutex, 512>::new();
@@ -153,6 +154,7 @@ mod tests {
                         position_m: Some([1.0, 2.0]),
                         signal: tick as u16,
                     }),
+                    goal: Some(1),
                 });
                 yield_now().await;
             }

@@ -103,7 +103,7 @@ fn measure(criterion: &mut Criterion, name: &str, terrain: &Terrain, goal: Cell,
     group.throughput(Throughput::Elements(u64::from(map.columns()) * u64::from(map.rows())));
 
     let mut solver = Solver::new();
-    let query = Query { terrain, goal, corners };
+    let query = Query { terrain, goals: &[goal], corners };
     let mut field = solver.solve(&query);
     let check = Check { field: field.clone(), map };
     for vectors in Vectors::all() {

@@ -123,7 +123,7 @@ impl GridSearch {
 
 /// `pathfinding`: Dijkstra over successors that are computed on demand. Returns the costs by cell.
 pub(crate) fn pathfinding(ground: &Ground<'_>) -> impl Fn(Cell) -> Option<u32> + use<> {
-    let goal = ground.query.goal;
+    let goal = ground.query.goals[0];
     let all = pathfinding::prelude::dijkstra_all(&goal, |&cell| ground.steps(cell));
     move |cell| if cell == goal { Some(0) } else { all.get(&cell).map(|&(_, cost)| cost) }
 }

@@ -11,6 +11,8 @@ Examples:
       Compiles for two goals that you choose, with cells of 0.5 m.
   plan-compiler build tests/maps/yard.osm --goal gate=geo:51.00036,7.00018 -o gate.bin
       The same, for a goal given by latitude and longitude.
+  plan-compiler build tests/maps/stations.ovl -o fuel.bin
+      Compiles one plan that leads to the cheapest of three goals, as its mission says.
   plan-compiler build tests/maps/campus.opar --board nrf52840-dk -o plans.hex
       Refuses plans that do not fit the board's flash, and writes a file for flashing
       that contains their address: .hex, or .uf2 for pico2.

@@ -252,6 +252,8 @@ pub(crate) enum WhatToExport {
     Toll,
     /// float32 m/s, the speed limit; inf where there is none
     Limit,
+    /// int8: which of several goals the advice leads to, from 0; -2 blocked or without a route
+    Goal,
 }
 
 /// How a route is written.
@@ -289,6 +291,7 @@ mod tests {
             "p explain a.trace --tick last",
             "p query - --layer a/b --at=-3,-4",
             "p build m.ovl --goal a=-1,2 --goal b=-1e1,-.5",
+            "p build m.ovl --goal fuel=-1,2;geo:1,2;u=5;3,4",
             "p build m.ovl --resolution -1",
             "p comms m.ovl --place a=-1,2 --threshold -3 --sensitivity -105 --need any",
             "p comms m.ovl -o a.npy --json",
@@ -306,6 +309,8 @@ mod tests {
             "p build m.ovl --resolution 0.25m",
             "p build m.ovl --goal a",
             "p build m.ovl --goal =1,2",
+            "p build m.ovl --goal a=1,2;",
+            "p build m.ovl --goal a=1,2;b=3,4",
             "p build m.ovl --goal a/b=1,2",
             "p build m.ovl --corners maybe",
             "p comms m.ovl --place 1,2",

@@ -21,7 +21,8 @@ pub(crate) struct Compiling {
     #[arg(long, value_name = "GIB", value_parser = gib)]
     pub(crate) max_memory: Option<u64>,
     /// A goal in the map's metres, x east, y north, or on the globe as NAME=geo:LAT,LON;
-    /// repeatable. Replaces the goals of the map and the mission
+    /// repeatable. With several positions, "NAME=X,Y;X,Y", the plan leads to the cheapest.
+    /// Replaces the goals of the map and the mission
     #[arg(long = "goal", value_name = "NAME=X,Y", value_parser = goal, allow_hyphen_values = true)]
     pub(crate) goals: Vec<Goal>,
     #[command(flatten)]

@@ -1,10 +1,9 @@
 //! `build`: map in, blob out.
 
-use super::description::{self, describe};
+use super::description::{self, describe, goals_text};
 use super::progress::{with_patience, with_progress};
 use super::{Failure, check_output, project, tell};
 use crate::cli::{Build, Compiling};
-use maps::numbers::pair;
 use maps::problem::{Problem, has_errors};
 use plan_compiler::boards::{self, Board};
 use plan_compiler::compile::{Need, STEPS_A_LAYER, gib, prepare};
@@ -145,7 +144,7 @@ fn summary(
         took.as_millis()
     );
     for parallel in blob.parallel_plans() {
-        let _ = writeln!(text, "  {} to {}", parallel.name(), pair(parallel.goal_m()));
+        let _ = writeln!(text, "  {} to {}", parallel.name(), goals_text(&parallel));
         for layer in parallel.layers() {
             let counts = layer.counts();
             let _ = writeln!(

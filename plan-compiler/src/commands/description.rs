@@ -1,8 +1,9 @@
 //! The contents of a blob as JSON.
 
+use maps::numbers::pair;
 use plan_compiler::width::{LayerPassages, Need, Passage};
 use plan_format::parameters::{Blend, Derived};
-use plan_format::{Blob, Counts, FORMAT_VERSION, Grid, Layer, Parameters};
+use plan_format::{Blob, Counts, FORMAT_VERSION, Grid, Layer, ParallelPlan, Parameters};
 use serde::Serialize;
 
 /// The JSON object. Programs rely on these names.
@@ -97,6 +98,9 @@ struct Place {
 struct Parallel<'b> {
     name: &'b str,
     goal_m: [f64; 2],
+    /// All goals, if there are several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    goals_m: Vec<[f64; 2]>,
     layers: Vec<OneLayer<'b>>,
 }
 
@@ -155,6 +159,15 @@ pub(super) fn bytes_per_cell(grid: &Grid, bytes: usize) -> f64 {
     bytes as f64 / grid.cells().max(1) as f64
 }
 
+/// The goals of a plan as text.
+pub(super) fn goals_text(parallel: &ParallelPlan<'_>) -> String {
+    let goals: Vec<String> = parallel.goals_m().map(pair).collect();
+    match goals.as_slice() {
+        [goal] => goal.clone(),
+        several => format!("the cheapest of {}", several.join(", ")),
+    }
+}
+
 /// Describes a blob, which is `bytes` long and whose layers have these passages.
 pub(super) fn describe<'b>(
     blob: &Blob<'b>,
@@ -187,6 +200,7 @@ pub(super) fn describe<'b>(
     let plans = blob.parallel_plans().map(|parallel| Parallel {
         name: parallel.name(),
         goal_m: parallel.goal_m(),
+        goals_m: parallel.goals_m().filter(|_| parallel.goal_count() > 1).collect(),
         layers: parallel.layers().map(&mut one_layer).collect(),
     });
     let plans: Vec<Parallel<'b>> = plans.collect();

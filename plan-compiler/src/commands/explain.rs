@@ -9,6 +9,7 @@ use controller::{Blend, Explanation, State};
 use maps::problem::Problem;
 use maps::source;
 use math::Vec2;
+use plan_compiler::goals;
 use plan_compiler::trace::story::{self, decided, facts};
 use plan_compiler::trace::{Trace, TraceError};
 use plan_format::grid::cost_metres;
@@ -97,6 +98,9 @@ fn write_all(
         "commands   {:.2} m/s, {:.2} rad/s, because: {:?}",
         commands.speed_mps, commands.turn_rate_radps, commands.reason
     )?;
+    if let Some(goal) = story::goal(blob, state) {
+        writeln!(text, "goal       {goal}")?;
+    }
     if commands.outputs != 0 || commands.signal != 0 {
         writeln!(text, "           outputs {:016b}, signal {}", commands.outputs, commands.signal)?;
     }
@@ -251,12 +255,16 @@ fn write_layers(text: &mut String, blob: &Blob<'_>, at: Vec2) -> std::fmt::Resul
     for parallel in blob.parallel_plans() {
         for layer in parallel.layers() {
             write!(text, "  advice   {}/{}: ", parallel.name(), layer.name())?;
+            let goal = match layer.has_several_goals() {
+                true => format!(", {}", goals::numbered(&parallel, layer.goal_number(cell))),
+                false => String::new(),
+            };
             match layer.look_up(cell) {
                 Answer::Move { direction, cost } => {
                     let cost_m = cost_metres(cost, blob.grid().resolution_m);
-                    writeln!(text, "{}, {cost_m:.2} m to go", direction.name())?;
+                    writeln!(text, "{}, {cost_m:.2} m to go{goal}", direction.name())?;
                 }
-                Answer::Goal => writeln!(text, "the goal")?,
+                Answer::Goal => writeln!(text, "the goal{goal}")?,
                 Answer::NoRoute => writeln!(text, "no route")?,
                 Answer::Blocked { escape: Some(escape) } => {
                     writeln!(text, "blocked, escape {}", escape.name())?;

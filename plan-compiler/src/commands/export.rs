@@ -17,6 +17,7 @@ pub(super) fn run(args: &Export) -> Result<(), Failure> {
         WhatToExport::Blocked => What::Blocked,
         WhatToExport::Toll => What::Toll,
         WhatToExport::Limit => What::Limit,
+        WhatToExport::Goal => What::Goal,
     };
     refuse_output(&args.output, &[&args.plans])?;
     let bytes = read_blob(&args.plans)?;

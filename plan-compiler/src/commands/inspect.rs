@@ -1,6 +1,6 @@
 //! `inspect`: the contents of a blob, as text or as JSON.
 
-use super::description::{bytes_per_cell, describe, raw_bytes};
+use super::description::{bytes_per_cell, describe, goals_text, raw_bytes};
 use super::progress::with_patience;
 use super::{Failure, open, print, print_text, read_blob};
 use crate::cli::Inspect;
@@ -55,7 +55,7 @@ fn write_text(
     }
     write_robot(out, blob)?;
     for parallel in blob.parallel_plans() {
-        writeln!(out, "  plan    {} to {}", parallel.name(), pair(parallel.goal_m()))?;
+        writeln!(out, "  plan    {} to {}", parallel.name(), goals_text(&parallel))?;
         for layer in parallel.layers() {
             let counts = layer.counts();
             writeln!(

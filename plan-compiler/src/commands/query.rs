@@ -30,6 +30,9 @@ struct Line {
     /// The speed limit, m/s, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     limit_mps: Option<f64>,
+    /// The number of the goal that the advice leads to, if the plan has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    goal: Option<u8>,
 }
 
 pub(super) fn run(args: &Query) -> Result<(), Failure> {
@@ -145,12 +148,15 @@ fn answer(blob: &Blob<'_>, layer: &Layer<'_>, at: Option<[f64; 2]>) -> Line {
         Answer::Blocked { escape } => (None, escape.map(|direction| direction.name())),
         Answer::NoRoute | Answer::OffMap => (None, None),
     };
-    let cell = match answer {
+    let kind = match answer {
         Answer::Move { .. } | Answer::Goal | Answer::NoRoute => "free",
         Answer::Blocked { .. } => "blocked",
         Answer::OffMap => "off-map",
     };
+    let has_route = matches!(answer, Answer::Move { .. } | Answer::Goal);
+    let numbered = cell.filter(|_| has_route && layer.has_several_goals());
+    let goal = numbered.map(|cell| layer.goal_number(cell));
     let escape = matches!(answer, Answer::Blocked { escape: Some(_) });
     let [x, y] = at.map_or([None, None], |[x, y]| [Some(x), Some(y)]);
-    Line { x, y, cost_m, direction, escape, cell, toll, limit_mps }
+    Line { x, y, cost_m, direction, escape, cell: kind, toll, limit_mps, goal }
 }

@@ -6,6 +6,7 @@ use crate::cli::Render;
 use maps::numbers::{metres, pair};
 use maps::problem::{Problem, has_errors};
 use maps::{Feature, Point};
+use plan_compiler::goals::numbered;
 use plan_compiler::input::Options;
 use plan_compiler::output;
 use plan_compiler::render::{Mark, Overlay, Panel, Piece, Style, lacking, png, side_by_side};
@@ -115,7 +116,7 @@ fn routes(
 ) -> Result<Vec<Option<Route>>, Failure> {
     let follow = |(parallel, layer): &(ParallelPlan<'_>, Layer<'_>)| {
         let name = format!("{}/{}", parallel.name(), layer.name());
-        (name, route::follow(blob.grid(), layer, parallel.goal_m(), start))
+        (name, route::follow(blob.grid(), parallel, layer, start))
     };
     let followed: Vec<(String, Result<Route, NoRoute>)> = drawn.iter().map(follow).collect();
     let has_none = followed.iter().all(|(_, route)| route.is_err());
@@ -123,8 +124,14 @@ fn routes(
     let mut lengths = String::new();
     for (name, route) in &followed {
         match route {
-            Ok(Route { length_m, .. }) => {
-                lengths += &format!("{name}: {} m from {}\n", metres(*length_m), pair(start));
+            Ok(Route { length_m, goal, .. }) => {
+                let to = match drawn.first() {
+                    Some((parallel, _)) if parallel.goal_count() > 1 => {
+                        format!(" to {}", numbered(parallel, *goal))
+                    }
+                    _ => String::new(),
+                };
+                lengths += &format!("{name}: {} m from {}{to}\n", metres(*length_m), pair(start));
             }
             Err(reason) => {
                 let message = format!("{name} has no route from {}: {reason}", pair(start));

@@ -1,10 +1,11 @@
 //! The goals: which there are, their cells, and the layers of each.
 
-use super::area::reach;
-use super::{MAX_SUGGESTIONS, globe};
+use super::{MAX_SUGGESTIONS, globe, members};
+use crate::goals::name_of;
 use crate::input::Input;
 use crate::layers::Layer;
 use crate::mission::{Goal, GoalAt, Named, tidy_name};
+use crate::pack::Numbered;
 use maps::names::nearest;
 use maps::numbers::pair;
 use maps::problem::{Place, Problem, has_errors};
@@ -16,33 +17,40 @@ use std::collections::{BTreeMap, HashSet};
 /// A goal on the grid.
 pub(super) struct Placed {
     pub(super) name: String,
-    /// Metres.
-    pub(super) at: Point,
-    pub(super) cell: Cell,
-    /// Indices of its layers.
-    pub(super) layers: Vec<usize>,
+    /// Metres; several for a plan that leads to the cheapest of them.
+    pub(super) at: Vec<Point>,
+    pub(super) layers: Vec<PlacedLayer>,
+}
+
+/// A layer of a goal.
+pub(super) struct PlacedLayer {
+    /// Its index in the stack, which has at most `limits::MAX_LAYERS` layers.
+    pub(super) rank: u8,
+    /// The goals that are free in it.
+    pub(super) goals: Vec<Numbered>,
 }
 
 /// A goal not yet placed on the grid.
-struct Candidate<'a> {
-    name: String,
-    at: Point,
+pub(super) struct Candidate<'a> {
+    pub(super) name: String,
+    pub(super) at: Vec<Point>,
     layers: Option<&'a [Named]>,
-    place: Option<Place>,
+    pub(super) place: Option<Place>,
     /// Whether a person asked for it; otherwise only the map names it.
-    asked: bool,
+    pub(super) asked: bool,
 }
 
 impl Candidate<'_> {
     /// An error if a person asked for it; otherwise a warning that it is left out.
-    fn problem(&self, message: String, label: &str) -> Problem {
-        let problem = if self.asked {
-            Problem::error(message)
-        } else {
-            Problem::warning(format!("{message}; it is left out"))
-        };
+    pub(super) fn problem(&self, message: String, label: &str) -> Problem {
+        let problem = if self.asked { Problem::error(message) } else { left_out(message) };
         with_place(problem, self.place.as_ref(), label)
     }
+}
+
+/// A warning that what the message is about is left out.
+pub(super) fn left_out(message: String) -> Problem {
+    Problem::warning(format!("{message}; it is left out"))
 }
 
 /// All goals that can be planned for, in order: at least one, unless there is an error.
@@ -127,10 +135,10 @@ fn asked<'a>(input: &Input<'a>) -> &'a [Goal] {
 }
 
 /// The positions of the map's points by name; the first of equal names counts.
-fn points_by_name<'a>(input: &Input<'a>) -> BTreeMap<&'a str, Point> {
+fn points_by_name(input: &Input<'_>) -> BTreeMap<String, Point> {
     let mut points = BTreeMap::new();
     for point in input.map.points.iter().chain(&input.map.start) {
-        points.entry(point.name.as_str()).or_insert(point.at);
+        points.entry(point.name.clone()).or_insert(point.at);
     }
     points
 }
@@ -145,44 +153,65 @@ pub(super) fn places(
     let mut points = points_by_name(input);
     for goal in asked(input) {
         // Mistakes in goals are reported where goals are placed.
-        if let Some(at) = position(input, &points, goal, "this goal", &mut Vec::new()) {
-            points.insert(&goal.name, at);
+        let at = positions(input, &points, goal, "this goal", &mut Vec::new());
+        for (index, at) in at.iter().flatten().enumerate() {
+            points.insert(name_of(&goal.name, index, goal.at.len()), *at);
         }
     }
     let place = |place: &Goal| {
-        Some((place.name.clone(), position(input, &points, place, "this place", problems)?))
+        let at = positions(input, &points, place, "this place", problems)?;
+        Some((place.name.clone(), *at.first()?))
     };
     places.iter().filter_map(place).collect()
 }
 
-/// Where a goal is; `None` after an error.
-fn position(
+/// Where a goal is, or each of several; `None` after an error.
+fn positions(
     input: &Input<'_>,
-    points: &BTreeMap<&str, Point>,
+    points: &BTreeMap<String, Point>,
     goal: &Goal,
     label: &str,
     problems: &mut Vec<Problem>,
+) -> Option<Vec<Point>> {
+    let all: Vec<Option<Point>> = (0..)
+        .zip(&goal.at)
+        .map(|(index, at)| {
+            let name = name_of(&goal.name, index, goal.at.len());
+            position(input, points, (&name, at, goal.place.as_ref()), label, problems)
+        })
+        .collect();
+    all.into_iter().collect()
+}
+
+/// Where one goal is, from its name, how its position was given, and its place in the mission; `None`
+/// after an error.
+fn position(
+    input: &Input<'_>,
+    points: &BTreeMap<String, Point>,
+    (name, at, place): (&str, &GoalAt, Option<&Place>),
+    label: &str,
+    problems: &mut Vec<Problem>,
 ) -> Option<Point> {
-    match &goal.at {
+    match at {
         GoalAt::Position(at) => Some(*at),
-        GoalAt::Globe(place) => match globe::position(input, &goal.name, *place) {
+        GoalAt::Globe(globe) => match globe::position(input, name, *globe) {
             Ok(at) => Some(at),
             Err(problem) => {
-                problems.push(with_place(problem, goal.place.as_ref(), label));
+                problems.push(with_place(problem, place, label));
                 None
             }
         },
-        GoalAt::PointOfMap(name) => {
-            if let Some(at) = points.get(name.as_str()) {
+        GoalAt::PointOfMap(point) => {
+            if let Some(at) = points.get(point.as_str()) {
                 return Some(*at);
             }
-            let message = format!("the map has no point named `{name}`");
-            let error = with_place(Problem::error(message), goal.place.as_ref(), label);
-            let meant = || nearest(name, points.keys().copied());
+            let message = format!("the map has no point named `{point}`");
+            let error = with_place(Problem::error(message), place, label);
+            let meant = || nearest(point, points.keys().map(String::as_str));
             let meant = if problems.len() < MAX_SUGGESTIONS { meant() } else { None };
             problems.push(match meant {
                 Some(meant) => error.help(format!("did you mean `{meant}`?")),
-                None => error.help(format!("give a position: {} = [x, y]", goal.name)),
+                None => error.help(format!("give a position: {name} = [x, y]")),
             });
             None
         }
@@ -191,11 +220,11 @@ fn position(
 
 fn candidate<'a>(
     input: &Input<'_>,
-    points: &BTreeMap<&str, Point>,
+    points: &BTreeMap<String, Point>,
     goal: &'a Goal,
     problems: &mut Vec<Problem>,
 ) -> Option<Candidate<'a>> {
-    let at = position(input, points, goal, "this goal", problems)?;
+    let at = positions(input, points, goal, "this goal", problems)?;
     let (name, layers) = (goal.name.clone(), goal.layers.as_deref());
     Some(Candidate { name, at, layers, place: goal.place.clone(), asked: true })
 }
@@ -210,8 +239,13 @@ fn points_of_map<'a>(input: &Input<'a>, problems: &mut Vec<Problem>) -> Vec<Cand
             span: point.span.clone(),
             label: String::new(),
         });
-        let mut candidate =
-            Candidate { name: point.name.clone(), at: point.at, layers: None, place, asked: false };
+        let mut candidate = Candidate {
+            name: point.name.clone(),
+            at: vec![point.at],
+            layers: None,
+            place,
+            asked: false,
+        };
         match tidy_name(&point.name) {
             Err(reason) => {
                 let message = format!("point `{}` cannot name a plan", point.name);
@@ -237,60 +271,41 @@ fn place_one(
     layers: &[Layer],
     problems: &mut Vec<Problem>,
 ) -> Option<Placed> {
-    let (name, at) = (&goal.name, goal.at);
-    let Some(cell) = grid.cell_at(at[0], at[1]) else {
-        let message = format!("goal `{name}` at {} is outside the map", pair(at));
-        let degrees = globe::meant_as_degrees(input, at).filter(|_| goal.asked);
-        problems.push(goal.problem(message, "this goal").help(match degrees {
-            Some(uri) => format!(
-                "a goal X,Y is in the map's metres; for latitude and longitude write {name}={uri}"
-            ),
-            None => reach(grid),
-        }));
-        return None;
-    };
-    let physical = layers.first()?;
-    if !physical.terrain.is_free(cell) {
-        let message = format!("goal `{name}` at {} is inside an obstacle", pair(at));
-        let problem = goal.problem(message, "this goal");
-        let is_advised = problems.len() < MAX_SUGGESTIONS;
-        let free =
-            if is_advised { nearest_free(grid, &physical.terrain.blocked, at) } else { None };
-        problems.push(match free {
-            Some(free) => {
-                problem.help(format!("the nearest free cell is at {}", pair(grid.centre(free))))
-            }
-            None => problem,
-        });
-        return None;
-    }
-    let layers = own_layers(goal, cell, layers, problems)?;
-    Some(Placed { name: name.clone(), at, cell, layers })
+    let free = members::free(input, goal, grid, &layers.first()?.terrain.blocked, problems)?;
+    let layers = own_layers(goal, &free, layers, problems)?;
+    Some(Placed { name: goal.name.clone(), at: goal.at.clone(), layers })
 }
 
-/// The layers of one goal: those that it names; without names, all in which its cell is free.
+/// The layers of one goal: those that it names; without names, all in which it is free, or one of
+/// several is.
 fn own_layers(
     goal: &Candidate<'_>,
-    cell: Cell,
+    free: &[Numbered],
     layers: &[Layer],
     problems: &mut Vec<Problem>,
-) -> Option<Vec<usize>> {
-    let is_free =
-        |index: &usize| layers.get(*index).is_some_and(|layer| layer.terrain.is_free(cell));
+) -> Option<Vec<PlacedLayer>> {
+    let placed = |rank: usize| {
+        let terrain = &layers[rank].terrain;
+        let goals = free.iter().copied().filter(|&(_, cell)| terrain.is_free(cell)).collect();
+        PlacedLayer { rank: rank as u8, goals }
+    };
     let Some(wanted) = goal.layers else {
-        let (free, inside): (Vec<usize>, Vec<usize>) = (0..layers.len()).partition(is_free);
+        let all = (0..layers.len()).map(placed);
+        let (own, inside): (Vec<_>, Vec<_>) = all.partition(|layer| !layer.goals.is_empty());
         if !inside.is_empty() {
-            let names: Vec<&str> = inside.iter().map(|&i| layers[i].name.as_str()).collect();
-            let (name, names) = (&goal.name, names.join("`, `"));
+            let names = inside.iter().map(|layer| layers[usize::from(layer.rank)].name.as_str());
+            let names = names.collect::<Vec<_>>().join("`, `");
+            let is = members::is_of(goal);
             let message = format!(
-                "goal `{name}` is inside an area that layer `{names}` avoids; its plan has no \
-                 such layer"
+                "goal `{}` {is} inside an area that layer `{names}` avoids; its plan has no such layer",
+                goal.name
             );
             problems.push(with_place(Problem::warning(message), goal.place.as_ref(), "this goal"));
         }
-        return Some(free);
+        problems.extend(members::left_out_of_layers(goal, free, &own, layers));
+        return Some(own);
     };
-    let mut own = Vec::new();
+    let mut ranks = Vec::new();
     for layer in wanted {
         let error = |message: String, help: String| {
             with_place(Problem::error(message), Some(&layer.place), "asked for here").help(help)
@@ -301,25 +316,26 @@ fn own_layers(
                 let message = format!("there is no layer `{}`", layer.name);
                 problems.push(error(message, format!("the layers are: {}", names.join(", "))));
             }
-            Some(index) if !is_free(&index) => {
-                let message = format!(
-                    "goal `{}` is inside an area that layer `{}` avoids",
-                    goal.name, layer.name
-                );
+            Some(rank) if placed(rank).goals.is_empty() => {
+                let (name, is, layer) = (&goal.name, members::is_of(goal), &layer.name);
+                let message =
+                    format!("goal `{name}` {is} inside an area that layer `{layer}` avoids");
                 let help = "move the goal, or leave the layer out of its `layers`";
                 problems.push(error(message, help.into()));
             }
-            Some(index) => own.push(index),
+            Some(rank) => ranks.push(rank),
         }
     }
-    own.sort_unstable();
-    own.dedup();
-    if own.is_empty() && wanted.is_empty() {
+    ranks.sort_unstable();
+    ranks.dedup();
+    if ranks.is_empty() && wanted.is_empty() {
         let message = format!("goal `{}` has an empty list of layers", goal.name);
         problems.push(
             goal.problem(message, "this goal").help("name a layer, or leave `layers` out for all"),
         );
     }
+    let own: Vec<PlacedLayer> = ranks.into_iter().map(placed).collect();
+    problems.extend(members::left_out_of_layers(goal, free, &own, layers));
     (!own.is_empty()).then_some(own)
 }
 
@@ -344,12 +360,13 @@ fn home(
     let message =
         format!("there is no goal; plan `home` leads to where robots start, {}{moved}", pair(at));
     problems.push(Problem::note(message).help("give goals of your own: --goal NAME=X,Y"));
-    let free = (0..layers.len()).filter(|&index| layers[index].terrain.is_free(cell)).collect();
-    Some(Placed { name: "home".into(), at, cell, layers: free })
+    let free = (0..).zip(layers).filter(|(_, layer)| layer.terrain.is_free(cell));
+    let free = free.map(|(rank, _)| PlacedLayer { rank, goals: vec![(0, cell)] }).collect();
+    Some(Placed { name: "home".into(), at: vec![at], layers: free })
 }
 
 /// The free cell whose centre is nearest to a point; of equals, the first from the south-west.
-fn nearest_free(grid: &Grid, blocked: &Bitmap, to: Point) -> Option<Cell> {
+pub(super) fn nearest_free(grid: &Grid, blocked: &Bitmap, to: Point) -> Option<Cell> {
     let squared = |cell: Cell| {
         let [x, y] = grid.centre(cell);
         (x - to[0]) * (x - to[0]) + (y - to[1]) * (y - to[1])
@@ -407,7 +424,7 @@ fn beyond_capacity(goals: usize, asked: bool) -> Problem {
     }
 }
 
-fn with_place(problem: Problem, place: Option<&Place>, label: &str) -> Problem {
+pub(super) fn with_place(problem: Problem, place: Option<&Place>, label: &str) -> Problem {
     match place {
         Some(place) => problem.at(&place.source, place.span.clone(), label),
         None => problem,

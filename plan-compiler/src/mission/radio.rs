@@ -206,7 +206,12 @@ impl Reader<'_> {
             let here = item.span().unwrap_or_else(|| span.clone());
             let at: Option<GoalAt> = self.position("place", name, item, here);
             let name = self.name("place", name, span.clone());
-            Some(Goal { name: name?, at: at?, layers: None, place: Some(self.report.place(&span)) })
+            Some(Goal {
+                name: name?,
+                at: vec![at?],
+                layers: None,
+                place: Some(self.report.place(&span)),
+            })
         });
         places.collect()
     }
@@ -228,7 +233,7 @@ mod tests {
         assert_eq!((rule.threshold_db, rule.need), (6.0, Need::Any));
         assert_eq!(rule.settings.antenna_heights_m, [3.0, 0.4]);
         assert_eq!(rule.settings.wall_db, Some(7.0));
-        let places: Vec<&GoalAt> = rule.places.iter().map(|place| &place.at).collect();
+        let places: Vec<&GoalAt> = rule.places.iter().flat_map(|place| &place.at).collect();
         assert!(matches!(places[..], [
             GoalAt::Position([1.0, 2.0]),
             GoalAt::PointOfMap(name),

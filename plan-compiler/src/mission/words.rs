@@ -2,9 +2,10 @@
 
 use super::{Goal, GoalAt, geo_uri, is_geo_uri, tidy_name};
 use maps::Point;
+use plan_format::limits;
 
-/// Reads a goal, `NAME=X,Y` in the map's metres or `NAME=geo:LAT,LON`; otherwise returns the reason
-/// why it is not one.
+/// Reads a goal, `NAME=X,Y` in the map's metres or `NAME=geo:LAT,LON`, or several of one name,
+/// `NAME=X,Y;X,Y`; otherwise returns the reason why it is not one.
 pub fn goal(text: &str) -> Result<Goal, String> {
     let example = "write NAME=X,Y, for example gate=12.5,-40";
     let missing = || match pair(text) {
@@ -12,17 +13,36 @@ pub fn goal(text: &str) -> Result<Goal, String> {
         Err(_) => example.to_owned(),
     };
     // A name may contain `=`, and so may the parameters of a `geo:` URI.
-    let is_place = |(at, _): &(usize, &str)| is_geo_uri(&text[at + 1..]);
-    let place = text.match_indices('=').find(is_place).map(|(at, _)| text.split_at(at));
-    let (name, at) = match place {
-        Some((name, uri)) => (name, GoalAt::Globe(geo_uri(&uri[1..])?)),
-        None => {
-            let (name, at) = text.rsplit_once('=').ok_or_else(missing)?;
-            (name, GoalAt::Position(pair(at).map_err(|reason| format!("{reason}; {example}"))?))
-        }
-    };
-    let name = tidy_name(name)?.to_owned();
+    let first = text.split(';').next().unwrap_or(text);
+    let is_place = |at: &usize| is_geo_uri(&text[at + 1..]);
+    let place = first.match_indices('=').map(|(at, _)| at).find(is_place);
+    let equals = place.or_else(|| first.rfind('=')).ok_or_else(missing)?;
+    let name = tidy_name(&text[..equals])?.to_owned();
+    let mut at: Vec<GoalAt> = Vec::new();
+    for member in members(&text[equals + 1..]) {
+        at.push(if is_geo_uri(&member) {
+            GoalAt::Globe(geo_uri(&member)?)
+        } else {
+            GoalAt::Position(pair(&member).map_err(|reason| format!("{reason}; {example}"))?)
+        });
+    }
+    if at.len() > limits::MAX_GOALS {
+        return Err(format!("{} positions, but a plan leads to {}", at.len(), limits::MAX_GOALS));
+    }
     Ok(Goal { name, at, layers: None, place: None })
+}
+
+/// The parts between semicolons. A `geo:` URI keeps its parameters, `;NAME=VALUE`.
+fn members(text: &str) -> Vec<String> {
+    let mut members: Vec<String> = Vec::new();
+    for part in text.split(';') {
+        let is_parameter = part.contains('=') || part.is_empty();
+        match members.last_mut().filter(|last| is_parameter && is_geo_uri(last)) {
+            Some(last) => *last = format!("{last};{part}"),
+            None => members.push(part.to_owned()),
+        }
+    }
+    members
 }
 
 /// Reads two numbers separated by a comma.

@@ -30,7 +30,7 @@ pub(crate) trait Rows {
 pub(super) fn advise(
     costs: &impl Rows,
     blocked: &Bitmap,
-    goal: Option<Cell>,
+    goals: &[Cell],
     corners: Corners,
     vectors: Vectors,
     field: &mut Field,
@@ -43,7 +43,7 @@ pub(super) fn advise(
     vectors.run(Advise { costs, blocked, corners, field });
     field.cost.truncate(cells);
     field.code.truncate(cells);
-    if let Some(goal) = goal {
+    for goal in goals {
         field.code[goal.row as usize * field.columns as usize + goal.column as usize] = field::GOAL;
     }
 }

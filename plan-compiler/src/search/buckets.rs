@@ -30,7 +30,7 @@ struct Entry {
     by: u8,
 }
 
-/// Stands for the move that led to the goal: none.
+/// Stands for the move that led to a goal: none.
 const START: u8 = 8;
 
 /// Reusable buffers of the search.
@@ -44,11 +44,11 @@ pub(crate) struct Queue {
 }
 
 impl Queue {
-    /// Finds the cheapest routes to the goal, which is an open cell; `None` if there is no goal.
+    /// Finds the cheapest routes to any of the goals, which are open cells.
     pub(crate) fn search(
         &mut self,
         open: &Passable,
-        goal: Option<Cell>,
+        goals: &[Cell],
         corners: Corners,
         vectors: Vectors,
     ) {
@@ -60,7 +60,7 @@ impl Queue {
         self.moves.resize(cells, 0);
         vectors.run(Enter { open, corners, moves: &mut self.moves });
         self.buckets.iter_mut().for_each(Vec::clear);
-        if let Some(goal) = goal {
+        for goal in goals {
             let at = goal.row as usize * columns + goal.column as usize;
             self.cost[at] = 0;
             self.buckets[0].push(Entry { at: at as u32, cost: 0, by: START });
@@ -68,7 +68,7 @@ impl Queue {
         self.run(columns, corners);
     }
 
-    /// Empties the buckets in order, starting with the goal's.
+    /// Empties the buckets in order, starting with that of the goals.
     fn run(&mut self, columns: usize, corners: Corners) {
         let pruning = match corners {
             Corners::Forbid => &FORBID,

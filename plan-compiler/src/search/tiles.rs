@@ -62,16 +62,23 @@ pub(crate) struct Tiles {
 }
 
 impl Tiles {
-    /// Finds the cheapest routes to the goal, which is an open cell; `None` if there is no goal.
+    /// Finds the cheapest routes to any of the goals, which are open cells.
     pub(crate) fn search(
         &mut self,
         map: &Passable,
-        goal: Option<Cell>,
+        goals: &[Cell],
         corners: Corners,
         vectors: Vectors,
     ) {
         self.reset(map);
-        let Some(goal) = goal else { return };
+        for &goal in goals {
+            self.start(map, goal);
+        }
+        vectors.run(Run { tiles: self, map, shores: None, corners });
+    }
+
+    /// Sets the cost of a goal to 0, spreads it along its row, and wakes its tile.
+    fn start(&mut self, map: &Passable, goal: Cell) {
         let (x, y) = (goal.column as usize, goal.row as usize);
         let at = y / SIDE * self.across + x / SIDE;
         self.freshen(at);
@@ -83,7 +90,6 @@ impl Tiles {
         spread_west(cost, start, x as isize % SIDE as isize, open);
         let row = 1u64 << (y % SIDE);
         self.wake(at, Pending { from_south: row << 1, from_north: row >> 1, key: Some(0) });
-        vectors.run(Run { tiles: self, map, shores: None, corners });
     }
 
     /// Finds the cheapest ways out of the deep cells, starting from the shores.

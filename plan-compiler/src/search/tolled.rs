@@ -69,12 +69,12 @@ pub(crate) struct Tolled {
 }
 
 impl Tolled {
-    /// Finds the cheapest routes to the goal, which is an open cell; `None` if there is no goal.
+    /// Finds the cheapest routes to any of the goals, which are open cells.
     pub(crate) fn search(
         &mut self,
         open: &Passable,
         tolls: &Tolls,
-        goal: Option<Cell>,
+        goals: &[Cell],
         corners: Corners,
         vectors: Vectors,
     ) {
@@ -96,14 +96,15 @@ impl Tolled {
         let buckets = (((DIAGONAL_STEP * u32::from(range.1)) >> shift) + 2).next_power_of_two();
         self.ring.iter_mut().for_each(Vec::clear);
         self.ring.resize(buckets as usize, Vec::new());
-        let Some(goal) = goal else { return };
-        let at = goal.row as usize * columns + goal.column as usize;
-        self.nodes[at].cost = 0;
-        self.ring[0].push(Entry { at_and_by: at as u32 | START << AT_BITS, cost: 0 });
+        for goal in goals {
+            let at = goal.row as usize * columns + goal.column as usize;
+            self.nodes[at].cost = 0;
+            self.ring[0].push(Entry { at_and_by: at as u32 | START << AT_BITS, cost: 0 });
+        }
         self.run(columns, shift);
     }
 
-    /// Empties the buckets in order, starting with the goal's.
+    /// Empties the buckets in order, starting with that of the goals.
     fn run(&mut self, columns: usize, shift: u32) {
         let steps = Direction::ALL.map(|direction| {
             let (dx, dy) = direction.step();

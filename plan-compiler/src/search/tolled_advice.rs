@@ -13,8 +13,7 @@ pub(super) fn advise(costs: &impl Rows, query: &Query<'_>, vectors: Vectors, fie
     field.cost.resize(columns * rows, UNREACHED);
     field.code.resize(columns * rows, field::NO_ROUTE);
     vectors.run(Advise { costs, query, field });
-    let goal = query.goal;
-    if query.terrain.is_free(goal) {
+    for goal in query.goals.iter().filter(|&&goal| query.terrain.is_free(goal)) {
         field.code[goal.row as usize * columns + goal.column as usize] = field::GOAL;
     }
 }

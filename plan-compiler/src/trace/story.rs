@@ -1,5 +1,6 @@
 //! What was decided in a recorded run, and where, in words.
 
+use crate::goals;
 use behaviour::{Choice, Decision, Phase, Refusal};
 use controller::State;
 use math::Vec2;
@@ -41,7 +42,7 @@ pub fn of(blob: &Blob<'_>, percepts: &[Percepts]) -> Story {
     let mission = blob.mission();
     let mut state = State::new(blob);
     let mut story = Story { turns: Vec::new(), steps: Vec::new(), engaged: Vec::new() };
-    let (mut running, mut reason) = (Vec::new(), None);
+    let (mut running, mut purpose) = (Vec::new(), None);
     for (tick, percepts) in percepts.iter().enumerate() {
         let explanation = controller::explain(blob, &mut state, percepts);
         let turn = |interrupted_at_once, text| Turn {
@@ -68,10 +69,13 @@ pub fn of(blob: &Blob<'_>, percepts: &[Percepts]) -> Story {
             story.steps.push(turn(None, format!("{} runs `{}`", action.behaviour, action.name)));
         }
         running = now_running;
-        let commands = &explanation.commands;
-        if reason.replace(commands.reason) != Some(commands.reason) {
-            story.steps.push(turn(None, format!("because: {:?}", commands.reason)));
+        let now_purpose = (explanation.commands.reason, goal(blob, &state));
+        if purpose.as_ref() != Some(&now_purpose) {
+            let (reason, goal) = &now_purpose;
+            let goal = goal.as_ref().map_or(String::new(), |goal| format!(" ({goal})"));
+            story.steps.push(turn(None, format!("because: {reason:?}{goal}")));
         }
+        purpose = Some(now_purpose);
         let has_robot = |&index: &usize| {
             let phase = state.behaviours.phase(index);
             matches!(phase, Phase::StartingUp | Phase::Active | Phase::ShuttingDown)
@@ -80,6 +84,12 @@ pub fn of(blob: &Blob<'_>, percepts: &[Percepts]) -> Story {
         story.engaged.push(engaged.fold(0, |set, index| set | 1 << index));
     }
     story
+}
+
+/// The goal that the robot approaches or has reached, if its plan has several.
+pub fn goal(blob: &Blob<'_>, state: &State) -> Option<String> {
+    let plan = blob.parallel_plan(state.progress.plan.into())?;
+    state.goal().map(|number| goals::numbered(&plan, number))
 }
 
 /// An action that runs.

@@ -24,7 +24,7 @@ fn need(beside_m: f64) -> Need {
 fn found(lines: &[&str], need: &Need) -> Vec<String> {
     let (blocked, goal, grid) = picture(lines);
     let terrain = Terrain::new(blocked.clone());
-    let field = solve(&Query { terrain: &terrain, goal, corners: Corners::Forbid });
+    let field = solve(&Query { terrain: &terrain, goals: &[goal], corners: Corners::Forbid });
     let site = Site { grid: &grid, solid: &blocked, grown_m: 0.25, need: *need };
     let text = |passage: &Passage| {
         let percent = (100.0 * passage.share).round();
@@ -151,7 +151,7 @@ fn areas_that_only_a_higher_layer_blocks_are_not_sides() {
     let wall = ["....#....", "....#....", ".......G.", "....#....", "....#...."];
     let (blocked, goal, grid) = picture(&wall);
     let terrain = Terrain::new(blocked.clone());
-    let field = solve(&Query { terrain: &terrain, goal, corners: Corners::Forbid });
+    let field = solve(&Query { terrain: &terrain, goals: &[goal], corners: Corners::Forbid });
     let nothing = Bitmap::new(grid.columns, grid.rows);
     let count = |solid: &Bitmap| {
         passages(&field, &Site { grid: &grid, solid, grown_m: 0.25, need: need(0.6) }).len()

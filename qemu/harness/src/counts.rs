@@ -98,13 +98,13 @@ fn worst_map() -> Result<Vec<u8>, WriteError> {
     let grid = Grid { columns: SIDE, rows: SIDE, resolution_m: 1.0, corner_m: [0.0, 0.0] };
     let plan = PlanDraft {
         name: "worst".into(),
-        goal_m: grid.centre(goal),
+        goals_m: vec![grid.centre(goal)],
         layers: vec![LayerDraft {
             rank: 0,
             name: "physical".into(),
             packed: pack(&solve(&Query {
                 terrain: &Terrain::new(blocked),
-                goal,
+                goals: &[goal],
                 corners: Corners::Forbid,
             })),
         }],

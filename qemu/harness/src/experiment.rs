@@ -196,9 +196,9 @@ impl Team {
             projects.push(project::load(request, problems)?);
         }
         let goals = |project: &Project| project.mission.goals.clone().unwrap_or_default();
-        let middle: Vec<(String, GoalAt)> =
+        let middle: Vec<(String, Vec<GoalAt>)> =
             goals(&projects[1]).into_iter().map(|goal| (goal.name, goal.at)).collect();
-        let places: Vec<Point> = projects.iter().flat_map(goals).filter_map(place).collect();
+        let places: Vec<Point> = projects.iter().flat_map(goals).flat_map(places_of).collect();
         let mut whole = projects[0].map.clone();
         let buildings = World::of_map(&whole);
         let posts =
@@ -388,10 +388,10 @@ fn ground(map: &Map) -> Ground {
     Ground::new(&map.extent, obstacles.map(|feature| &feature.shape))
 }
 
-/// Where a goal is, if it is given in metres.
-fn place(goal: Goal) -> Option<Point> {
-    match goal.at {
+/// Where a goal is, as far as that is given in metres.
+fn places_of(goal: Goal) -> impl Iterator<Item = Point> {
+    goal.at.into_iter().filter_map(|at| match at {
         GoalAt::Position(at) => Some(at),
         GoalAt::PointOfMap(_) | GoalAt::Globe(_) => None,
-    }
+    })
 }

@@ -4,7 +4,7 @@ use crate::directory::{Directory, LayerRecord, Origin, PlanRecord, SCHEMA_HASH};
 use crate::error::BlobError;
 use crate::grid::{Cell, Grid};
 use crate::layer::{Layer, Unproved};
-use crate::layout::TOLL_WORDS;
+use crate::layout::GOAL_WORDS;
 use crate::mission::{ActionKind, Mission, MissionError, Source};
 use crate::names::{Name, is_name};
 use crate::parameters::Parameters;
@@ -266,7 +266,7 @@ impl<'a> Sections<'a> {
         let mut next_layer = 0;
         for index in 0..plans {
             let record = self.plans.get(index).ok_or(BlobError::Plans)?;
-            let count = usize::from(record.layer_count);
+            let count = usize::from(record.layer_count());
             // Layers are in the order of their plans, so that each belongs to exactly one.
             if usize::from(record.first_layer) != next_layer
                 || !(1..=limits::MAX_LAYERS).contains(&count)
@@ -279,6 +279,7 @@ impl<'a> Sections<'a> {
                 return Err(BlobError::Goal);
             }
             let plan = self.plan(index).ok_or(BlobError::Name)?;
+            plan.validate_goals().ok_or(BlobError::Goal)?;
             for layer in 0..count {
                 plan.validate_layer(layer, work)?;
             }
@@ -319,7 +320,12 @@ impl<'a> Sections<'a> {
     }
 }
 
-/// Layers with one goal, each more constrained than the one before.
+/// Map metres in single precision.
+fn single(at_m: [f64; 2]) -> Vec2 {
+    Vec2::new(at_m[0] as f32, at_m[1] as f32)
+}
+
+/// Layers with the same goals, mostly one, each more constrained than the one before.
 #[derive(Clone, Copy, Debug)]
 pub struct ParallelPlan<'a> {
     sections: Sections<'a>,
@@ -333,19 +339,91 @@ impl<'a> ParallelPlan<'a> {
         self.record.name.text(self.sections.names).unwrap_or_default()
     }
 
-    /// The goal, map metres.
+    /// The goal, map metres; of several, the first one on the map.
     pub fn goal(&self) -> Vec2 {
-        Vec2::new(self.record.goal_m[0] as f32, self.record.goal_m[1] as f32)
+        single(self.record.goal_m)
     }
 
-    /// The goal, map metres, in the compiler's precision.
+    /// As [`Self::goal`], in the compiler's precision.
     pub fn goal_m(&self) -> [f64; 2] {
         self.record.goal_m
     }
 
+    /// Whether there are several goals.
+    #[inline(always)]
+    pub fn has_several_goals(&self) -> bool {
+        self.record.has_several_goals()
+    }
+
+    /// Number of goals, at least 1.
+    pub fn goal_count(&self) -> usize {
+        self.goal_list().and_then(|list| self.sections.cells.get(list)).unwrap_or(1) as usize
+    }
+
+    /// The goal with a number, from 0 in the order of the mission, map metres. A plan with one goal
+    /// answers it for any number, and one with several [`Self::goal`] for a number that none has.
+    pub fn goal_at(&self, number: u8) -> Vec2 {
+        single(self.numbered(number).unwrap_or(self.record.goal_m))
+    }
+
+    /// All goals, in the order of their numbers, map metres in the compiler's precision. Of several,
+    /// some may be off the map or where a layer is blocked: routes do not lead to them.
+    pub fn goals_m(&self) -> impl Iterator<Item = [f64; 2]> + use<'a> {
+        let plan = *self;
+        (0..self.goal_count())
+            .map(move |number| plan.numbered(number as u8).unwrap_or(plan.goal_m()))
+    }
+
+    /// Where the list of several goals begins: their number, then the goals. `None` if there is one.
+    fn goal_list(&self) -> Option<u32> {
+        if self.record.has_several_goals() { self.layer(0)?.goal_list() } else { None }
+    }
+
+    /// One of several goals.
+    fn numbered(&self, number: u8) -> Option<[f64; 2]> {
+        let list = self.goal_list()?;
+        let cells = self.sections.cells;
+        if u32::from(number) >= cells.get(list)? {
+            return None;
+        }
+        let first = list.wrapping_add(1 + GOAL_WORDS * u32::from(number));
+        let coordinate = |at: u32| {
+            let [low, high] = [cells.get(at)?, cells.get(at.wrapping_add(1))?].map(u64::from);
+            Some(f64::from_bits(high << 32 | low))
+        };
+        Some([coordinate(first)?, coordinate(first.wrapping_add(2))?])
+    }
+
+    /// Proves once that all layers name the same goals, and that these can be read and are within their
+    /// limits.
+    fn validate_goals(&self) -> Option<()> {
+        let has_several = self.record.has_several_goals();
+        let list = self.goal_list();
+        let has_same =
+            |layer: Layer<'a>| layer.has_several_goals == has_several && layer.goal_list() == list;
+        if !self.layers().all(has_same) {
+            return None;
+        }
+        if !has_several {
+            return Some(());
+        }
+        let list = list?;
+        let count = self.sections.cells.get(list)?;
+        if !(2..=limits::MAX_GOALS as u32).contains(&count) {
+            return None;
+        }
+        let is_near = |goal: [f64; 2]| goal.iter().all(|at| at.abs() <= limits::MAX_ORIGIN_M);
+        let mut found = false;
+        for number in 0..count {
+            let goal = self.numbered(number as u8).filter(|&goal| is_near(goal))?;
+            found |= goal == self.record.goal_m;
+        }
+        found.then_some(())
+    }
+
     /// Number of layers, at least 1.
     pub fn layer_count(&self) -> usize {
-        usize::from(self.record.layer_count)
+        usize::from(self.record.layer_count())
     }
 
     /// A layer by its index; 0 is the least constrained.
@@ -357,7 +435,7 @@ impl<'a> ParallelPlan<'a> {
             section: self.sections.cells,
             terrain: record.terrain,
             routes: record.routes,
-            roots: record.roots.wrapping_add(if record.has_tolls() { TOLL_WORDS } else { 0 }),
+            roots: record.roots.wrapping_add(record.header_words()),
             root_count: record.root_count.into(),
             bytes: record.bytes,
             counts: record.counts,
@@ -366,6 +444,7 @@ impl<'a> ParallelPlan<'a> {
             rank: record.rank(),
             has_tolls: record.has_tolls(),
             unit: record.unit(),
+            has_several_goals: record.has_several_goals(),
         })
     }
 

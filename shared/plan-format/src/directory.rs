@@ -1,7 +1,7 @@
 //! The directory, a postcard message whose byte slices are the sections, and the records of plans
 //! and layers.
 
-use crate::layout::{RANK_BITS, UNIT_BITS};
+use crate::layout::{GOALS_WORDS, RANK_BITS, TOLL_WORDS, UNIT_BITS};
 use crate::names::Name;
 use crate::parameters::Parameters;
 use crate::record::record;
@@ -89,9 +89,33 @@ record! {
     #[derive(Clone, Copy, Debug)]
     pub(crate) struct PlanRecord {
         pub(crate) name: Name,
-        pub(crate) layer_count: u8,
+        /// The number of layers, and above its 7 bits the flag of several goals.
+        pub(crate) layers_and_flag: u8,
         pub(crate) first_layer: u16,
+        /// The goal; of several, the first one on the grid.
         pub(crate) goal_m: [f64; 2],
+    }
+}
+
+const SEVERAL: u8 = 1 << 7;
+
+impl PlanRecord {
+    /// The byte of a number of layers and of whether there are several goals.
+    #[cfg(feature = "std")]
+    pub(crate) fn layers_byte(layers: u8, has_several_goals: bool) -> u8 {
+        layers | if has_several_goals { SEVERAL } else { 0 }
+    }
+
+    /// Number of layers.
+    #[inline(always)]
+    pub(crate) fn layer_count(&self) -> u8 {
+        self.layers_and_flag & !SEVERAL
+    }
+
+    /// Whether the plan has several goals. Then its layers have the flag too.
+    #[inline(always)]
+    pub(crate) fn has_several_goals(&self) -> bool {
+        self.layers_and_flag & SEVERAL != 0
     }
 }
 
@@ -101,13 +125,13 @@ record! {
     pub(crate) struct LayerRecord {
         pub(crate) name: Name,
         /// Position of its constraints in the mission's order; equal in all plans that have them.
-        /// Above its 3 bits, the unit of costs and the flag of tolls.
-        pub(crate) rank_and_tolls: u8,
+        /// Above its 3 bits, the unit of costs, the flag of tolls and the flag of several goals.
+        pub(crate) rank_and_flags: u8,
         /// Where the table of plane `terrain` begins.
         pub(crate) terrain: u32,
         /// Where the table of plane `routes` begins.
         pub(crate) routes: u32,
-        /// Where the roots begin.
+        /// Where the roots begin, or the headers before them.
         pub(crate) roots: u32,
         pub(crate) root_count: u16,
         /// Bytes that this layer added to section `cells`.
@@ -117,32 +141,49 @@ record! {
 }
 
 const TOLLS: u8 = 1 << (RANK_BITS + UNIT_BITS);
+const SEVERAL_GOALS: u8 = TOLLS << 1;
 
 impl LayerRecord {
-    /// The byte of a rank below 8, and of the unit of costs if the layer has tolls.
-    pub(crate) fn rank_byte(rank: u8, toll_unit: Option<u8>) -> u8 {
-        rank | toll_unit.map_or(0, |unit| TOLLS | unit << RANK_BITS)
+    /// The byte of a rank below 8, of the unit of costs if the layer has tolls, and of whether its
+    /// plan has several goals.
+    pub(crate) fn rank_byte(rank: u8, toll_unit: Option<u8>, has_several_goals: bool) -> u8 {
+        let goals = if has_several_goals { SEVERAL_GOALS } else { 0 };
+        rank | goals | toll_unit.map_or(0, |unit| TOLLS | unit << RANK_BITS)
     }
 
     /// Position of its constraints in the mission's order.
     pub(crate) fn rank(&self) -> u8 {
-        self.rank_and_tolls & ((1 << RANK_BITS) - 1)
+        self.rank_and_flags & ((1 << RANK_BITS) - 1)
     }
 
     /// Whether the layer has tolls.
     pub(crate) fn has_tolls(&self) -> bool {
-        self.rank_and_tolls & TOLLS != 0
+        self.rank_and_flags & TOLLS != 0
+    }
+
+    /// Whether the plan has several goals: then [`GOALS_WORDS`] words precede the roots and what else
+    /// precedes them.
+    #[inline(always)]
+    pub(crate) fn has_several_goals(&self) -> bool {
+        self.rank_and_flags & SEVERAL_GOALS != 0
+    }
+
+    /// Words before the roots.
+    #[inline(always)]
+    pub(crate) fn header_words(&self) -> u32 {
+        let goals = if self.has_several_goals() { GOALS_WORDS } else { 0 };
+        goals + if self.has_tolls() { TOLL_WORDS } else { 0 }
     }
 
     /// The unit of costs; see [`crate::Layer::unit`].
     pub(crate) fn unit(&self) -> u8 {
-        self.rank_and_tolls >> RANK_BITS & ((1 << UNIT_BITS) - 1)
+        self.rank_and_flags >> RANK_BITS & ((1 << UNIT_BITS) - 1)
     }
 
     /// Whether the byte is one that [`Self::rank_byte`] gives.
     pub(crate) fn is_valid(&self) -> bool {
         let unit = self.has_tolls().then(|| self.unit());
-        self.rank_and_tolls == Self::rank_byte(self.rank(), unit)
+        self.rank_and_flags == Self::rank_byte(self.rank(), unit, self.has_several_goals())
     }
 }
 

@@ -10,14 +10,17 @@
 //! multiplier of its own, and plane `corrections` holds what a cell's cost differs from
 //! `cost(root) + multiplier(root) * octile(cell, root)`, and the step if it is not towards the root. A
 //! plane `limits` may limit the speed.
+//!
+//! In a plan with several goals, a route leads to the one that costs least, and plane `goals` holds
+//! which one that is.
 
 use crate::directory::{Counts, LayerRecord};
 use crate::error::BlobError;
 use crate::grid::{Cell, Direction};
 use crate::layout::{
-    CORRECTION_BITS, Correction, LIMIT_BITS, NO_LIMIT, NO_ROUTE_ENTRY, NO_TABLE, OWN_GOAL,
-    ROOT_WORDS, ROUTE_BITS, Root, TERRAIN_BITS, TOLL_WORDS, Terrain, TolledRoot, WORD_BYTES,
-    first_step, superblocks, tolled_cost,
+    CORRECTION_BITS, Correction, GOAL_BITS, GOALS_WORDS, LIMIT_BITS, NO_LIMIT, NO_ROUTE_ENTRY,
+    NO_TABLE, OWN_GOAL, ROOT_WORDS, ROUTE_BITS, Root, TERRAIN_BITS, TOLL_WORDS, Terrain,
+    TolledRoot, WORD_BYTES, first_step, superblocks, tolled_cost,
 };
 use crate::names::Name;
 use crate::plane::{BlockAddress, Own, Plane, Stored};
@@ -89,6 +92,9 @@ pub struct Layer<'a> {
     pub(crate) has_tolls: bool,
     /// Costs count 1/2^unit of 1/5741 cell.
     pub(crate) unit: u8,
+    /// Whether the plan has several goals: then [`GOALS_WORDS`] words precede the roots and the header
+    /// of tolls.
+    pub(crate) has_several_goals: bool,
 }
 
 /// The parts of a layer that are not proved yet, because no earlier layer shares them.
@@ -117,7 +123,9 @@ impl Unproved {
             }
             if is_earlier {
                 terrain &= other.terrain != record.terrain;
-                roots &= !(has_equal_roots && other.has_tolls() == record.has_tolls());
+                let has_equal_headers = other.has_tolls() == record.has_tolls()
+                    && other.has_several_goals() == record.has_several_goals();
+                roots &= !(has_equal_roots && has_equal_headers);
             }
         }
         Self { terrain, roots, routes_of_roots: routes.then_some(fewest.into()) }
@@ -167,6 +175,11 @@ impl<'a> Layer<'a> {
         self.has_tolls
     }
 
+    /// Whether its plan has several goals.
+    pub fn has_several_goals(&self) -> bool {
+        self.has_several_goals
+    }
+
     /// The unit of [`Layer::look_up_exact`]: costs count 1/2^unit of 1/5741 cell. 0 without tolls.
     pub fn unit(&self) -> u8 {
         self.unit
@@ -183,6 +196,22 @@ impl<'a> Layer<'a> {
             Stored::Entry(entry) if entry != NO_LIMIT => Some(entry as f32 / 100.0),
             _ => None,
         }
+    }
+
+    /// The number of the goal that following the advice from a cell reaches; see
+    /// [`crate::ParallelPlan::goal_at`]. 0 if the plan has one goal. Any number for a cell without a
+    /// route, and off the map. Constant time.
+    pub fn goal_number(&self, cell: Cell) -> u8 {
+        let number = || {
+            if !self.has_several_goals || cell.column >= self.columns || cell.row >= self.rows {
+                return None;
+            }
+            match self.goals()?.get(BlockAddress::new(cell, superblocks(self.columns)))? {
+                Stored::Entry(number) => Some(number as u8),
+                Stored::Own(_) => None,
+            }
+        };
+        number().unwrap_or(0)
     }
 
     /// The answer for a cell. Constant time; never fails. Costs are rounded down to whole units of
@@ -284,6 +313,24 @@ impl<'a> Layer<'a> {
         Some(if self.has_tolls { TolledRoot::cell_of(word) } else { Cell::of_word(word) })
     }
 
+    /// Plane `goals`, if the plan has several goals.
+    fn goals(&self) -> Option<Plane<'a, GOAL_BITS>> {
+        let table = self.goals_word(0)?;
+        Some(Plane { section: self.section, table })
+    }
+
+    /// A word of the header of several goals, which precedes the roots and the header of tolls.
+    fn goals_word(&self, index: u32) -> Option<u32> {
+        let before = GOALS_WORDS + if self.has_tolls { TOLL_WORDS } else { 0 };
+        self.section.get(self.roots.wrapping_sub(before).wrapping_add(index))
+    }
+
+    /// Where the list of the plan's goals begins: their number, then the goals; `None` if there is one
+    /// goal.
+    pub(crate) fn goal_list(&self) -> Option<u32> {
+        if self.has_several_goals { self.goals_word(1) } else { None }
+    }
+
     /// A word of the toll header, which precedes the roots.
     #[inline(always)]
     fn toll_word(&self, index: u32) -> Option<u32> {
@@ -355,6 +402,9 @@ impl<'a> Layer<'a> {
             if self.has_tolls {
                 self.validate_tolls(count, work)?;
             }
+            if self.has_several_goals {
+                self.validate_goals(count, work)?;
+            }
         }
         if unproved.terrain {
             self.terrain().validate(count, false, Terrain::is_entry, work)?;
@@ -381,6 +431,18 @@ impl<'a> Layer<'a> {
             cell.column < self.columns && cell.row < self.rows
         });
         fit.then_some(())
+    }
+
+    /// Proves that every goal to which advice may lead is in the list of goals.
+    fn validate_goals(
+        &self,
+        superblocks: u32,
+        work: &mut Work<impl FnMut()>,
+    ) -> Result<(), BlobError> {
+        let goals = self.goals().ok_or(BlobError::Cells)?;
+        let count = self.goal_list().and_then(|list| self.section.get(list));
+        let count = count.ok_or(BlobError::Cells)?;
+        goals.validate(superblocks, false, |entry| entry < count, work)
     }
 
     /// Proves the header before the roots, and the planes that it names.

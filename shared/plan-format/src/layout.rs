@@ -76,7 +76,15 @@ pub const MULTIPLIERS: usize = 16;
 pub const NO_TABLE: u32 = u32::MAX;
 /// Words that precede the roots of a layer with tolls: see [`TollHeader`].
 pub const TOLL_WORDS: u32 = 4 + MULTIPLIERS as u32 / 4;
-/// Bits of the rank in a layer's record; above it are the unit of costs and the flag of tolls.
+/// Bits of an entry of plane `goals`: the number of the goal that the advice leads to.
+pub const GOAL_BITS: u32 = 4;
+/// Words before the roots, and before the toll header, of a layer with several goals: where the table
+/// of plane `goals` begins, and where the list of the goals begins.
+pub const GOALS_WORDS: u32 = 2;
+/// Words of a goal in the list of goals, behind their number: x and y as `f64`, metres.
+pub const GOAL_WORDS: u32 = 4;
+/// Bits of the rank in a layer's record; above it are the unit of costs, the flag of tolls and the
+/// flag of several goals.
 pub(crate) const RANK_BITS: u32 = 3;
 /// Bits of the unit of costs in a layer's record.
 pub(crate) const UNIT_BITS: u32 = 2;

@@ -17,10 +17,11 @@
 //! #     routes: plane(0),
 //! #     roots: Root { cell: Cell::new(0, 0), cost: 0 }.words().into(),
 //! #     tolls: None,
+//! #     goals: None,
 //! #     counts: Counts { free: 3, blocked: 0, unreachable: 0 },
 //! # };
 //! # let layers = vec![LayerDraft { name: "physical".into(), rank: 0, packed }];
-//! # let pier = PlanDraft { name: "pier".into(), goal_m: [0.5, 0.5], layers };
+//! # let pier = PlanDraft { name: "pier".into(), goals_m: vec![[0.5, 0.5]], layers };
 //! # let flash = write(&Draft {
 //! #     grid: Grid { columns: 3, rows: 1, resolution_m: 1.0, corner_m: [0.0, 0.0] },
 //! #     origin: None,

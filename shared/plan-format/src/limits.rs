@@ -7,6 +7,8 @@ pub use math::grid::{MAX_COORDINATE_M, MAX_SIDE_CELLS, RESOLUTION_RANGE_M};
 pub const MAX_PLANS: usize = 64;
 /// Layers in one parallel plan.
 pub const MAX_LAYERS: usize = 8;
+/// Goals of one parallel plan.
+pub const MAX_GOALS: usize = 16;
 /// Bytes of a name, UTF-8.
 pub const MAX_NAME_BYTES: usize = 32;
 /// Bytes of a whole blob.
@@ -70,6 +72,7 @@ pub const MAX_INTERVALS: usize = 128;
 pub const MAX_MISSION_NAMES_BYTES: usize = MAX_NAME_BYTES
     * (MAX_INPUTS + MAX_FACTS + MAX_ACTIONS + MAX_FRAMES + MAX_PRODUCTIONS + MAX_BEHAVIOURS);
 
+const _: () = assert!(MAX_GOALS <= 1 << crate::layout::GOAL_BITS);
 const _: () = assert!(MAX_FACTS == u64::BITS as usize);
 const _: () = assert!(MAX_VERTICES <= u32::BITS as usize);
 const _: () = assert!(MAX_COMPONENTS <= u32::BITS as usize, "sets of components are u32");

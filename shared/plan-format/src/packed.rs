@@ -19,6 +19,9 @@ pub struct PackedLayer {
     pub roots: Vec<u32>,
     /// What a layer with tolls has besides; `None` without tolls.
     pub tolls: Option<PackedTolls>,
+    /// For each cell with a route the number of the goal that the advice leads to; `None` if the plan
+    /// has one goal.
+    pub goals: Option<PackedPlane>,
     /// The number of cells of each kind.
     pub counts: Counts,
 }
@@ -32,7 +35,8 @@ impl PackedLayer {
     /// Upper bound of its bytes in a blob, which stores words that layers share only once.
     pub fn bytes(&self) -> usize {
         let tolls = self.tolls.as_ref().map_or(0, PackedTolls::words);
-        WORD_BYTES * (self.terrain.words() + self.routes.words() + self.roots.len() + tolls)
+        let goals = self.goals.as_ref().map_or(0, PackedPlane::words);
+        WORD_BYTES * (self.terrain.words() + self.routes.words() + self.roots.len() + tolls + goals)
     }
 }
 

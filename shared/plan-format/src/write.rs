@@ -7,7 +7,7 @@ use crate::grid::Grid;
 use crate::layout::{NO_TABLE, ROOT_WORDS, TollHeader, UNIFORM, WORD_BYTES};
 use crate::mission::MissionDraft;
 use crate::names::{Name, is_name};
-use crate::packed::{PackedLayer, PackedPlane, Superblock};
+use crate::packed::{PackedLayer, PackedPlane, PackedTolls, Superblock};
 use crate::parameters::Parameters;
 use crate::record::Record;
 use crate::{limits, seal};
@@ -33,8 +33,9 @@ pub struct Draft {
 pub struct PlanDraft {
     /// Unique within the blob; see [`is_name`].
     pub name: String,
-    /// The goal, map metres.
-    pub goal_m: [f64; 2],
+    /// The goals, map metres: at least one, at most [`limits::MAX_GOALS`]. Of several, at least one is
+    /// on the grid.
+    pub goals_m: Vec<[f64; 2]>,
     /// From the least to the most constrained.
     pub layers: Vec<LayerDraft>,
 }
@@ -70,6 +71,21 @@ pub enum WriteError {
         plan: String,
         /// Number of its layers.
         layers: usize,
+    },
+    /// A plan without goals or with more than [`limits::MAX_GOALS`].
+    GoalCount {
+        /// The plan's name.
+        plan: String,
+        /// Number of its goals.
+        goals: usize,
+    },
+    /// A layer that names the goals of its cells although its plan has one goal, or does not although
+    /// it has several.
+    Goals {
+        /// The plan's name.
+        plan: String,
+        /// The layer's name.
+        layer: String,
     },
     /// The name of a plan or a layer that [`is_name`] refuses.
     Name(String),
@@ -108,6 +124,12 @@ impl std::fmt::Display for WriteError {
             Self::LayerCount { plan, layers } => {
                 write!(f, "plan {plan} has {layers} layers, not 1 to {}", limits::MAX_LAYERS)
             }
+            Self::GoalCount { plan, goals } => {
+                write!(f, "plan {plan} has {goals} goals, not 1 to {}", limits::MAX_GOALS)
+            }
+            Self::Goals { plan, layer } => {
+                write!(f, "layer {plan}/{layer} does not say which goal is meant, or needlessly")
+            }
             Self::Name(name) => write!(
                 f,
                 "{name:?} cannot be a name: 1 to {} bytes, trimmed, without `/`",
@@ -140,7 +162,7 @@ pub fn write_with_recipe(draft: &Draft, recipe: &str) -> Result<Vec<u8>, WriteEr
     check(draft)?;
     let mut sections = Sections::default();
     for plan in &draft.plans {
-        sections.put(plan)?;
+        sections.put(&draft.grid, plan)?;
     }
     let mission =
         draft.mission.write().map_err(|error| WriteError::Refused(BlobError::Mission { error }))?;
@@ -185,6 +207,10 @@ fn check(draft: &Draft) -> Result<(), WriteError> {
         if !(1..=limits::MAX_LAYERS).contains(&layers) {
             return Err(WriteError::LayerCount { plan: plan.name.clone(), layers });
         }
+        let goals = plan.goals_m.len();
+        if !(1..=limits::MAX_GOALS).contains(&goals) {
+            return Err(WriteError::GoalCount { plan: plan.name.clone(), goals });
+        }
         let mut names = std::iter::once(&plan.name).chain(plan.layers.iter().map(|l| &l.name));
         if let Some(name) = names.find(|name| !is_name(name)) {
             return Err(WriteError::Name(name.clone()));
@@ -194,6 +220,10 @@ fn check(draft: &Draft) -> Result<(), WriteError> {
             if (packed.columns, packed.rows) != (draft.grid.columns, draft.grid.rows) {
                 let (plan, layer) = (plan.name.clone(), layer.name.clone());
                 return Err(WriteError::LayerSize { plan, layer });
+            }
+            if packed.goals.is_some() != (goals > 1) {
+                let (plan, layer) = (plan.name.clone(), layer.name.clone());
+                return Err(WriteError::Goals { plan, layer });
             }
         }
     }
@@ -214,12 +244,18 @@ fn number<T: TryFrom<usize>>(field: &'static str, number: usize) -> Result<T, Wr
 }
 
 impl Sections {
-    fn put(&mut self, plan: &PlanDraft) -> Result<(), WriteError> {
+    fn put(&mut self, grid: &Grid, plan: &PlanDraft) -> Result<(), WriteError> {
+        // Of several goals, the first one that robots can look up.
+        let is_on_grid = |goal: &&[f64; 2]| grid.cell_at(goal[0], goal[1]).is_some();
+        let goal_m = plan.goals_m.iter().find(is_on_grid).or(plan.goals_m.first());
         let record = PlanRecord {
             name: self.name(&plan.name)?,
-            layer_count: number("number of layers", plan.layers.len())?,
+            layers_and_flag: PlanRecord::layers_byte(
+                number("number of layers", plan.layers.len())?,
+                plan.goals_m.len() > 1,
+            ),
             first_layer: number("first layer", self.layers.len() / LayerRecord::SIZE)?,
-            goal_m: plan.goal_m,
+            goal_m: goal_m.copied().unwrap_or_default(),
         };
         record.encode(&mut self.plans);
         for layer in &plan.layers {
@@ -228,15 +264,14 @@ impl Sections {
             if usize::from(layer.rank) >= limits::MAX_LAYERS {
                 return Err(WriteError::Number { field: "rank", number: layer.rank.into() });
             }
+            let toll_unit = packed.tolls.as_ref().map(|tolls| tolls.unit);
+            let has_several_goals = packed.goals.is_some();
             let record = LayerRecord {
                 name: self.name(&layer.name)?,
-                rank_and_tolls: LayerRecord::rank_byte(
-                    layer.rank,
-                    packed.tolls.as_ref().map(|tolls| tolls.unit),
-                ),
+                rank_and_flags: LayerRecord::rank_byte(layer.rank, toll_unit, has_several_goals),
                 terrain: self.cells.put_plane(&packed.terrain)?,
                 routes: self.cells.put_plane(&packed.routes)?,
-                roots: self.put_roots(packed)?,
+                roots: self.put_roots(packed, &plan.goals_m)?,
                 root_count: number("number of roots", packed.roots.len() / ROOT_WORDS as usize)?,
                 bytes: number("bytes of a layer", self.cells.bytes.len() - before)?,
                 counts: packed.counts,
@@ -246,19 +281,32 @@ impl Sections {
         Ok(())
     }
 
-    /// The offset of a layer's roots, or of the header before them if it has tolls.
-    fn put_roots(&mut self, packed: &PackedLayer) -> Result<u32, WriteError> {
-        let Some(tolls) = &packed.tolls else { return self.cells.put_words(&packed.roots) };
+    /// The offset of a layer's roots, or of the headers before them.
+    fn put_roots(&mut self, packed: &PackedLayer, goals_m: &[[f64; 2]]) -> Result<u32, WriteError> {
+        let mut words = Vec::new();
+        if let Some(goals) = &packed.goals {
+            let plane = self.cells.put_plane(goals)?;
+            let numbers = goals_m.as_flattened().iter().map(|number| number.to_bits());
+            let numbers = numbers.flat_map(|bits| [bits as u32, (bits >> 32) as u32]);
+            let list: Vec<u32> = std::iter::once(goals_m.len() as u32).chain(numbers).collect();
+            words.extend([plane, self.cells.put_words(&list)?]);
+        }
+        if let Some(tolls) = &packed.tolls {
+            words.extend(self.toll_header(tolls)?.words());
+        }
+        words.extend(&packed.roots);
+        self.cells.put_words(&words)
+    }
+
+    fn toll_header(&mut self, tolls: &PackedTolls) -> Result<TollHeader, WriteError> {
         let limits = tolls.limits.as_ref().map(|limits| self.cells.put_plane(limits));
-        let header = TollHeader {
+        Ok(TollHeader {
             corrections: self.cells.put_plane(&tolls.corrections)?,
             values: self.cells.put_words(&tolls.values)?,
             value_count: number("number of corrections", tolls.values.len())?,
             limits: limits.transpose()?.unwrap_or(NO_TABLE),
             multipliers: tolls.multipliers,
-        };
-        let words: Vec<u32> = header.words().into_iter().chain(packed.roots.clone()).collect();
-        self.cells.put_words(&words)
+        })
     }
 
     fn name(&mut self, name: &str) -> Result<Name, WriteError> {
@@ -330,6 +378,7 @@ mod tests {
                 routes: plane(0),
                 roots: goal.words().into(),
                 tolls: None,
+                goals: None,
                 counts,
             },
         }
@@ -340,7 +389,7 @@ mod tests {
         let shut = Counts { free: 0, blocked: 3, unreachable: 0 };
         let plan = |name: &str| PlanDraft {
             name: name.into(),
-            goal_m: [-0.5, 0.5],
+            goals_m: vec![[-0.5, 0.5]],
             layers: vec![
                 layer("physical", Terrain::Free, open),
                 layer("comms", Terrain::Escape(Direction::W), shut),

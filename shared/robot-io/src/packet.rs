@@ -202,6 +202,7 @@ mod tests {
             receiver: Receiver::NoVelocity,
             checks: Checks::HEADING,
             news: Some(News::default()),
+            goal: Some(u8::MAX),
         };
         let packet = encode(&Downlink::Telemetry(record)).unwrap();
         let mut decoder = Decoder::default();
@@ -222,6 +223,7 @@ mod tests {
                     receiver: Receiver::default(),
                     checks: Checks::default(),
                     news: None,
+                    goal: None,
                 };
                 let packet = encode(&Downlink::Telemetry(record)).unwrap();
                 assert_eq!(read_all(&packet), Vec::<Uplink, 8>::new());

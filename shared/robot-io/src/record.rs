@@ -58,6 +58,9 @@ pub struct CommandRecord {
     pub checks: Checks,
     /// What the robot tells its mates; `None` without a team.
     pub news: Option<News>,
+    /// Of a plan with several goals, the number of the one that the robot approaches or has reached;
+    /// `None` if it follows no such plan.
+    pub goal: Option<u8>,
 }
 
 impl SensorRecord {
@@ -141,6 +144,7 @@ mod tests {
             receiver: Receiver::Sound,
             checks: Checks::all(),
             news: Some(news),
+            goal: Some(u8::MAX),
         };
         assert_eq!(CommandRecord::from_bytes(&record.to_bytes().unwrap()), Some(record));
         assert_eq!(CommandRecord::from_bytes(&[0xff; COMMAND_RECORD_BYTES]), None);

@@ -152,7 +152,7 @@ fn options(map: &Map) -> Options {
     let [x, y] = map.extent.corner;
     let middle = Goal {
         name: "middle".into(),
-        at: GoalAt::Position([x + width / 2.0, y + height / 2.0]),
+        at: vec![GoalAt::Position([x + width / 2.0, y + height / 2.0])],
         layers: None,
         place: None,
     };

@@ -114,6 +114,7 @@ fn packets() -> Vec<u8> {
         receiver: Receiver::Sound,
         checks: Checks::HEADING,
         news: None,
+        goal: None,
     }));
     up.into_iter().chain([down]).flat_map(|packet| packet.expect("a packet fits")).collect()
 }

@@ -1,5 +1,6 @@
 //! Blobs are read as they were written, and damaged blobs are refused.
 
+mod goals;
 mod hostile;
 mod picture;
 mod sizes;
@@ -17,7 +18,7 @@ use proptest::prelude::*;
 fn draft(fields: &[Field]) -> Draft {
     let plan = |(number, field): (usize, &Field)| PlanDraft {
         name: format!("goal {number}"),
-        goal_m: [0.5, 0.5],
+        goals_m: vec![[0.5, 0.5]],
         layers: vec![LayerDraft { name: "physical".into(), rank: 0, packed: pack(field) }],
     };
     let (columns, rows) = fields.first().map_or((0, 0), |field| (field.columns, field.rows));
@@ -238,7 +239,7 @@ fn the_limits_hold_on_both_sides() {
     let refused = |error| WriteError::Refused(error);
     let same = refusal(&|d| d.plans[1].name = "goal 0".into());
     assert_eq!(same, refused(BlobError::Name));
-    let outside = refusal(&|d| d.plans[1].goal_m = [1.0, 0.0]);
+    let outside = refusal(&|d| d.plans[1].goals_m = vec![[1.0, 0.0]]);
     assert_eq!(outside, refused(BlobError::Goal));
     let nowhere = refusal(&|d| d.grid.corner_m = [f64::NAN, 0.0]);
     assert_eq!(nowhere, refused(BlobError::Grid));

@@ -5,6 +5,7 @@
 //! `INSTA_UPDATE=always cargo test -p it cli` rewrites them.
 
 mod examples;
+mod goals;
 mod hostile;
 mod maps;
 mod passages;

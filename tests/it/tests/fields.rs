@@ -1,6 +1,7 @@
 //! Fields, compared with slow references and with drawn pictures.
 
 mod published;
+mod several;
 mod tolls;
 
 use maps::Bitmap;
@@ -159,7 +160,7 @@ fn solve(blocked: &Bitmap, goal: Cell, corners: Corners) -> Field {
 
 /// The same by a solver that may have solved others before.
 fn solve_by(solver: &mut Solver, blocked: &Bitmap, goal: Cell, corners: Corners) -> Field {
-    solver.solve(&Query { terrain: &Terrain::new(blocked.clone()), goal, corners })
+    solver.solve(&Query { terrain: &Terrain::new(blocked.clone()), goals: &[goal], corners })
 }
 
 /// Compares the results of every method with the references.
@@ -403,7 +404,7 @@ fn paths_that_are_too_long_are_reported() {
         let goal = Cell::new(0, 0);
         let field = solve(&map, goal, Corners::Forbid);
         let terrain = Terrain::new(map.clone());
-        let query = Query { terrain: &terrain, goal, corners: Corners::Forbid };
+        let query = Query { terrain: &terrain, goals: &[goal], corners: Corners::Forbid };
         let tiles = solve_by(&mut Solver::with_method(Method::Tiles), &map, goal, Corners::Forbid);
         assert!(tiles == field);
         let length = u64::from(rows.div_ceil(2)) * u64::from(columns + 1) - 2;

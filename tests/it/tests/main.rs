@@ -10,6 +10,7 @@ mod driving;
 mod fields;
 mod formats;
 mod glossary;
+mod goals;
 mod how_to_add;
 mod layering;
 mod missions;

@@ -1,7 +1,7 @@
 //! `cargo mission` as a user runs it: outcomes, exit status, JSON output and files.
 
 use harness::setup;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -225,4 +225,29 @@ fn missions_of_users_end_as_intended() {
     let object: Value = serde_json::from_str(&out).unwrap();
     // At 305 s, `charge` ends, and `patrol` sleeps for one more tick.
     assert!(object["time_s"].as_f64().unwrap() > 310.0, "{out}");
+}
+
+/// Of several goals, the summary, the JSON and the explanation of a trace name the one that was reached.
+#[test]
+fn the_goal_that_was_reached_is_named() {
+    let shipped = ["stations.ovl", "stations.mission.toml"]
+        .map(|name| (name, fs::read_to_string(it::own_map(name)).unwrap()));
+    let files: Vec<(&str, &str)> = shipped.iter().map(|(name, text)| (*name, &text[..])).collect();
+    let folder = folder(&files);
+    let drive = "stations.ovl --start 36,10 --perfect";
+    let (status, out, err) = run(folder.path(), &format!("{drive} --trace drive.trace"));
+    assert!(status == 0 && out.contains("outcome     Reached fuel[0] at 20,6\n"), "{out}{err}");
+    let (_, out, _) = run(folder.path(), &format!("{drive} --json"));
+    let object: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((&object["goal"], &object["goal_m"]), (&"fuel[0]".into(), &json!([20.0, 6.0])));
+    let explained = |arguments: &[&str]| {
+        let mut command = Command::new(setup::plan_compiler().unwrap());
+        let output = command.args(arguments).current_dir(folder.path()).output().unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let story = explained(&["explain", "drive.trace"]);
+    assert!(story.contains("because: Driving (fuel[0])"), "{story}");
+    assert!(story.contains("because: AtGoal (fuel[0])"), "{story}");
+    let last = explained(&["explain", "drive.trace", "--tick", "last"]);
+    assert!(last.contains("goal       fuel[0]\n") && last.contains(", fuel[0]\n"), "{last}");
 }

@@ -8,7 +8,7 @@ use robot_io::Reason;
 pub struct Limits {
     /// Time limit, seconds.
     pub time_s: f64,
-    /// Position of the goal, metres.
+    /// Position of the goal, metres. Of several, the robot reports the one that it reaches.
     pub goal: Point,
     /// Largest true distance from the goal at which a reported arrival counts, metres.
     pub goal_tolerance_m: f64,
@@ -99,6 +99,8 @@ pub struct Outcome {
     pub route: Vec<Point>,
     /// Number of ticks per reason, in the order of first appearance.
     pub reasons: Vec<(Reason, u64)>,
+    /// Of a plan with several goals, the number of the one that the robot approached or reached last.
+    pub goal: Option<u8>,
     /// The trace hash after the last tick.
     pub trace_hash: u64,
     /// Most instructions in one tick; 0 where they are not counted.

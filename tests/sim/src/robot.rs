@@ -25,6 +25,8 @@ pub struct Robot<S, P> {
     sensors: S,
     pilot: P,
     limits: Limits,
+    /// The goals of a plan with several, by their numbers.
+    goals: Vec<Point>,
     body: Body,
     actuators: Vec<Actuators>,
     commands: Commands,
@@ -48,6 +50,7 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
             sensors,
             pilot,
             limits,
+            goals: Vec::new(),
             body,
             actuators: Vec::new(),
             commands: Commands::stop(Reason::Idle),
@@ -64,6 +67,12 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
     pub fn to_the_end(mut self) -> Self {
         self.limits.trapped_after_s = f64::INFINITY;
         self.limits.stranded_after_s = f64::INFINITY;
+        self
+    }
+
+    /// Gives the robot several goals, by their numbers: it arrives at the one that it reports.
+    pub fn with_goals(mut self, goals: impl IntoIterator<Item = Point>) -> Self {
+        self.goals.extend(goals);
         self
     }
 
@@ -147,6 +156,7 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         }
         outcome.touches += u32::from(result.touched && !self.is_touching);
         outcome.trace_hash = answer.trace_hash;
+        outcome.goal = answer.goal;
         outcome.most_instructions = outcome.most_instructions.max(answer.instructions);
         if result.struck {
             let is_new = self.struck_at.is_none_or(|at| outcome.ticks - at > STRIKE_TICKS);
@@ -193,7 +203,9 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
             Some((reason, since)) if reason == why => seconds_since(since),
             _ => 0.0,
         };
-        let is_there = distance(self.body.position, limits.goal) <= limits.goal_tolerance_m;
+        let reported = self.outcome.goal.and_then(|number| self.goals.get(usize::from(number)));
+        let goal = reported.copied().unwrap_or(limits.goal);
+        let is_there = distance(self.body.position, goal) <= limits.goal_tolerance_m;
         let work = self.outcome.surroundings.as_ref().filter(|world| world.has_work());
         let is_done = match work {
             Some(work) => work.is_done(reason),
@@ -244,6 +256,7 @@ mod tests {
                 receiver,
                 checks: robot_io::Checks::default(),
                 news: None,
+                goal: None,
             })
         }
     }
@@ -290,6 +303,7 @@ mod tests {
                 receiver,
                 checks,
                 news: None,
+                goal: None,
             })
         }
     }

@@ -204,7 +204,11 @@ impl Scenario {
             }
         }
         let body = Body::new(chassis, start.position, start.heading_rad);
-        let robot = Robot::new(body, sensors, pilot, self.limits(start)).with_actuators(actuators);
+        let parallel = self.parallel_plan();
+        let several = parallel.goals_m().filter(|_| parallel.has_several_goals());
+        let robot = Robot::new(body, sensors, pilot, self.limits(start))
+            .with_goals(several)
+            .with_actuators(actuators);
         Ok(match &self.surroundings {
             Some(surroundings) => robot.within(surroundings.clone()),
             None => robot,

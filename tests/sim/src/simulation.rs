@@ -298,6 +298,7 @@ mod tests {
                 receiver,
                 checks: robot_io::Checks::default(),
                 news: None,
+                goal: None,
             })
         }
     }
@@ -399,6 +400,7 @@ mod tests {
                 receiver: Receiver::Sound,
                 checks: robot_io::Checks::default(),
                 news: None,
+                goal: None,
             })
         }
     }

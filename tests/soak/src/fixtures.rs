@@ -24,7 +24,7 @@ pub fn blob(mission: MissionDraft) -> Result<Vec<u8>, WriteError> {
     };
     let plan = |name: &str, column: u32, row: u32, layers: usize| PlanDraft {
         name: name.into(),
-        goal_m: [f64::from(column) + 0.5, f64::from(row) + 0.5],
+        goals_m: vec![[f64::from(column) + 0.5, f64::from(row) + 0.5]],
         layers: (0..layers)
             .map(|index| LayerDraft {
                 rank: 0,

@@ -76,14 +76,14 @@ fn blob_with(
         let blocked = Bitmap::from_fn(columns, rows, |cell| character(drawing, cell) == b'#');
         let packed = pack(&solve(&Query {
             terrain: &Terrain::new(blocked),
-            goal,
+            goals: &[goal],
             corners: Corners::Forbid,
         }));
         LayerDraft { name: format!("layer {index}"), rank: index as u8, packed }
     };
     let plan = PlanDraft {
         name: "goal".into(),
-        goal_m: grid.centre(goal),
+        goals_m: vec![grid.centre(goal)],
         layers: drawings.iter().enumerate().map(layer).collect(),
     };
     let draft = Draft { grid, origin, parameters, plans: vec![plan], mission };

@@ -32,16 +32,21 @@ pub(super) fn write(
     format: RouteFormat,
 ) -> Result<(), Failure> {
     let name = format!("{}/{}", parallel.name(), layer.name());
-    let followed = route::follow(blob.grid(), layer, parallel.goal_m(), start);
+    let followed = route::follow(blob.grid(), parallel, layer, start);
     let route = followed.map_err(|reason| {
         let message = format!("{name} has no route from {}: {reason}", pair(start));
         Problem::error(message).help(help(reason))
     })?;
+    // The number of the goal, if the plan has several.
+    let goal = Some(route.goal).filter(|_| parallel.goal_count() > 1);
     match format {
         RouteFormat::Json => {
             let (poses, length_m) = (poses(&route), route.length_m);
-            let whole =
+            let mut whole =
                 json!({ "layer": name, "frame_id": "map", "length_m": length_m, "poses": poses });
+            if let Some(goal) = goal {
+                whole["goal"] = goal.into();
+            }
             writeln!(out, "{whole}")?;
         }
         RouteFormat::Csv => write_table(out, blob, &route)?,
@@ -52,7 +57,7 @@ pub(super) fn write(
                      an overlay",
                 )
             })?;
-            let whole = json!({
+            let mut whole = json!({
                 "type": "FeatureCollection",
                 "features": [{
                     "type": "Feature",
@@ -60,6 +65,9 @@ pub(super) fn write(
                     "geometry": { "type": "LineString", "coordinates": line },
                 }],
             });
+            if let Some(goal) = goal {
+                whole["features"][0]["properties"]["goal"] = goal.into();
+            }
             writeln!(out, "{whole}")?;
         }
     }

@@ -62,6 +62,7 @@ mod gate {
                     receiver: percepts.receiver,
                     checks: state.checks(),
                     news: state.team.news(&blob.parameters().team),
+                    goal: state.goal(),
                 };
                 black_box(encode(&Downlink::Telemetry(record)));
                 black_box(record.to_bytes());

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use clap::{Parser, ValueEnum};
 use harness::mission::{self, Changes, PRESETS};
 use harness::{Build, Machine, QemuPilot, Report, picture};
+use plan_compiler::goals;
 use plan_compiler::mission::Goal;
 use plan_compiler::mission::words;
 use plan_compiler::output;
@@ -142,10 +143,10 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
         }
     };
     if arguments.json {
-        text = json(&outcome, !scenario.conditions.discs.is_empty());
+        text = json(&scenario, &outcome);
     } else {
         // Writing to a string does not fail.
-        let _ = write_outcome(&mut text, &start, &outcome, report.as_ref());
+        let _ = write_outcome(&mut text, &scenario, &start, &outcome, report.as_ref());
     }
     // A closed pipe does not change the exit status.
     let _ = std::io::stdout().write_all(text.as_bytes());
@@ -187,8 +188,14 @@ fn on_the_host(
     Ok(outcome)
 }
 
-/// The object of `--json`. Programs rely on its names. `struck` is there if something moves.
-fn json(outcome: &Outcome, something_moves: bool) -> String {
+/// The goal that the robot approached or reached last, of a plan with several: its name and position.
+fn goal(scenario: &Scenario, outcome: &Outcome) -> Option<(String, [f64; 2])> {
+    goals::all(&scenario.parallel_plan()).nth(outcome.goal?.into())
+}
+
+/// The object of `--json`. Programs rely on its names. `struck` is there if something moves, `goal` and
+/// `goal_m` if the plan has several goals.
+fn json(scenario: &Scenario, outcome: &Outcome) -> String {
     let reasons = outcome.reasons.iter();
     let reasons: serde_json::Map<String, serde_json::Value> =
         reasons.map(|(reason, ticks)| (format!("{reason:?}"), (*ticks).into())).collect();
@@ -203,7 +210,11 @@ fn json(outcome: &Outcome, something_moves: bool) -> String {
         "reasons": reasons,
         "trace_hash": format!("{:016x}", outcome.trace_hash),
     });
-    if something_moves {
+    if let Some((name, at)) = goal(scenario, outcome) {
+        object["goal"] = name.into();
+        object["goal_m"] = at.to_vec().into();
+    }
+    if !scenario.conditions.discs.is_empty() {
         object["struck"] = outcome.strikes.into();
     }
     format!("{object}\n")
@@ -235,13 +246,17 @@ impl Pilot for Recorder<'_> {
 
 fn write_outcome(
     text: &mut String,
+    scenario: &Scenario,
     start: &Start,
     outcome: &Outcome,
     report: Option<&Report>,
 ) -> std::fmt::Result {
     let ending = outcome.ending.map_or_else(|| "unfinished".to_owned(), |e| format!("{e:?}"));
     let [x, y] = start.position;
-    writeln!(text, "outcome     {ending}")?;
+    match goal(scenario, outcome) {
+        Some((name, [x, y])) => writeln!(text, "outcome     {ending} {name} at {x},{y}")?,
+        None => writeln!(text, "outcome     {ending}")?,
+    }
     writeln!(text, "start       {x:.2},{y:.2} m, seed {}", start.seed)?;
     writeln!(text, "time        {:.1} s, {} ticks", outcome.time_s, outcome.ticks)?;
     writeln!(text, "distance    {:.1} m", outcome.distance_m)?;

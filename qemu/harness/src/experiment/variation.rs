@@ -135,7 +135,7 @@ impl Variation {
     }
 
     /// Changes the parameters and the goals of a robot's mission.
-    pub(super) fn change_mission(&self, mission: &mut Mission, middle: &[(String, GoalAt)]) {
+    pub(super) fn change_mission(&self, mission: &mut Mission, middle: &[(String, Vec<GoalAt>)]) {
         let vehicle = &mut mission.parameters.vehicle;
         if self.turns_freely {
             vehicle.max_turn_rate_radps = ANY_TURN_RADPS;
@@ -147,7 +147,7 @@ impl Variation {
         if self.is_computed {
             let place = |(name, at): (&str, [f64; 2])| Goal {
                 name: name.to_owned(),
-                at: GoalAt::Position(at),
+                at: vec![GoalAt::Position(at)],
                 layers: None,
                 place: None,
             };

@@ -69,7 +69,7 @@ fn shared(plans: usize, layers: usize, unit: Option<u8>) -> Vec<u8> {
     let layers: Vec<LayerDraft> = (0..layers).map(layer).collect();
     let plan = |number| PlanDraft {
         name: format!("{number}"),
-        goal_m: [0.5, 0.5],
+        goals_m: vec![[0.5, 0.5]],
         layers: layers.clone(),
     };
     let mut draft: Draft = draft(&[repeated()]);
@@ -186,7 +186,7 @@ fn tolled() -> Draft {
     });
     let terrain = Terrain::new(blocked).with_tolls(tolls);
     let (goal, corners) = (Cell::new(16, 1), Corners::Forbid);
-    let field = solve(&Query { terrain: &terrain, goal, corners });
+    let field = solve(&Query { terrain: &terrain, goals: &[goal], corners });
     let mut limits = Limits::default();
     limits.lower(&Bitmap::from_fn(18, 9, |cell| cell.row > 5), 0.5);
     let mut draft = draft(std::slice::from_ref(&field));

@@ -70,7 +70,7 @@ fn size(name: &str, map: &Bitmap) -> Size {
     let mut solver = Solver::new();
     let terrain = Terrain::new(map.clone());
     let fields = goals.map(|goal| {
-        solver.solve(&Query { terrain: &terrain, goal: free(goal), corners: Corners::Forbid })
+        solver.solve(&Query { terrain: &terrain, goals: &[free(goal)], corners: Corners::Forbid })
     });
     let bytes = |fields: &[Field]| write(&draft(fields)).unwrap();
     let (one, two) = (bytes(&fields[..1]), bytes(&fields));

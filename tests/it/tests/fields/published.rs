@@ -74,7 +74,7 @@ fn every_published_movingai_length_is_reproduced() {
         let terrain = Terrain::new(map.clone());
         for entry in entries {
             let goal = cell(entry.goal);
-            let query = Query { terrain: &terrain, goal, corners: Corners::Forbid };
+            let query = Query { terrain: &terrain, goals: &[goal], corners: Corners::Forbid };
             solver.solve_into(&query, &mut field);
             let start = cell(entry.start);
             let cost = field.cost[(start.row * map.columns() + start.column) as usize];

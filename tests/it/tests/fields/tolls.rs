@@ -123,7 +123,7 @@ fn tolls_on(map: &Bitmap, (texture, factors, seed): (u8, Vec<u32>, u64)) -> Toll
 fn solve(blocked: &Bitmap, tolls: &Tolls, goal: Cell, corners: Corners) -> Option<Field> {
     let terrain = Terrain::new(blocked.clone()).with_tolls(tolls.clone());
     terrain.tolls.as_ref()?;
-    let query = Query { terrain: &terrain, goal, corners };
+    let query = Query { terrain: &terrain, goals: &[goal], corners };
     let field = Solver::new().solve(&query);
     assert!(!is_cut_short(&query, &field));
     for vectors in Vectors::all() {
@@ -147,7 +147,7 @@ fn draft_of(field: &Field, limits: &Limits, goal: Cell) -> Draft {
         parameters: Parameters::default(),
         plans: vec![PlanDraft {
             name: "goal".into(),
-            goal_m: [f64::from(goal.column) + 0.5, f64::from(goal.row) + 0.5],
+            goals_m: vec![[f64::from(goal.column) + 0.5, f64::from(goal.row) + 0.5]],
             layers: vec![LayerDraft { name: "physical".into(), rank: 0, packed }],
         }],
         mission: MissionDraft::default(),
@@ -259,13 +259,13 @@ fn routes_that_cost_too_much_are_reported() {
     let map = Bitmap::new(columns, rows);
     let terrain = Terrain::new(map.clone()).with_tolls(tolls);
     let goal = Cell::new(0, 0);
-    let query = Query { terrain: &terrain, goal, corners: Corners::Forbid };
+    let query = Query { terrain: &terrain, goals: &[goal], corners: Corners::Forbid };
     let field = Solver::new().solve(&query);
     assert!(!is_cut_short(&query, &field));
     // Eighths of the factors, so a unit of an eighth: 2,741 cells of factor 32 are the most.
     let tolls = Tolls::from_fn(3_000, 2, |cell| if cell.column == 7 { 9 } else { 256 });
     let terrain = Terrain::new(Bitmap::new(3_000, 2)).with_tolls(tolls);
-    let query = Query { terrain: &terrain, goal, corners: Corners::Forbid };
+    let query = Query { terrain: &terrain, goals: &[goal], corners: Corners::Forbid };
     let field = Solver::new().solve(&query);
     assert!(is_cut_short(&query, &field));
     let farthest = field.cost.iter().filter(|&&cost| cost != field::UNREACHED).max();
@@ -285,7 +285,7 @@ fn limits_are_read_in_every_cell() {
     }
     let field = Solver::new().solve(&Query {
         terrain: &Terrain::new(Bitmap::new(70, 40)),
-        goal: Cell::new(3, 3),
+        goals: &[Cell::new(3, 3)],
         corners: Corners::Forbid,
     });
     let bytes = blob(&field, &limits, Cell::new(3, 3));
@@ -309,7 +309,8 @@ fn limits_are_read_in_every_cell() {
 fn commanded_speeds(limits: &Limits) -> Vec<(f32, f32)> {
     let goal = Cell::new(60, 10);
     let terrain = Terrain::new(Bitmap::new(70, 20));
-    let field = Solver::new().solve(&Query { terrain: &terrain, goal, corners: Corners::Forbid });
+    let field =
+        Solver::new().solve(&Query { terrain: &terrain, goals: &[goal], corners: Corners::Forbid });
     let mut draft = draft_of(&field, limits, goal);
     let place = math::GeoPoint { lat_e7: 510_000_000, lon_e7: 70_000_000 };
     draft.origin = Some(Origin { place, at_m: [0.0, 0.0], heading_rad: 0.0 });

@@ -46,7 +46,7 @@ fn build(path: &Path, bytes: Vec<u8>, mission: &Mission, at: [f64; 2]) -> bool {
     let mut problems = loaded.problems;
     let mut is_built = false;
     if let Some(map) = &loaded.map {
-        let at = GoalAt::Position(at);
+        let at = vec![GoalAt::Position(at)];
         let goal = Goal { name: "a".into(), at, layers: None, place: None };
         // Little memory: a changed digit makes a map large.
         let options = Options {
