@@ -11,10 +11,12 @@
 
 mod added;
 mod area;
+mod candidate;
 mod globe;
 mod goals;
 mod members;
 mod memory;
+mod nearest_free;
 mod obstacles;
 mod radio;
 mod tolls;
@@ -31,7 +33,8 @@ use crate::recipe;
 use crate::search::{Corners, MAX_COST, Query, Solver, is_cut_short};
 use crate::tolls::Tolls;
 use crate::width::{self, LayerPassages};
-use goals::{Placed, PlacedLayer};
+use candidate::PlacedLayer;
+use goals::Placed;
 use maps::numbers::metres;
 use maps::problem::has_errors;
 use maps::radio::Model;

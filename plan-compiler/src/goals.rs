@@ -1,7 +1,7 @@
 //! The names of goals in texts.
 //!
-//! A plan may have several goals, of which one is as good as another. Their names are that of the plan
-//! with a number, from 0 in the order of the mission: `fuel[2]`.
+//! A plan may have several goals, each as good as another. Their names are that of the plan with a
+//! number, from 0 in the order of the mission: `fuel[2]`.
 
 use plan_format::ParallelPlan;
 

@@ -1,17 +1,18 @@
 //! The goals: which there are, their cells, and the layers of each.
 
+use super::candidate::{Candidate, PlacedLayer, with_place};
+use super::nearest_free::nearest_free;
 use super::{MAX_SUGGESTIONS, globe, members};
 use crate::goals::name_of;
 use crate::input::Input;
 use crate::layers::Layer;
-use crate::mission::{Goal, GoalAt, Named, tidy_name};
+use crate::mission::{Goal, GoalAt, tidy_name};
 use crate::pack::Numbered;
+use maps::Point;
 use maps::names::nearest;
 use maps::numbers::pair;
 use maps::problem::{Place, Problem, has_errors};
-use maps::{Bitmap, Point};
-use math::scalar::wide;
-use plan_format::{Cell, Grid, limits};
+use plan_format::{Grid, limits};
 use std::collections::{BTreeMap, HashSet};
 
 /// A goal on the grid.
@@ -20,37 +21,6 @@ pub(super) struct Placed {
     /// Metres; several for a plan that leads to the cheapest of them.
     pub(super) at: Vec<Point>,
     pub(super) layers: Vec<PlacedLayer>,
-}
-
-/// A layer of a goal.
-pub(super) struct PlacedLayer {
-    /// Its index in the stack, which has at most `limits::MAX_LAYERS` layers.
-    pub(super) rank: u8,
-    /// The goals that are free in it.
-    pub(super) goals: Vec<Numbered>,
-}
-
-/// A goal not yet placed on the grid.
-pub(super) struct Candidate<'a> {
-    pub(super) name: String,
-    pub(super) at: Vec<Point>,
-    layers: Option<&'a [Named]>,
-    pub(super) place: Option<Place>,
-    /// Whether a person asked for it; otherwise only the map names it.
-    pub(super) asked: bool,
-}
-
-impl Candidate<'_> {
-    /// An error if a person asked for it; otherwise a warning that it is left out.
-    pub(super) fn problem(&self, message: String, label: &str) -> Problem {
-        let problem = if self.asked { Problem::error(message) } else { left_out(message) };
-        with_place(problem, self.place.as_ref(), label)
-    }
-}
-
-/// A warning that what the message is about is left out.
-pub(super) fn left_out(message: String) -> Problem {
-    Problem::warning(format!("{message}; it is left out"))
 }
 
 /// All goals that can be planned for, in order: at least one, unless there is an error.
@@ -365,51 +335,6 @@ fn home(
     Some(Placed { name: "home".into(), at: vec![at], layers: free })
 }
 
-/// The free cell whose centre is nearest to a point; of equals, the first from the south-west.
-pub(super) fn nearest_free(grid: &Grid, blocked: &Bitmap, to: Point) -> Option<Cell> {
-    let squared = |cell: Cell| {
-        let [x, y] = grid.centre(cell);
-        (x - to[0]) * (x - to[0]) + (y - to[1]) * (y - to[1])
-    };
-    // The cell of the point itself comes first: its centre need not be the nearest.
-    let own = grid.cell_at(to[0], to[1]).filter(|&cell| !blocked.get(cell));
-    if own.is_some() {
-        return own;
-    }
-    let index = |axis: usize, count: u32| {
-        let at = wide::floor((to[axis] - grid.corner_m[axis]) / grid.resolution_m);
-        at.clamp(0.0, f64::from(count.saturating_sub(1))) as u32
-    };
-    let (column, row) = (index(0, grid.columns), index(1, grid.rows));
-    let mut best: Option<(f64, Cell)> = None;
-    // Rows from the nearest outwards, as long as they can contain a nearer cell.
-    for away in 0..grid.rows {
-        let near = [row.checked_sub(away), row.checked_add(away).filter(|row| *row < grid.rows)];
-        let in_reach = |row: &u32| {
-            let apart = grid.centre(Cell::new(0, *row))[1] - to[1];
-            best.is_none_or(|(squared, _)| apart * apart <= squared)
-        };
-        let rows: Vec<u32> = near.into_iter().flatten().filter(in_reach).collect();
-        if rows.is_empty() && best.is_some() {
-            break;
-        }
-        for row in rows {
-            let is_free = |column: &u32| !blocked.get(Cell::new(*column, row));
-            // On either side, only the first free cell can be the nearest.
-            let west = (0..column).rev().find(is_free);
-            let east = (column..grid.columns).find(is_free);
-            for cell in [west, east].into_iter().flatten().map(|column| Cell::new(column, row)) {
-                let found = (squared(cell), cell);
-                let order = |(squared, cell): (f64, Cell)| (squared, cell.row, cell.column);
-                if best.is_none_or(|best| order(found) < order(best)) {
-                    best = Some(found);
-                }
-            }
-        }
-    }
-    best.map(|(_, cell)| cell)
-}
-
 fn beyond_capacity(goals: usize, asked: bool) -> Problem {
     let limit = limits::MAX_PLANS;
     if asked {
@@ -421,40 +346,5 @@ fn beyond_capacity(goals: usize, asked: bool) -> Problem {
             goals - limit
         );
         Problem::warning(message).help("name the goals you need: --goal NAME=X,Y")
-    }
-}
-
-pub(super) fn with_place(problem: Problem, place: Option<&Place>, label: &str) -> Problem {
-    match place {
-        Some(place) => problem.at(&place.source, place.span.clone(), label),
-        None => problem,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn the_nearest_free_cell_is_that_of_a_search_through_all(
-            columns in 1u32..90, rows in 1u32..12, free in prop::collection::vec((0u32..90, 0u32..12), 0..6),
-            east in -80i32..320, north in -80i32..80,
-        ) {
-            // Quarters of a metre: many cells are equally near.
-            let [x, y] = [east, north].map(|quarters| f64::from(quarters) / 4.0);
-            let grid = Grid { columns, rows, resolution_m: 0.5, corner_m: [-3.0, 1.0] };
-            let blocked = Bitmap::from_fn(columns, rows, |cell| !free.contains(&(cell.column, cell.row)));
-            let squared = |cell: Cell| {
-                let [east, north] = grid.centre(cell);
-                (east - x) * (east - x) + (north - y) * (north - y)
-            };
-            let own = grid.cell_at(x, y).filter(|&cell| !blocked.get(cell));
-            let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| Cell::new(column, row)));
-            let cells = cells.filter(|&cell| !blocked.get(cell));
-            let expected = own.or_else(|| cells.min_by(|&a, &b| squared(a).total_cmp(&squared(b))));
-            prop_assert_eq!(nearest_free(&grid, &blocked, [x, y]), expected);
-        }
     }
 }

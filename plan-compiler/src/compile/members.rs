@@ -1,10 +1,11 @@
-//! Several goals of one plan: resources, any of which will do (after Payton). Each is a *member*.
+//! Several goals of one plan: resources, each as good as another (after Payton). Each is a *member*.
 //!
 //! A member that no route can lead to is left out with a warning, as long as another one is left. Its
 //! number stays its own, so that reports count as the mission does.
 
 use super::area::reach;
-use super::goals::{Candidate, PlacedLayer, left_out, nearest_free, with_place};
+use super::candidate::{Candidate, PlacedLayer, left_out, with_place};
+use super::nearest_free::nearest_free;
 use super::{MAX_SUGGESTIONS, globe};
 use crate::goals::name_of;
 use crate::input::Input;

@@ -33,7 +33,7 @@ fn ends(terrain: &Terrain, goals: &[Cell]) -> Vec<Numbered> {
     (0..).zip(goals.iter().copied()).filter(|&(_, cell)| terrain.is_free(cell)).collect()
 }
 
-/// A blob with one plan to several goals, of which at least one is on the grid of 1 m.
+/// A blob with one plan to several goals on a grid of 1 m; at least one goal is on it.
 fn blob(field: &Field, terrain: &Terrain, goals: &[Cell]) -> Vec<u8> {
     let packed = with_goals(pack(field), &ends(terrain, goals)).unwrap();
     let centre = |cell: &Cell| [f64::from(cell.column) + 0.5, f64::from(cell.row) + 0.5];
