@@ -39,6 +39,7 @@ use maps::numbers::metres;
 use maps::problem::has_errors;
 use maps::radio::Model;
 use maps::{Bitmap, Point, Problem};
+use math::MapFrame;
 use plan_format::grid::cost_metres;
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Vehicle;
@@ -78,9 +79,24 @@ pub fn grid(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Grid> {
     area::grid(input, problems)
 }
 
+/// How far obstacles are grown, metres; `None` after an error.
+pub fn robot_radius(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<f64> {
+    area::robot_radius(input, problems)
+}
+
+/// How far the map extends, for help.
+pub fn reach(grid: &Grid) -> String {
+    area::reach(grid)
+}
+
 /// Where the map lies on the globe, as a blob carries it.
 pub fn origin(input: &Input<'_>) -> Option<Origin> {
     area::origin(input, &mut Vec::new())
+}
+
+/// The transform between the map's metres and the globe; `None` if the map has no place there.
+pub fn map_frame(input: &Input<'_>) -> Option<MapFrame> {
+    globe::frame(input)
 }
 
 /// The layers of a map under a mission, for proofs; `None` after an error.

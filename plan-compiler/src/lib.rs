@@ -8,6 +8,7 @@ pub mod behaviours;
 pub mod boards;
 pub mod comms;
 pub mod compile;
+pub mod cover;
 pub mod field;
 pub mod goals;
 

@@ -28,7 +28,7 @@ pub use layer_gains::NamedGain;
 pub use masks::Mask;
 pub use place::{geo_uri, is_geo_uri, place_of};
 pub use radio::{NEEDS, RADIO_KEYS, RadioKey, RadioRule};
-pub use tolls::{Band, SpeedZone, TollRule};
+pub use tolls::{Band, SpeedZone, TollRule, kind};
 
 use crate::behaviours;
 use crate::search::Corners;

@@ -14,6 +14,7 @@ pub(crate) mod palette;
 mod reach;
 mod scale;
 mod sheet;
+mod strips;
 mod stroke;
 pub(crate) mod text;
 mod texture;
@@ -21,6 +22,7 @@ mod view;
 
 pub use marks::Mark;
 pub use reach::{Reach, lacking_in, reach};
+pub use strips::{Strips, strips};
 
 use crate::goals;
 use cells::{Bands, Sampled};

@@ -230,6 +230,11 @@ impl Behaviours {
             Source::Time => Some((seen.time_us / 1_000) as f32 / 1_000.0),
             Source::CostToGoal { plan } => seen.world.cost_to_goal(plan),
             Source::PriceOfConstraint { plan, layer } => seen.world.price(plan, layer),
+            Source::RangeLeft { plan, channel, full_m } => {
+                let level = seen.channels.get(usize::from(channel)).copied().flatten();
+                let cost_m = level.and_then(|_| seen.world.cost_to_goal(plan));
+                level.zip(cost_m).map(|(level, cost_m)| level * full_m - cost_m)
+            }
             Source::Output(output) => {
                 let bit = 1_u16.checked_shl(u32::from(output)).unwrap_or(0);
                 Some(if self.outputs & bit == 0 { 0.0 } else { 1.0 })

@@ -199,6 +199,10 @@ impl Lowering<'_> {
                 &InputSource::DistanceTo([x_m, y_m]) => Source::DistanceTo { x_m, y_m },
                 InputSource::Time => Source::Time,
                 InputSource::CostToGoal(plan) => Source::CostToGoal { plan: self.plan(plan) },
+                InputSource::RangeLeft { plan, channel, full_m } => {
+                    let (plan, channel, full_m) = (self.plan(plan), *channel, *full_m);
+                    Source::RangeLeft { plan, channel, full_m }
+                }
                 InputSource::Price(plan, layer) => {
                     let (plan, layer) = self.layer(plan, layer);
                     Source::PriceOfConstraint { plan, layer }

@@ -75,6 +75,15 @@ pub enum InputSource {
     Time,
     /// Cost to the goal of a parallel plan.
     CostToGoal(Text),
+    /// What a tank still gives, less the cost to the goal of a plan, metres.
+    RangeLeft {
+        /// The plan.
+        plan: Text,
+        /// The channel of the tank.
+        channel: u8,
+        /// What a full tank gives, metres.
+        full_m: f32,
+    },
     /// Price of a layer's constraint: plan and layer.
     Price(Text, Text),
     /// A digital output.

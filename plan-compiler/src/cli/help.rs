@@ -31,6 +31,8 @@ Examples:
   plan-compiler comms tests/maps/campus.opar --place base=20,20 -o reach.png
       Draws where a radio reaches a base at (20, 20), and prints the share of cells
       where it does not.
+  plan-compiler cover tests/maps/glebe.geojson --area Glebe --width 4 -o tests/maps/mow.mission.toml
+      Writes a mission that drives strips over an area, around its obstacles.
   plan-compiler graph tests/maps/plough.mission.toml -o plough.svg
       Draws behaviours and their plans as graphs.
   plan-compiler verify plans.bin --map tests/maps/yard.osm
@@ -86,6 +88,29 @@ Examples:
   plan-compiler comms tests/maps/campus.opar --place base=20,20 --place mate=200,30 -o reach.svg
   plan-compiler comms tests/maps/yard.osm --place base=-26,-18 --antenna 0.5 --place-antenna 4
   plan-compiler comms tests/maps/shop.ovl --place dock=5,5 --frequency 0.868 --power 14 -o shop.npy";
+
+pub(super) const COVERAGE: &str = "\
+Strips lie --width less --overlap apart, or closer. The area falls into parts where obstacles split
+it; the strips of a part alternate in direction, and the part with the nearest end comes next. Beside
+slanted edges and in bays, short strips fill the gaps. Strips keep the robot's radius from obstacles
+and from the edge of the area; --edge sets another distance from the edge. Without --angle, the
+direction that needs the fewest strips is chosen among those of the area's edges and multiples of 30
+degrees. Transitions between strips stay in the area where they can.
+
+A point counts as covered within half the width and half a cell of a strip. What stays uncovered is
+reported: ground beside obstacles and edges that the tool does not reach, ground that the robot cannot
+reach from its start, and gaps up to --leave.
+
+A mission is written beside the mission that it adds to: it keeps everything of it and replaces only
+the strips of an earlier run. It has a behaviour `cover`, one `go-to` action for each end of a strip,
+and a plan to the first strip and wherever the transition to the next leads around obstacles. A strip
+that cannot be driven in time is skipped. Other behaviours of the mission that lead the robot away wait
+for the end of a strip if their actions have delete = [\"at strip\"]; then --plan-each leads it back.
+
+Examples:
+  plan-compiler cover tests/maps/meadow.geojson --area Meadow --width 3 -o strips.png
+  plan-compiler cover tests/maps/shop.ovl --corner 2,2 --corner 20,2 --corner 20,15 --width 1
+  plan-compiler cover tests/maps/meadow.geojson --area Mud --width 2 --angle 90 -o strips.geojson";
 
 pub(super) const CONVERSIONS: &str = "\
 A map is compiled as `build` does; the options for this do not apply to blobs.

@@ -1,16 +1,18 @@
 //! The command line, as `--help` documents it.
 
+mod cover;
 mod help;
 mod radio;
 mod reading;
 mod words;
 
+pub(crate) use cover::Cover;
 pub(crate) use radio::Comms;
 pub(crate) use reading::{Compiling, CornersRule, MapOptions, Reading};
 pub(crate) use words::{LayerName, PointAt, TickAt};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use help::{CONVERSIONS, EXAMPLES, RADIO, assumptions};
+use help::{CONVERSIONS, COVERAGE, EXAMPLES, RADIO, assumptions};
 use plan_compiler::mission::words::pair;
 use plan_compiler::render::Style;
 use std::path::PathBuf;
@@ -46,6 +48,9 @@ pub(crate) enum Command {
     /// Compute where a radio reaches given places, and draw it as SVG or PNG or write it as an array
     #[command(after_help = RADIO)]
     Comms(Comms),
+    /// Lay strips that cover an area: a mission that drives them, a table, or a picture
+    #[command(after_help = COVERAGE)]
+    Cover(Cover),
     /// Draw behaviours and their plans as graphs: DOT, SVG or PNG
     Graph(Graph),
     /// Re-prove every cell of every layer
@@ -295,6 +300,8 @@ mod tests {
             "p build m.ovl --resolution -1",
             "p comms m.ovl --place a=-1,2 --threshold -3 --sensitivity -105 --need any",
             "p comms m.ovl -o a.npy --json",
+            "p cover m.ovl --area Field --width 2 --angle -30 --start -1,2 -o a.toml",
+            "p cover m.ovl --corner -1,2 --corner 3,4 --corner 5,-6 --width .5 --json",
         ] {
             assert!(parse(line).is_ok(), "{line}: {}", parse(line).unwrap_err());
         }
@@ -316,6 +323,12 @@ mod tests {
             "p comms m.ovl --place 1,2",
             "p comms m.ovl --place a=1,2 --frequency 2400",
             "p comms m.ovl --place a=1,2 --need some",
+            "p cover m.ovl --width 2",
+            "p cover m.ovl --area a --corner 1,2 --width 2",
+            "p cover m.ovl --area a",
+            "p cover m.ovl --area a --width 0",
+            "p cover m.ovl --area a --width 2 --angle inf",
+            "p cover m.ovl --corner 1,nan --width 2",
         ] {
             assert!(parse(line).is_err(), "{line}");
         }

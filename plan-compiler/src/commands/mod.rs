@@ -4,6 +4,7 @@ mod build;
 mod comms;
 mod completions;
 mod convert;
+mod cover;
 mod description;
 mod explain;
 mod export;
@@ -61,6 +62,7 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Export(args) => export::run(args),
         Command::Render(args) => render::run(args, cli.quiet),
         Command::Comms(args) => comms::run(args, cli.quiet),
+        Command::Cover(args) => cover::run(args, cli.quiet),
         Command::Graph(args) => graph::run(args, cli.quiet),
         Command::Verify(args) => verify::run(args, cli.quiet),
         Command::Convert(args) => convert::run(args, cli.quiet),

@@ -25,6 +25,17 @@ pub(crate) fn read(
     load_with(request, args.mission.as_deref(), problems)
 }
 
+/// Loads a map and its mission with these options; `None` where the map cannot be relied on.
+pub(crate) fn read_with(
+    path: &Path,
+    options: Options,
+    mission: Option<&Path>,
+    problems: &mut Vec<Problem>,
+) -> Result<Option<Project>, Failure> {
+    let request = Request { path: path.into(), options, ..Request::default() };
+    load_with(request, mission, problems)
+}
+
 /// Loads the map, or the mission that names it, that a blob is to be compared with: with the options
 /// that the blob was built with where the command line gives no others.
 pub(crate) fn read_for(

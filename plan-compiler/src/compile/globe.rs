@@ -50,7 +50,7 @@ pub(super) fn meant_as_degrees(input: &Input<'_>, at: Point) -> Option<String> {
     Some(format!("geo:{}", uri(place)))
 }
 
-fn frame(input: &Input<'_>) -> Option<MapFrame> {
+pub(super) fn frame(input: &Input<'_>) -> Option<MapFrame> {
     let reference = input.map.reference?;
     Some(MapFrame::new(reference.place, reference.at, reference.heading_rad))
 }

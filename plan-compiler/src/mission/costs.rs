@@ -132,7 +132,9 @@ fn shape(header: &str) -> Result<(u32, u32), String> {
         side.filter(|side| (1..=MAX_SIDE_CELLS).contains(side))
     };
     side(rows).zip(side(columns)).ok_or_else(|| {
-        format!("the array is {rows} x {columns}; a grid has 1 to {MAX_SIDE_CELLS} rows and columns")
+        format!(
+            "the array is {rows} x {columns}; a grid has 1 to {MAX_SIDE_CELLS} rows and columns"
+        )
     })
 }
 

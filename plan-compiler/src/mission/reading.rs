@@ -13,10 +13,18 @@ impl Mission {
         let or = |given: Vec<TagRule>, own: &Vec<TagRule>| {
             if given.is_empty() { own.clone() } else { given }
         };
+        // What is kept for one purpose is kept for all.
+        let both = |mut given: Vec<TagRule>, own: &Vec<TagRule>| {
+            let is_new =
+                |rule: &&TagRule| given.iter().all(|one| one.to_string() != rule.to_string());
+            let new: Vec<TagRule> = own.iter().filter(is_new).cloned().collect();
+            given.extend(new);
+            given
+        };
         let tags = TagRules {
             block: or(given.tags.block, &self.tags.block),
             free: or(given.tags.free, &self.tags.free),
-            keep: or(given.tags.keep, &self.tags.keep),
+            keep: both(given.tags.keep, &self.tags.keep),
             open_gates: given.tags.open_gates || self.tags.open_gates,
         };
         ReadOptions { tags, origin: given.origin.or(self.origin), ..given }

@@ -67,7 +67,7 @@ impl TollRule {
 
 /// The tag that a name means, if it is one: `landuse=grass`. Such a name is that of all objects of
 /// the kind.
-pub(super) fn kind(name: &str) -> Option<TagRule> {
+pub fn kind(name: &str) -> Option<TagRule> {
     name.parse().ok().filter(|rule: &TagRule| rule.value.is_some() && rule.to_string() == name)
 }
 

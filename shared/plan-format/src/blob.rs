@@ -294,7 +294,7 @@ impl<'a> Sections<'a> {
             self.plan(usize::from(plan)).is_some_and(|plan| plan.layer_count() > usize::from(layer))
         };
         let inputs = mission.inputs().iter().all(|input| match input.source {
-            Source::CostToGoal { plan } => has(plan, 0),
+            Source::CostToGoal { plan } | Source::RangeLeft { plan, .. } => has(plan, 0),
             Source::PriceOfConstraint { plan, layer } => has(plan, layer),
             _ => true,
         });

@@ -6,6 +6,7 @@ mod boards;
 mod circles;
 mod cli;
 mod convert;
+mod cover;
 mod driving;
 mod fields;
 mod formats;

@@ -44,6 +44,7 @@ fn every_source_is_heard() {
         input lamp; of output 2
         input way; of cost; range 0 100
         input dear; of price 3; range 0 60
+        input tank; of range-left 0 300; range 0 100
         input drawn; of rules channel PB PM PS ZO NS NM NB; range 0 1
         action on set 2 on
         action step wander 90000
@@ -56,18 +57,22 @@ fn every_source_is_heard() {
         behaviour e work; when way NB NM NS ZO PS PM PB
         behaviour f work; when dear NB NM NS ZO PS PM PB
         behaviour g work; when drawn NB NM NS ZO PS PM PB
+        behaviour h work; when tank NB NM NS ZO PS PM PB
     ";
     let bytes = blob(mission);
     let mut robot = Robot::new(&bytes);
     robot.go("channel=0.3333 at=0,0 tick=2000");
     robot.go("x1");
-    let expected = [0.3333, 0.5, 0.5, 0.9444, 0.5, 0.5, 0.6667];
+    // A third of a tank for 300 m, less the cost of 50 m.
+    let expected = [0.3333, 0.5, 0.5, 0.9444, 0.5, 0.5, 0.6667, 0.5];
     for (behaviour, expected) in expected.into_iter().enumerate() {
         let found = robot.report.criticalities[behaviour];
         assert!((found - expected).abs() < 0.01, "{behaviour}: {found}, not {expected}");
     }
     robot.go("at=?");
     assert!(robot.report.criticalities[2] < 0.06, "a distance needs a position");
+    robot.go("at=0,0 channel=?");
+    assert!(robot.report.criticalities[7] < 0.06, "a range needs a level");
 }
 
 /// Every kind of fact, at its borders.

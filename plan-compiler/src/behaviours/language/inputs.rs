@@ -10,7 +10,7 @@ use plan_format::limits::{MAX_CHANNELS, MAX_OUTPUTS};
 use robot_io::percepts::channel;
 use toml_edit::Item;
 
-const INPUT: &[&str] = &["source", "rules", "inference", "universe", "missing"];
+const INPUT: &[&str] = &["source", "rules", "inference", "universe", "missing", "channel", "full"];
 const SOURCES: &[&str] = &[
     "battery",
     "fuel",
@@ -20,6 +20,7 @@ const SOURCES: &[&str] = &[
     "time",
     "cost-to-goal",
     "price",
+    "range-left",
     "output",
     "mates-linked",
     "oldest-news",
@@ -29,8 +30,8 @@ const SOURCES: &[&str] = &[
 /// Number of channels whose meaning the user defines.
 const CUSTOM_COUNT: u8 = MAX_CHANNELS as u8 - channel::CUSTOM;
 const SOURCES_HELP: &str = "write battery, fuel, link, custom N, distance X, Y, time, \
-    cost-to-goal PLAN, price PLAN/LAYER, output N, mates-linked, oldest-news, mate-distance NAME \
-    or mate-link NAME";
+    cost-to-goal PLAN, price PLAN/LAYER, range-left PLAN, output N, mates-linked, oldest-news, \
+    mate-distance NAME or mate-link NAME";
 
 pub(super) fn input(
     report: &mut Report<'_>,
@@ -44,7 +45,7 @@ pub(super) fn input(
     let source = match (fields.item("source"), fields.item("rules")) {
         (Some(_), None) => {
             let text = fields.text(report, "source", "\"fuel\"");
-            text.and_then(|text| self::source(report, team, &text))
+            text.and_then(|text| self::source(report, team, &fields, &text))
         }
         (None, Some(_)) => rules(report, &fields, "rules").map(InputSource::Rules),
         (None, None) if !fields.lacks("source") || !fields.lacks("rules") => None,
@@ -58,6 +59,14 @@ pub(super) fn input(
             None
         }
     };
+    let is_of_tank = matches!(source, Some(InputSource::RangeLeft { .. }) | None);
+    for key in ["channel", "full"].into_iter().filter(|_| !is_of_tank) {
+        if let Some((_, span)) = fields.item(key) {
+            let message = format!("`{}.{key}` has no meaning here", fields.path);
+            let help = "only source = \"range-left PLAN\" has a channel and a full tank";
+            report.error(message, &span, "not for this source", help);
+        }
+    }
     let universe = universe(report, &fields, source.as_ref(), &name);
     let (hold_ms, missing) = missing(report, &fields, source.as_ref(), universe, &name);
     Some(Input { name, source: source?, universe: universe?, hold_ms, missing })
@@ -149,7 +158,12 @@ pub(crate) fn channel_of(text: &str) -> Option<u8> {
     }
 }
 
-fn source(report: &mut Report<'_>, team: &Team, text: &Text) -> Option<InputSource> {
+fn source(
+    report: &mut Report<'_>,
+    team: &Team,
+    fields: &Fields<'_>,
+    text: &Text,
+) -> Option<InputSource> {
     let (word, rest) = text.as_str().split_once(' ').unwrap_or((text.as_str(), ""));
     let rest = rest.trim();
     let named = |name: &str| Spanned { value: name.to_owned(), span: text.span.clone() };
@@ -168,6 +182,9 @@ fn source(report: &mut Report<'_>, team: &Team, text: &Text) -> Option<InputSour
             return mates::link(report, team, &named(name));
         }
         ("cost-to-goal", plan) if !plan.is_empty() => Some(InputSource::CostToGoal(named(plan))),
+        ("range-left", plan) if !plan.is_empty() => {
+            return range_left(report, fields, named(plan));
+        }
         ("price", both) => both
             .split_once('/')
             .map(|(plan, layer)| InputSource::Price(named(plan.trim()), named(layer.trim()))),
@@ -189,6 +206,29 @@ fn source(report: &mut Report<'_>, team: &Team, text: &Text) -> Option<InputSour
         report.error(message, &text.span, &label, SOURCES_HELP);
     }
     found
+}
+
+/// The range that a tank still gives, less the cost to the goal of a plan.
+fn range_left(report: &mut Report<'_>, fields: &Fields<'_>, plan: Text) -> Option<InputSource> {
+    let channel = match fields.item("channel") {
+        None => Some(channel::FUEL),
+        Some(_) => fields.text(report, "channel", "\"fuel\"").and_then(|name| {
+            let channel = channel_of(name.as_str());
+            if channel.is_none() {
+                let known = ["battery", "fuel", "link", "custom 1"].into_iter();
+                let how = format!("write battery, fuel, link or custom 1 to {CUSTOM_COUNT}");
+                report.unknown("channel", &name, known, &how);
+            }
+            channel
+        }),
+    };
+    if fields.lacks("full") {
+        let message = format!("`{}` does not say how far a full tank leads", fields.path);
+        let help = "add full = 400: the metres that the robot drives with a full tank";
+        report.error(message, &fields.span, "no `full`", help);
+    }
+    let full = fields.number(report, "full", 0.01..=1e7, "m");
+    Some(InputSource::RangeLeft { plan, channel: channel?, full_m: full?.value as f32 })
 }
 
 /// `X, Y`, metres.

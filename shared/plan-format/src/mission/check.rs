@@ -154,6 +154,10 @@ fn inputs_and_rules(mission: &Mission<'_>) -> Checked {
             Source::DistanceToMate(robots) => team(robots)?,
             Source::LinkToMate(robot) => below(robot, limits::MAX_ROBOTS)?,
             Source::Fact(fact) => exists(mission.facts(), fact)?,
+            Source::RangeLeft { channel, full_m, .. } => {
+                below(channel, limits::MAX_CHANNELS)?;
+                require(full_m.is_finite() && full_m > 0.0, MissionError::Number)?;
+            }
             // The blob checks references to parallel plans and layers.
             Source::Time
             | Source::CostToGoal { .. }

@@ -292,6 +292,7 @@ mod tests {
             Source::Time,
             Source::CostToGoal { plan: 300 },
             Source::PriceOfConstraint { plan: 301, layer: 2 },
+            Source::RangeLeft { plan: 302, channel: 1, full_m: 400.5 },
             Source::Output(15),
             Source::Rules(0),
             Source::Fact(0),

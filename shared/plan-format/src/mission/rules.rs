@@ -134,6 +134,16 @@ pub enum Source {
     LinkToMate(u8),
     /// A fact, by its bit: 1 while it holds, otherwise 0.
     Fact(u8),
+    /// The distance that a tank still gives, less the cost to the goal of a parallel plan, metres:
+    /// negative once the goal is out of reach.
+    RangeLeft {
+        /// Index of the parallel plan.
+        plan: u16,
+        /// The channel that reports how full the tank is, 0 ..= 1.
+        channel: u8,
+        /// The distance that a full tank gives, metres, above 0.
+        full_m: f32,
+    },
 }
 
 record! {
@@ -165,6 +175,7 @@ impl Source {
             9 => Self::DistanceToMate(index as u8),
             10 => Self::LinkToMate(index as u8),
             11 => Self::Fact(index as u8),
+            12 => Self::RangeLeft { plan: index, channel: layer as u8, full_m: f32::from_bits(x) },
             _ => return None,
         })
     }
@@ -188,6 +199,13 @@ impl Source {
             Self::DistanceToMate(robots) => SourceBytes { tag: 9, index: robots.into(), ..none },
             Self::LinkToMate(robot) => SourceBytes { tag: 10, index: robot.into(), ..none },
             Self::Fact(fact) => SourceBytes { tag: 11, index: fact.into(), ..none },
+            Self::RangeLeft { plan, channel, full_m } => SourceBytes {
+                tag: 12,
+                index: plan,
+                layer: channel.into(),
+                x: full_m.to_bits(),
+                ..none
+            },
         }
     }
 }

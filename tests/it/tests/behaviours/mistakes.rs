@@ -21,6 +21,10 @@ j = { rules = { k = "NB NB NB NB NB NB NB" } }
 k = { rules = { j = "NB NB NB NB NB NB NB" } }
 l = { source = "time", universe = "0..1" }
 "it's" = { source = "time", universe = [0, 1] }
+n = { source = "range-left gaet", full = 100, universe = [0, 9], missing = { then = 0 } }
+o = { source = "range-left gate", full = 0, channel = "fule", universe = [0, 9], missing = { then = 0 } }
+p = { source = "range-left gate", universe = [0, 9], missing = { then = 0 } }
+q = { source = "time", full = 9, universe = [0, 9] }
 m = { source = "time", universe = [0, 1], rules = { d = "NB NB NB NB NB NB NB" } }
 "#,
     );

@@ -127,6 +127,9 @@ fn sources_and_missing_values_are_as_written() {
          g = { source = 'time', universe = [0, 600] }\n\
          h = { rules = { i = 'NB NM NS ZO PS PM PB' }, inference = 'product' }\n\
          i = { rules = { a = 'NB NM NS ZO PS PM PB' } }\n\
+         j = { source = 'range-left depot', channel = 'custom 1', full = 400, universe = [0, 90], \
+         missing = { then = 0 } }\n\
+         k = { source = 'range-left gate', full = 0.5, universe = [0, 90], missing = { then = 0 } }\n\
          [actions]\nbeep = { do = 'signal 1' }\n[frames]\nwork = { productions = 'entry -> beep -> exit' }\n\
          [behaviours.work]\ncriticality = { h = 'PB PB PB PB PB PB NB' }\n",
     );
@@ -145,6 +148,8 @@ fn sources_and_missing_values_are_as_written() {
             // `h` builds on `i`, so that one comes first.
             Source::Rules(1),
             Source::Rules(0),
+            Source::RangeLeft { plan: 1, channel: 3, full_m: 400.0 },
+            Source::RangeLeft { plan: 0, channel: 1, full_m: 0.5 },
         ]
     );
     assert_eq!((inputs[0].low, inputs[0].high, inputs[0].hold_ms), (10.0, 14.5, 500));
