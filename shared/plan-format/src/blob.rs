@@ -363,7 +363,9 @@ impl<'a> ParallelPlan<'a> {
     /// The goal with a number, from 0 in the order of the mission, map metres. A plan with one goal
     /// answers it for any number, and one with several [`Self::goal`] for a number that none has.
     pub fn goal_at(&self, number: u8) -> Vec2 {
-        single(self.numbered(number).unwrap_or(self.record.goal_m))
+        // Most plans have one goal.
+        let numbered = if self.has_several_goals() { self.numbered(number) } else { None };
+        single(numbered.unwrap_or(self.record.goal_m))
     }
 
     /// All goals, in the order of their numbers, map metres in the compiler's precision. Of several,
@@ -375,11 +377,13 @@ impl<'a> ParallelPlan<'a> {
     }
 
     /// Where the list of several goals begins: their number, then the goals. `None` if there is one.
+    #[inline(never)]
     fn goal_list(&self) -> Option<u32> {
         if self.record.has_several_goals() { self.layer(0)?.goal_list() } else { None }
     }
 
     /// One of several goals.
+    #[inline(never)]
     fn numbered(&self, number: u8) -> Option<[f64; 2]> {
         let list = self.goal_list()?;
         let cells = self.sections.cells;

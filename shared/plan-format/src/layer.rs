@@ -201,6 +201,7 @@ impl<'a> Layer<'a> {
     /// The number of the goal that following the advice from a cell reaches; see
     /// [`crate::ParallelPlan::goal_at`]. 0 if the plan has one goal. Any number for a cell without a
     /// route, and off the map. Constant time.
+    #[inline(never)]
     pub fn goal_number(&self, cell: Cell) -> u8 {
         let number = || {
             if !self.has_several_goals || cell.column >= self.columns || cell.row >= self.rows {
@@ -407,7 +408,7 @@ impl<'a> Layer<'a> {
             }
         }
         if unproved.terrain {
-            self.terrain().validate(count, false, Terrain::is_entry, work)?;
+            self.terrain().validate(count, false, below(Terrain::ENTRIES), work)?;
         }
         if let Some(roots) = unproved.routes_of_roots {
             let is_route = |entry: u32| entry == NO_ROUTE_ENTRY || entry >> 1 < roots;
@@ -442,7 +443,7 @@ impl<'a> Layer<'a> {
         let goals = self.goals().ok_or(BlobError::Cells)?;
         let count = self.goal_list().and_then(|list| self.section.get(list));
         let count = count.ok_or(BlobError::Cells)?;
-        goals.validate(superblocks, false, |entry| entry < count, work)
+        goals.validate(superblocks, false, below(count), work)
     }
 
     /// Proves the header before the roots, and the planes that it names.
@@ -457,13 +458,18 @@ impl<'a> Layer<'a> {
         word(TOLL_WORDS - 1)?;
         self.section.range(values, count).ok_or(BlobError::Cells)?;
         let corrections = Plane::<CORRECTION_BITS> { section: self.section, table: corrections };
-        corrections.validate(superblocks, false, |entry| entry < count, work)?;
+        corrections.validate(superblocks, false, below(count), work)?;
         if limits == NO_TABLE {
             return Ok(());
         }
         let limits = Plane::<LIMIT_BITS> { section: self.section, table: limits };
-        limits.validate(superblocks, false, |entry| entry <= u16::MAX.into(), work)
+        limits.validate(superblocks, false, below(1 << LIMIT_BITS), work)
     }
+}
+
+/// Whether an entry is below a number. Planes whose entries are so share the code of their validation.
+fn below(count: u32) -> impl Fn(u32) -> bool {
+    move |entry| entry < count
 }
 
 /// The answer for a cell with this root.
