@@ -129,6 +129,7 @@ fn stays(blob: &Blob<'_>, progress: &Progress, position: Vec2, goal: Vec2) -> bo
 }
 
 /// Guidance straight to a goal, without advice, until the robot is there.
+#[inline(never)]
 fn straight(
     blob: &Blob<'_>,
     position: Vec2,
@@ -211,6 +212,7 @@ fn weigh(
 
 /// The number of the goal that is nearest in a straight line, of those to which the least constrained
 /// layer leads: for a robot that does without advice. `None` if the plan has one goal.
+#[inline(never)]
 fn nearest_goal(blob: &Blob<'_>, plan: &ParallelPlan<'_>, position: Vec2) -> Option<u8> {
     if !plan.has_several_goals() {
         return None;
