@@ -323,6 +323,8 @@ fn is_driving(kind: ActionKind) -> bool {
             | ActionKind::GoTo { .. }
             | ActionKind::Wander { .. }
             | ActionKind::Return
+            | ActionKind::MoveAhead { .. }
+            | ActionKind::Dock { .. }
     )
 }
 

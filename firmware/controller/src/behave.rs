@@ -15,6 +15,7 @@ use plan_format::mission::ActionKind;
 use plan_format::parameters::{Gains, Vehicle};
 use plan_format::{Answer, Blob, Layer};
 use robot_io::{Commands, Percepts, Reason};
+use schemas::Dock;
 
 use crate::guidance::{self, Guidance, Target};
 
@@ -43,6 +44,10 @@ enum Errand {
     Follow(Target),
     GoTo(Vec2),
     Wander,
+    /// Move ahead in a direction on the globe, radians counter-clockwise from east.
+    Ahead(f32),
+    /// Dock; the direction is on the globe.
+    Dock(Dock),
     /// Stand still for this reason.
     None(Reason),
 }
@@ -53,8 +58,22 @@ pub enum Approach {
     /// By the advice of a parallel plan.
     ByPlan(Target),
     /// By the reactive schemas only.
-    Straight(Guidance),
+    Straight(Guidance, Attraction),
 }
+
+/// What attracts a robot that drives by the reactive schemas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Attraction {
+    /// The goal.
+    Goal,
+    /// A direction, radians counter-clockwise from the map's x axis.
+    Ahead(f32),
+    /// A dock.
+    Dock(Dock),
+}
+
+/// A robot that moves ahead has a goal this far ahead, metres: far enough never to be reached in a tick.
+const AHEAD_M: f32 = 100.0;
 
 /// Advances the behaviours by one step and returns what they want. Their decisions go into
 /// the report.
@@ -107,6 +126,11 @@ impl Intent {
                 }
                 ActionKind::GoTo { x_m, y_m } => Errand::GoTo(Vec2::new(x_m, y_m)),
                 ActionKind::Wander { .. } => Errand::Wander,
+                ActionKind::MoveAhead { direction_rad, .. } => Errand::Ahead(direction_rad),
+                ActionKind::Dock { x_m, y_m, direction_rad, radius_cm } => {
+                    let (at, radius_m) = (Vec2::new(x_m, y_m), f32::from(radius_cm) / 100.0);
+                    Errand::Dock(Dock { at, direction_rad, radius_m })
+                }
                 // Beside an action that drives it only waits.
                 ActionKind::Hold { .. } if intent.drives() => intent.errand,
                 ActionKind::Hold { .. } => Errand::None(Reason::Holding),
@@ -142,16 +166,28 @@ impl Intent {
     }
 
     /// The approach from a position. The error is the reason to stand still.
-    pub fn approach(&self, position: Vec2) -> Result<Approach, Reason> {
-        let straight = |goal, noise| {
+    /// `north_rad` is the direction of the map's y axis, radians clockwise from true north.
+    pub fn approach(&self, position: Vec2, north_rad: f32) -> Result<Approach, Reason> {
+        let by = |attraction, goal, noise| {
             let gains = Gains { reactive: 1.0, plan: 0.0, noise };
-            Approach::Straight(Guidance::straight(position, goal, gains, Reason::Driving))
+            let guidance = Guidance::straight(position, goal, gains, Reason::Driving);
+            Approach::Straight(guidance, attraction)
         };
+        let straight = |goal, noise| by(Attraction::Goal, goal, noise);
         match self.errand {
             Errand::Follow(target) => Ok(Approach::ByPlan(target)),
             Errand::GoTo(goal) => Ok(straight(goal, self.noise)),
             // A goal at the robot's own position attracts nowhere: noise and repulsion remain.
             Errand::Wander => Ok(straight(position, 1.0)),
+            Errand::Ahead(direction_rad) => {
+                let direction_rad = direction_rad + north_rad;
+                let goal = position + vector::from_angle(direction_rad) * AHEAD_M;
+                Ok(by(Attraction::Ahead(direction_rad), goal, self.noise))
+            }
+            Errand::Dock(dock) => {
+                let dock = Dock { direction_rad: dock.direction_rad + north_rad, ..dock };
+                Ok(by(Attraction::Dock(dock), dock.at, self.noise))
+            }
             Errand::None(reason) => Err(reason),
         }
     }

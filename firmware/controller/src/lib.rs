@@ -155,14 +155,14 @@ mod source;
 pub mod stuck;
 pub mod team;
 
-use behave::Intent;
+use behave::{Approach, Attraction, Intent};
 use behaviour::Behaviours;
 use math::{Vec2, vector};
 use obstacles::Obstacles;
 use plan_format::Blob;
 use plan_format::parameters::{OnTrouble, Vehicle};
 use robot_io::{Checks, Commands, Percepts, Reason};
-use schemas::{Noise, Vectors};
+use schemas::{Noise, Past, Vectors};
 
 /// Everything that one tick passes to the next: plain data to store, compare and replay.
 #[derive(Clone, Debug, PartialEq)]
@@ -175,6 +175,8 @@ pub struct State {
     pub progress: guidance::Progress,
     /// The noise schema.
     pub noise: Noise,
+    /// The avoid-past schema.
+    pub past: Past,
     /// Speed and turn rate that the last tick commanded.
     pub commanded: limit::Commanded,
     /// Earlier scans, which show what moves.
@@ -200,6 +202,7 @@ impl State {
             behaviours: Behaviours::new(&blob.mission()),
             progress: guidance::Progress::default(),
             noise: Noise::new(blob.parameters().seed),
+            past: Past::default(),
             commanded: limit::Commanded::default(),
             closing: closing::Closing::default(),
             detours: detour::Detours::default(),
@@ -318,17 +321,15 @@ fn decide(
     }
     let position = sensed.position?;
     let is_armed = percepts.operator.is_armed;
-    let guidance = match intent.approach(position)? {
-        behave::Approach::Straight(_) if is_lost(blob, position) => return Err(Reason::OffMap),
-        behave::Approach::ByPlan(target) => guidance::guide(
-            blob,
-            &target,
-            &mut state.progress,
-            position,
-            &percepts.inputs,
-            is_armed,
-        )?,
-        behave::Approach::Straight(guidance) => guidance,
+    let north_rad = blob.origin().map_or(0.0, |origin| origin.heading_rad as f32);
+    let (guidance, attraction) = match intent.approach(position, north_rad)? {
+        Approach::Straight(..) if is_lost(blob, position) => return Err(Reason::OffMap),
+        Approach::ByPlan(target) => {
+            let (progress, inputs) = (&mut state.progress, &percepts.inputs);
+            let guidance = guidance::guide(blob, &target, progress, position, inputs, is_armed)?;
+            (guidance, Attraction::Goal)
+        }
+        Approach::Straight(guidance, attraction) => (guidance, attraction),
     };
     let progress = &parameters.progress;
     let trouble = state.arming.reason().or(sensed.ranges.reason());
@@ -347,13 +348,21 @@ fn decide(
     );
     let goal_attracts = parameters.blend == Paper || guidance.step.is_none();
     let vectors = Vectors {
-        goal: if goal_attracts {
-            schemas::move_to_goal(position, guidance.goal, schema.goal_tolerance_m)
-        } else {
-            Vec2::zeros()
+        goal: match attraction {
+            _ if !goal_attracts => Vec2::zeros(),
+            Attraction::Goal => {
+                schemas::move_to_goal(position, guidance.goal, schema.goal_tolerance_m)
+            }
+            Attraction::Ahead(direction_rad) => schemas::move_ahead(direction_rad),
+            Attraction::Dock(dock) => schemas::docking(position, &dock),
         },
         avoid: vector::rotated(repulsion.vector, heading_rad),
         robots: team::steer(blob.parameters(), mates, position),
+        past: if schema.past_gain > 0.0 {
+            state.past.repel(position, percepts.time_us, schema.past_sphere_m)
+        } else {
+            Vec2::zeros()
+        },
         advice: guidance.ahead,
         noise: state.noise.next(schema.noise_persistence_ticks),
     };

@@ -12,19 +12,21 @@ pub struct Vectors {
     pub avoid: Vec2,
     /// Vectors of avoid-robot and tether together, with their gains.
     pub robots: Vec2,
+    /// Vector of avoid-past.
+    pub past: Vec2,
     /// Vector of follow-plan.
     pub advice: Vec2,
     /// Vector of noise.
     pub noise: Vec2,
 }
 
-/// `r (goal gain x goal + avoid gain x avoid + robots) + p advice + n noise`.
+/// `r (goal gain x goal + avoid gain x avoid + robots + past gain x past) + p advice + n noise`.
 ///
 /// With a gain of 0 a schema has no effect, to the bit. Source: W, section 4, where r and p are
 /// 1:0, 0.66:0.34, 0.34:0.66 and 0:1 and n is 0.11.
 pub fn blend(gains: &Gains, schemas: &SchemaParameters, vectors: &Vectors) -> Vec2 {
     let reactive = vectors.goal * schemas.goal_gain + vectors.avoid * schemas.avoid_gain;
-    let reactive = reactive + vectors.robots;
+    let reactive = reactive + vectors.robots + vectors.past * schemas.past_gain;
     reactive * gains.reactive + vectors.advice * gains.plan + vectors.noise * gains.noise
 }
 
@@ -39,6 +41,7 @@ mod tests {
         goal: Vec2::new(0.0, 1.0),
         avoid: Vec2::new(-0.5, 0.0),
         robots: Vec2::new(0.0, 0.0),
+        past: Vec2::new(0.0, 0.0),
         advice: Vec2::new(1.0, 0.0),
         noise: Vec2::new(0.0, -1.0),
     };
@@ -96,8 +99,8 @@ mod tests {
     prop_compose! {
         fn vectors()(
             goal in vector(), avoid in vector(), robots in vector(), advice in vector(),
-            noise in vector(),
-        ) -> Vectors { Vectors { goal, avoid, robots, advice, noise } }
+            noise in vector(), past in vector(),
+        ) -> Vectors { Vectors { goal, avoid, robots, past, advice, noise } }
     }
     prop_compose! {
         fn gains()(reactive in 0.0_f32..1.0, plan in 0.0_f32..1.0, noise in 0.0_f32..1.0)

@@ -100,6 +100,13 @@ impl<'d> Drawn<'d> {
                 format!("set-output {output} {}", if is_on { "on" } else { "off" })
             }
             ActionKind::Return => "return".to_owned(),
+            ActionKind::MoveAhead { direction_rad, for_ms } => {
+                format!("move-ahead {} for {} s", compass(direction_rad), f64::from(for_ms) / 1e3)
+            }
+            ActionKind::Dock { x_m, y_m, direction_rad, radius_cm } => {
+                let (facing, radius_m) = (compass(direction_rad), f64::from(radius_cm) / 1e2);
+                format!("dock {x_m}, {y_m} facing {facing} from {radius_m} m")
+            }
         }
     }
 
@@ -174,6 +181,13 @@ impl<'d> Drawn<'d> {
         let name = self.mission.name(production.name);
         if name == self.mission.name(frame.name) { "" } else { name }
     }
+}
+
+/// A direction, radians counter-clockwise from east, as a compass heading, to a tenth of a degree.
+fn compass(direction_rad: f32) -> f64 {
+    let tenths = (900.0 - f64::from(direction_rad).to_degrees() * 10.0).round();
+    // Never -0.
+    tenths.rem_euclid(3600.0).abs() / 10.0
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ impl Syntax {
     /// map metres.
     pub fn places(&self) -> impl Iterator<Item = (&Text, [f32; 2])> {
         self.actions.iter().filter_map(|action| match action.kind {
-            Doing::GoTo(place) => Some((&action.name, place)),
+            Doing::GoTo(place) | Doing::Dock { at: place, .. } => Some((&action.name, place)),
             _ => None,
         })
     }
@@ -251,6 +251,15 @@ pub enum Doing {
         is_on: bool,
     },
     Return,
+    MoveAhead {
+        direction_rad: f32,
+        for_ms: u32,
+    },
+    Dock {
+        at: [f32; 2],
+        direction_rad: f32,
+        radius_cm: u16,
+    },
 }
 
 /// A plan frame.

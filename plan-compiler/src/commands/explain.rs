@@ -282,6 +282,7 @@ fn write_blend(text: &mut String, blend: &Blend) -> std::fmt::Result {
     for (name, gain, of) in [
         ("goal", gains.reactive, blend.vectors.goal),
         ("avoid", gains.reactive, blend.vectors.avoid),
+        ("past", gains.reactive, blend.vectors.past),
         ("advice", gains.plan, blend.vectors.advice),
         ("noise", gains.noise, blend.vectors.noise),
     ] {

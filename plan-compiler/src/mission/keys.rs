@@ -333,6 +333,22 @@ pub const KEYS: &[Key] = &[
     ),
     number(
         "schemas",
+        "past_gain",
+        "",
+        "0.0",
+        "Gain of avoid-past within the reactive part: the places of the last 24 s repel. With 3, the robot leaves dead ends of some metres without a plan.",
+        |m, v| m.parameters.schemas.past_gain = v as f32,
+    ),
+    number(
+        "schemas",
+        "past_sphere",
+        "m",
+        "8.0",
+        "Places where the robot has just been repel up to this distance.",
+        |m, v| m.parameters.schemas.past_sphere_m = v as f32,
+    ),
+    number(
+        "schemas",
         "look_ahead",
         "m",
         "follows: 1.6 `radius`",

@@ -199,6 +199,10 @@ pub struct SchemaParameters {
     pub avoid_sphere_m: f32,
     /// Up to this distance from the body, an obstacle repels at full strength, metres.
     pub avoid_margin_m: f32,
+    /// Gain of avoid-past within the reactive part.
+    pub past_gain: f32,
+    /// Places where the robot has just been repel up to this distance, metres.
+    pub past_sphere_m: f32,
     /// With [`Blend::Route`], the advice points to the route this far ahead, metres.
     pub look_ahead_m: f32,
     /// With [`Blend::Route`], a robot behind an obstacle begins a detour after this time without
@@ -404,6 +408,8 @@ impl Default for SchemaParameters {
             avoid_gain: 1.0,
             avoid_sphere_m: derived.avoid_sphere_m,
             avoid_margin_m: derived.avoid_margin_m,
+            past_gain: 0.0,
+            past_sphere_m: 8.0,
             look_ahead_m: derived.look_ahead_m,
             detour_after_us: 4_000_000,
             goal_tolerance_m: 1.0,
@@ -512,6 +518,8 @@ impl Parameters {
             ("schemas.avoid_gain", self.schemas.avoid_gain, 0.0, 100.0),
             ("schemas.avoid_sphere", self.schemas.avoid_sphere_m, 0.0, 1_000.0),
             ("schemas.avoid_margin", self.schemas.avoid_margin_m, 0.0, 1_000.0),
+            ("schemas.past_gain", self.schemas.past_gain, 0.0, 100.0),
+            ("schemas.past_sphere", self.schemas.past_sphere_m, 0.1, 1_000.0),
             ("schemas.look_ahead", self.schemas.look_ahead_m, 0.0, 100.0),
             ("schemas.detour_after", self.schemas.detour_after_us as f32 / 1e6, 0.1, 3_600.0),
             ("schemas.goal_tolerance", self.schemas.goal_tolerance_m, 0.01, 1_000.0),

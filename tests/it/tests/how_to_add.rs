@@ -112,52 +112,52 @@ fn copy(from: &Path, to: &Path) {
 fn a_schema_and_a_format_are_added_by_the_steps_of_the_readme() {
     let tree = Tree::following("A schema");
     tree.new_file(
-        "firmware/schemas/src/move_ahead.rs",
+        "firmware/schemas/src/head_east.rs",
         "firmware/schemas/src",
-        include_str!("how_to_add/move_ahead.rs"),
+        include_str!("how_to_add/head_east.rs"),
     );
     tree.edit(
         "firmware/schemas/src/lib.rs",
         &[
-            ("pub mod follow_plan;", "\npub mod move_ahead;"),
-            ("pub use follow_plan::follow_plan;", "\npub use move_ahead::move_ahead;"),
+            ("pub mod follow_plan;", "\npub mod head_east;"),
+            ("pub use follow_plan::follow_plan;", "\npub use head_east::head_east;"),
         ],
     );
     tree.edit(
         "shared/plan-format/src/parameters.rs",
         &[
-            ("pub avoid_gain: f32,", "\n    /// Gain of move-ahead.\n    pub ahead_gain: f32,"),
-            ("avoid_gain: 1.0,", "\n                ahead_gain: 0.0,"),
+            ("pub avoid_gain: f32,", "\n    /// Gain of head-east.\n    pub east_gain: f32,"),
+            ("avoid_gain: 1.0,", "\n                east_gain: 0.0,"),
             (
                 "(\"schemas.avoid_gain\", self.schemas.avoid_gain, 0.0, 100.0),",
-                "\n            (\"schemas.ahead_gain\", self.schemas.ahead_gain, 0.0, 100.0),",
+                "\n            (\"schemas.east_gain\", self.schemas.east_gain, 0.0, 100.0),",
             ),
         ],
     );
     tree.edit(
         "firmware/schemas/src/blend.rs",
         &[
-            ("pub avoid: Vec2,", "\n    /// Of move-ahead.\n    pub ahead: Vec2,"),
-            ("vectors.avoid * schemas.avoid_gain", " + vectors.ahead * schemas.ahead_gain"),
-            ("avoid: Vec2::new(-0.5, 0.0),", "\n        ahead: Vec2::new(1.0, 0.0),"),
-            ("avoid: -east * SATURATED,", " ahead: east,"),
-            ("Vectors { goal, avoid,", " ahead: advice,"),
+            ("pub avoid: Vec2,", "\n    /// Of head-east.\n    pub east: Vec2,"),
+            ("vectors.avoid * schemas.avoid_gain", " + vectors.east * schemas.east_gain"),
+            ("avoid: Vec2::new(-0.5, 0.0),", "\n        east: Vec2::new(1.0, 0.0),"),
+            ("avoid: -east * SATURATED,", " east,"),
+            ("Vectors { goal, avoid,", " east: advice,"),
         ],
     );
     tree.edit(
         "firmware/controller/src/lib.rs",
         &[(
             "avoid: vector::rotated(repulsion.vector, heading_rad),",
-            "\n        ahead: schemas::move_ahead(0.0),",
+            "\n        east: schemas::head_east(),",
         )],
     );
     tree.edit(
         "plan-compiler/src/mission/keys.rs",
         &[(
             "|m, v| m.parameters.schemas.avoid_gain = v as f32,\n    ),",
-            "\n    number(\n        \"schemas\",\n        \"ahead_gain\",\n        \"\",\n        \
-             \"0.0\",\n        \"Gain of move-ahead.\",\n        \
-             |m, v| m.parameters.schemas.ahead_gain = v as f32,\n    ),",
+            "\n    number(\n        \"schemas\",\n        \"east_gain\",\n        \"\",\n        \
+             \"0.0\",\n        \"Gain of head-east.\",\n        \
+             |m, v| m.parameters.schemas.east_gain = v as f32,\n    ),",
         )],
     );
 
@@ -180,11 +180,11 @@ fn a_schema_and_a_format_are_added_by_the_steps_of_the_readme() {
 
     // The schema: its golden vectors hold, and a mission can set its gain.
     let output = format.cargo("", &["test", "--package", "wayfield-schemas", "--lib"]);
-    assert!(output.contains("move_ahead::tests::golden_vectors ... ok"), "{output}");
+    assert!(output.contains("head_east::tests::golden_vectors ... ok"), "{output}");
     // The format: map text in, field out.
     let map = format.path("yard.sketch");
     fs::write(&map, "sketch\n.....\n.###.\n.....\n").expect("a map is written");
-    let mission = "[goals]\neast = [4.5, 0.5]\n[schemas]\nahead_gain = 0.5\n";
+    let mission = "[goals]\neast = [4.5, 0.5]\n[schemas]\neast_gain = 0.5\n";
     fs::write(format.path("yard.mission.toml"), mission).expect("a mission is written");
     let run = ["run", "--quiet", "--package", "wayfield-plan-compiler", "--"];
     let build = ["build", "yard.sketch", "--robot-radius", "0", "-o", "plans.bin"];

@@ -217,7 +217,7 @@ impl Artist<'_> {
         let name = self.draft.name("");
         for _ in 0..self.random.count(2, 10) {
             let short_ms = self.random.below(1_000) as u32;
-            let kind = match self.random.index(10) {
+            let kind = match self.random.index(12) {
                 0 => ActionKind::Follow {
                     plan: self.random.index(2) as u16,
                     reactive: self.random.unit(),
@@ -232,6 +232,13 @@ impl Artist<'_> {
                     is_on: self.random.chance(0.5),
                 },
                 6 => ActionKind::Return,
+                7 => ActionKind::MoveAhead { direction_rad: self.coordinate(), for_ms: short_ms },
+                8 => ActionKind::Dock {
+                    x_m: self.coordinate(),
+                    y_m: self.coordinate(),
+                    direction_rad: self.coordinate(),
+                    radius_cm: self.random.count(1, 900) as u16,
+                },
                 _ => ActionKind::Hold { for_ms: short_ms },
             };
             let action = Action {

@@ -3,7 +3,7 @@
 
 use crate::bench::{ORIGIN, Robot, blob, open_field};
 use math::{scalar, vector};
-use plan_format::parameters::{Gains, Selection};
+use plan_format::parameters::{Gains, SchemaParameters, Selection};
 use plan_format::{Blob, Parameters};
 use robot_io::{Percepts, RangeReading, Reason};
 
@@ -176,10 +176,16 @@ fn a_plan_leads_out_of_a_pocket_that_holds_a_reactive_robot() {
         ..............................
         ..............................";
     let route = |gains| Parameters { gains, ..Parameters::default() };
+    let avoiding_the_past = |parameters: Parameters| {
+        let schemas = SchemaParameters { past_gain: 3.0, ..parameters.schemas };
+        Parameters { schemas, ..parameters }
+    };
     for (parameters, arrives) in [
         (with_gains(Gains::MOSTLY_PLAN), true),
         (with_gains(Gains::PLAN_ONLY), true),
         (with_gains(Gains::REACTIVE_ONLY), false),
+        // Where it has been repels it.
+        (avoiding_the_past(with_gains(Gains::REACTIVE_ONLY)), true),
         (route(Gains::MOSTLY_PLAN), true),
         // A detour along the walls leads out without the plan.
         (route(Gains::REACTIVE_ONLY), true),

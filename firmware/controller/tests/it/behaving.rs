@@ -1,9 +1,10 @@
 //! What running actions make the robot do.
 
-use plan_format::Blob;
+use math::{Vec2, vector};
+use plan_format::{Blob, Origin};
 use robot_io::{Commands, Reason};
 
-use crate::bench::{Robot, behaving_blob, open_field};
+use crate::bench::{ORIGIN, Robot, behaving_blob, behaving_blob_at, open_field};
 
 fn ticks(actions: &str, count: usize) -> Vec<Commands> {
     let blob = behaving_blob(&open_field(30, 30, (25, 15)), "PS", actions);
@@ -18,6 +19,53 @@ fn follow_and_go_to_drive_within_the_inherited_speed() {
         let commands = ticks(action, 1)[0];
         assert_eq!(commands.reason, Reason::Driving);
         assert!((0.4..=0.5).contains(&commands.speed_mps), "{commands:?}");
+    }
+}
+
+/// On a map whose y axis points to the east, the direction is still that of the compass.
+#[test]
+fn move_ahead_drives_by_the_compass() {
+    use core::f32::consts::FRAC_PI_2;
+    for (heading_rad, direction_rad, expected) in [
+        (0.0, 0.0, Vec2::new(1.0, 0.0)),
+        (0.0, FRAC_PI_2, Vec2::new(0.0, 1.0)),
+        (f64::from(FRAC_PI_2), FRAC_PI_2, Vec2::new(-1.0, 0.0)),
+    ] {
+        let origin = Origin { heading_rad, ..ORIGIN };
+        let action = format!("ahead {direction_rad} 8000, hold 60000");
+        let blob = behaving_blob_at(&open_field(30, 30, (25, 15)), origin, "PS", &action);
+        let mut robot = Robot::new(Blob::parse(&blob).expect("the blob is valid"), 15.5, 15.5);
+        let from = robot.position;
+        let reasons: Vec<_> = (0..400)
+            .map(|_| {
+                // A compass shows the heading on the globe.
+                let compass_rad = robot.heading_rad - heading_rad as f32;
+                robot.drive_with(|percepts| percepts.heading_rad = Some(compass_rad)).reason
+            })
+            .collect();
+        assert_eq!((reasons[80], reasons[399]), (Reason::Driving, Reason::Holding));
+        let driven = robot.position - from;
+        // 0.5 m/s for 8 s, and the turn at the start.
+        assert!((2.0..=4.1).contains(&driven.dot(&expected)), "{driven:?}");
+        assert!(vector::length(driven) < driven.dot(&expected) * 1.3, "{driven:?}");
+    }
+}
+
+/// From all sides the robot enters a dock from its front.
+#[test]
+fn a_dock_is_entered_from_its_front() {
+    let map = open_field(30, 30, (25, 25));
+    let blob = behaving_blob(&map, "PS", "dock 15 15 1.5708 400, hold 60000");
+    for (x, y) in [(15.0, 3.0), (15.0, 27.0), (3.0, 15.0), (27.0, 17.0), (16.5, 16.0), (12.0, 12.5)]
+    {
+        let mut robot = Robot::new(Blob::parse(&blob).expect("the blob is valid"), x, y);
+        let docked = (0..4_000).any(|_| robot.drive_with(|_| {}).reason == Reason::Holding);
+        assert!(docked, "({x}, {y}) ended at {:?}", robot.position);
+        let offset = robot.position - Vec2::new(15.0, 15.0);
+        assert!(vector::length(offset) < 1.05, "{offset:?}");
+        let north_rad = core::f32::consts::FRAC_PI_2;
+        assert!((robot.heading_rad - north_rad).abs() < 0.5, "({x}, {y}): {}", robot.heading_rad);
+        assert!(offset.y < 0.0 && offset.x.abs() < 0.5, "({x}, {y}): {offset:?}");
     }
 }
 

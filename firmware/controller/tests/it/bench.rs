@@ -40,6 +40,16 @@ pub(crate) fn blob_at(layers: &[&str], parameters: Parameters, origin: Option<Or
 /// As [`blob`], with a mission of one behaviour of constant criticality (a label). Its actions
 /// follow one another, in the notation of `fixtures`: `set 3 on, hold 100`.
 pub(crate) fn behaving_blob(map: &str, criticality: &str, actions: &str) -> Vec<u8> {
+    behaving_blob_at(map, ORIGIN, criticality, actions)
+}
+
+/// As [`behaving_blob`], with another origin.
+pub(crate) fn behaving_blob_at(
+    map: &str,
+    origin: Origin,
+    criticality: &str,
+    actions: &str,
+) -> Vec<u8> {
     let mut mission = String::from("input time; of time\n");
     let mut stages = String::new();
     for (number, action) in actions.split(',').enumerate() {
@@ -51,7 +61,7 @@ pub(crate) fn behaving_blob(map: &str, criticality: &str, actions: &str) -> Vec<
          ={stages}
          behaviour work all; when always {criticality}"
     );
-    blob_with(&[map], Parameters::default(), Some(ORIGIN), fixtures::mission(&mission))
+    blob_with(&[map], Parameters::default(), Some(origin), fixtures::mission(&mission))
 }
 
 fn blob_with(

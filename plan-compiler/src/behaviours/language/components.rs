@@ -44,7 +44,10 @@ pub(super) fn action(report: &mut Report<'_>, name: Text, item: &Item) -> Option
     let text = fields.text(report, "do", "\"go-to 10, 20\"");
     let kind = text.and_then(|text| doing(report, &text)).unwrap_or(Doing::Signal { code: 0 });
     let own_ms = match kind {
-        Doing::Hold { for_ms } | Doing::Wait { for_ms } | Doing::Wander { for_ms } => for_ms,
+        Doing::Hold { for_ms }
+        | Doing::Wait { for_ms }
+        | Doing::Wander { for_ms }
+        | Doing::MoveAhead { for_ms, .. } => for_ms,
         _ => 0,
     };
     let given = fields.number(report, "timeout_s", MIN_TIMEOUT_S..=MAX_TIME_S, "s");
@@ -78,10 +81,23 @@ fn facts(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Vec<Text> {
     names.map(|text| Spanned { value: tidy(text.as_str()).into_owned(), span: text.span }).collect()
 }
 
-const VERBS: &[&str] =
-    &["follow", "go-to", "return", "hold", "wait", "wander", "signal", "set-output"];
+const VERBS: &[&str] = &[
+    "follow",
+    "go-to",
+    "return",
+    "hold",
+    "wait",
+    "wander",
+    "move-ahead",
+    "dock",
+    "signal",
+    "set-output",
+];
 const DOING_HELP: &str = "write follow PLAN at 34:66, go-to X, Y, return, hold 5 s, wait 5 s, wander 5 s, \
-    signal 3 or set-output 2 on";
+    move-ahead 90 for 5 s, dock X, Y facing 90 from 3 m, signal 3 or set-output 2 on";
+
+/// The largest radius of a dock, metres.
+const MAX_DOCK_M: f64 = 500.0;
 
 fn doing(report: &mut Report<'_>, text: &Text) -> Option<Doing> {
     let (verb, rest) = text.as_str().split_once(' ').unwrap_or((text.as_str(), ""));
@@ -94,6 +110,8 @@ fn doing(report: &mut Report<'_>, text: &Text) -> Option<Doing> {
         "wander" => seconds(rest).map(|for_ms| Doing::Wander { for_ms }),
         "signal" => rest.parse().ok().map(|code| Doing::Signal { code }),
         "set-output" => set_output(rest),
+        "move-ahead" => move_ahead(rest),
+        "dock" => dock(rest),
         "return" if rest.is_empty() => Some(Doing::Return),
         _ => None,
     };
@@ -128,6 +146,30 @@ fn follow(rest: &str, text: &Text) -> Option<Doing> {
 fn seconds(text: &str) -> Option<u32> {
     let seconds: f64 = text.strip_suffix('s')?.trim().parse().ok()?;
     (0.0..=MAX_TIME_S).contains(&seconds).then_some((seconds * 1e3).round() as u32)
+}
+
+/// `90 for 5 s`
+fn move_ahead(rest: &str) -> Option<Doing> {
+    let (degrees, time) = rest.split_once(" for ")?;
+    Some(Doing::MoveAhead { direction_rad: direction(degrees)?, for_ms: seconds(time)? })
+}
+
+/// `X, Y facing 90 from 3 m`
+fn dock(rest: &str) -> Option<Doing> {
+    let (at, rest) = rest.split_once(" facing ")?;
+    let (degrees, radius) = rest.split_once(" from ")?;
+    let radius_m: f64 = radius.trim().strip_suffix('m')?.trim().parse().ok()?;
+    (0.01..=MAX_DOCK_M).contains(&radius_m).then_some(Doing::Dock {
+        at: pair(at)?,
+        direction_rad: direction(degrees)?,
+        radius_cm: (radius_m * 1e2).round() as u16,
+    })
+}
+
+/// A compass heading in degrees, clockwise from north, as radians counter-clockwise from east.
+fn direction(degrees: &str) -> Option<f32> {
+    let degrees: f64 = degrees.trim().parse().ok()?;
+    (-360.0..=360.0).contains(&degrees).then(|| (90.0 - degrees).to_radians() as f32)
 }
 
 fn set_output(rest: &str) -> Option<Doing> {

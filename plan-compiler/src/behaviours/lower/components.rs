@@ -64,6 +64,12 @@ impl Lowering<'_> {
             &Doing::Hold { for_ms } => (ActionKind::Hold { for_ms }, motion(self)),
             &Doing::Wait { for_ms } => (ActionKind::Hold { for_ms }, 0),
             Doing::Return => (ActionKind::Return, motion(self)),
+            &Doing::MoveAhead { direction_rad, for_ms } => {
+                (ActionKind::MoveAhead { direction_rad, for_ms }, motion(self))
+            }
+            &Doing::Dock { at: [x_m, y_m], direction_rad, radius_cm } => {
+                (ActionKind::Dock { x_m, y_m, direction_rad, radius_cm }, motion(self))
+            }
             &Doing::Wander { for_ms } => (ActionKind::Wander { for_ms }, motion(self)),
             &Doing::Signal { code } => (ActionKind::Signal { code }, 0),
             &Doing::SetOutput { output, is_on } => {

@@ -236,6 +236,11 @@ fn components(mission: &Mission<'_>) -> Checked {
                 require(gains.iter().all(|gain| (0.0..=1.0).contains(gain)), MissionError::Number)?;
             }
             ActionKind::GoTo { x_m, y_m } => finite(&[x_m, y_m])?,
+            ActionKind::MoveAhead { direction_rad, .. } => finite(&[direction_rad])?,
+            ActionKind::Dock { x_m, y_m, direction_rad, radius_cm } => {
+                finite(&[x_m, y_m, direction_rad])?;
+                require(radius_cm > 0, MissionError::Number)?;
+            }
             ActionKind::SetOutput { output, .. } => below(output, limits::MAX_OUTPUTS)?,
             ActionKind::Hold { .. }
             | ActionKind::Wander { .. }

@@ -70,6 +70,25 @@ pub enum ActionKind {
     },
     /// Drive straight back to the place at which the behaviour was interrupted.
     Return,
+    /// Drive in a fixed direction for a time, by the reactive schemas.
+    MoveAhead {
+        /// The direction on the globe, radians counter-clockwise from east.
+        direction_rad: f32,
+        /// Duration, milliseconds.
+        for_ms: u32,
+    },
+    /// Drive into a dock, by the reactive schemas.
+    Dock {
+        /// East, metres.
+        x_m: f32,
+        /// North, metres.
+        y_m: f32,
+        /// Direction in which the robot stands in the dock, on the globe, radians counter-clockwise
+        /// from east.
+        direction_rad: f32,
+        /// Within this distance the robot goes around to the dock's front, centimetres.
+        radius_cm: u16,
+    },
 }
 
 record! {
@@ -97,6 +116,8 @@ impl ActionKind {
             4 => Self::Signal { code: number as u16 },
             5 => Self::SetOutput { output: number as u8, is_on: x > 0.0 },
             6 => Self::Return,
+            7 => Self::MoveAhead { direction_rad: x, for_ms: number },
+            8 => Self::Dock { x_m: x, y_m: y, direction_rad: z, radius_cm: number as u16 },
             _ => return None,
         })
     }
@@ -114,6 +135,10 @@ impl ActionKind {
                 (5, output.into(), [u8::from(is_on).into(), 0.0, 0.0])
             }
             Self::Return => (6, 0, [0.0; 3]),
+            Self::MoveAhead { direction_rad, for_ms } => (7, for_ms, [direction_rad, 0.0, 0.0]),
+            Self::Dock { x_m, y_m, direction_rad, radius_cm } => {
+                (8, radius_cm.into(), [x_m, y_m, direction_rad])
+            }
         };
         ActionBytes { tag, number, x: x.to_bits(), y: y.to_bits(), z: z.to_bits() }
     }

@@ -313,9 +313,11 @@ mod tests {
             ActionKind::Signal { code: 1_200 },
             ActionKind::SetOutput { output: 13, is_on: true },
             ActionKind::Return,
+            ActionKind::MoveAhead { direction_rad: 1.5, for_ms: 120_000 },
+            ActionKind::Dock { x_m: 10.0, y_m: -11.0, direction_rad: -2.5, radius_cm: 1_300 },
         ];
         draft.actions.extend(actions.map(|kind| Action { kind, ..action }));
-        assert_eq!(crate::seal::crc32(&[&draft.write().unwrap()], || ()), 4_087_682_101);
+        assert_eq!(crate::seal::crc32(&[&draft.write().unwrap()], || ()), 3_548_205_354);
     }
 
     #[test]

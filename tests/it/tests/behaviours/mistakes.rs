@@ -154,6 +154,10 @@ j = { do = "hold 1 s", add = ["done"], delete = ["done"] }
 k = { initial = ["done"] }
 l = { do = "hold 1 s", goals = ["done"] }
 m = "hold 1 s"
+n = { do = "move-ahead north for 5 s" }
+o = { do = "move-ahead 90" }
+p = { do = "dock 1, 2 facing 90" }
+q = { do = "dock 1, 2 facing 90 from 0 m" }
 [frames.a]
 productions = ["entry -> a -> exit"]
 "#,

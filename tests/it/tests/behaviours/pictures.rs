@@ -42,6 +42,30 @@ fn h41_missions_and_blobs_are_drawn_alike() {
     assert!(read("mission.png").starts_with(b"\x89PNG"));
 }
 
+/// Directions and distances come back as they were written.
+#[test]
+fn actions_are_drawn_as_they_were_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let all = [
+        "move-ahead 90 for 8 s",
+        "move-ahead 0 for 1.5 s",
+        "dock 6.25, -18 facing 225.5 from 3.5 m",
+    ];
+    let actions = all.iter().zip(["a", "b", "c"]);
+    let actions = actions.map(|(does, name)| format!("{name} = {{ do = \"{does}\" }}\n"));
+    let text = "[inputs.clock]\nsource = \"time\"\nuniverse = [0, 900]\n[behaviours.work]\n\
+         criticality = { clock = \"PS PS PS PS PS PS NB\" }\n[frames.work]\n\
+         productions = [\"entry -> a -> b -> c -> exit\"]\n[actions]\n";
+    let text = actions.fold(text.to_owned(), |text, action| text + &action);
+    fs::write(folder.path().join("m.mission.toml"), text).expect("written");
+    let (status, said) = run(folder.path(), &["graph", "m.mission.toml", "-o", "a.dot"]);
+    assert_eq!(status, 0, "{said}");
+    let drawn = fs::read_to_string(folder.path().join("a.dot")).expect("it was written");
+    for action in all {
+        assert!(drawn.contains(action), "{action}:\n{drawn}");
+    }
+}
+
 #[test]
 fn what_cannot_be_drawn_is_said() {
     let folder = tempfile::tempdir().expect("a folder");

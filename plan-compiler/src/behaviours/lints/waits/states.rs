@@ -207,7 +207,9 @@ impl PlanState {
             Symbol::Action(index) if component.life == Life::Started => {
                 let action = mission.actions().get(usize::from(index))?;
                 let own_ms = match action.kind {
-                    ActionKind::Hold { for_ms } | ActionKind::Wander { for_ms } => for_ms,
+                    ActionKind::Hold { for_ms }
+                    | ActionKind::Wander { for_ms }
+                    | ActionKind::MoveAhead { for_ms, .. } => for_ms,
                     ActionKind::Signal { .. } | ActionKind::SetOutput { .. }
                         if action.until.is_empty() =>
                     {
