@@ -1,6 +1,7 @@
 //! The machines that QEMU emulates, and how QEMU is started.
 
 use std::io::{self, Write};
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -74,6 +75,16 @@ impl Machine {
         board_table::Machine::find(self.name()).expect("a test finds every machine in boards.toml")
     }
 
+    /// The image of the guest's program `bin`, which is built if it is not there or not up to date.
+    pub fn image(self, bin: &str, build: Build) -> Result<PathBuf, StartError> {
+        let profile = match build {
+            Build::Release if self == Self::CortexM3 => "firmware-small",
+            Build::Release => "firmware",
+            Build::Debug => "firmware-debug",
+        };
+        Ok(setup::built("guest", bin, profile, Some(self.target()))?)
+    }
+
     /// A command, not yet started, that runs the guest's program `bin` in QEMU with the blob `plans`
     /// in its region. All three standard streams are pipes. The returned file holds the blob and
     /// must live until QEMU ends.
@@ -89,12 +100,7 @@ impl Machine {
             return Err(StartError::TooLarge { bytes, capacity, machine });
         }
         setup::qemu()?;
-        let profile = match build {
-            Build::Release if self == Self::CortexM3 => "firmware-small",
-            Build::Release => "firmware",
-            Build::Debug => "firmware-debug",
-        };
-        let image = setup::built("guest", bin, profile, Some(self.target()))?;
+        let image = self.image(bin, build)?;
         let mut file = NamedTempFile::new()?;
         file.write_all(plans)?;
         // In QEMU's option syntax a comma in a value is written twice.

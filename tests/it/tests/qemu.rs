@@ -8,7 +8,7 @@ use std::thread;
 use std::time::Duration;
 
 use harness::mission::{self, Changes};
-use harness::{Build, Machine, QemuPilot, counts, setup};
+use harness::{Build, Machine, QemuPilot, counts};
 use it::own_map;
 use math::{GeoPoint, Vec2};
 use plan_format::parameters::Gains;
@@ -111,8 +111,7 @@ fn number(counted: &str, name: &str) -> u64 {
 #[test]
 fn no_panic_can_be_reached_from_a_tick() {
     for machine in [Machine::CortexM4F, Machine::CortexM3] {
-        let image = setup::built("guest", "panic_free", "firmware", Some(machine.target()));
-        image.unwrap_or_else(|error| panic!("{error}"));
+        machine.image("panic_free", Build::Release).unwrap_or_else(|error| panic!("{error}"));
     }
 }
 
