@@ -159,11 +159,11 @@ fn write_robot(out: &mut dyn Write, blob: &Blob<'_>) -> io::Result<()> {
     writeln!(
         out,
         "  vehicle {steering}, radius {} m, {} to {} m/s, {} rad/s, stops {} m before obstacles",
-        vehicle.radius_m,
-        vehicle.cautious_speed_mps,
-        vehicle.max_speed_mps,
-        vehicle.max_turn_rate_radps,
-        vehicle.stop_distance_m
+        metres(vehicle.radius_m.into()),
+        metres(vehicle.cautious_speed_mps.into()),
+        metres(vehicle.max_speed_mps.into()),
+        metres(vehicle.max_turn_rate_radps.into()),
+        metres(vehicle.stop_distance_m.into())
     )?;
     write_drive(out, parameters)?;
     let word = |action| match action {
