@@ -102,12 +102,13 @@ pub struct Cover {
 impl Cover {
     /// Sum of the strips' lengths, metres.
     pub fn strips_m(&self) -> f64 {
-        self.strips.iter().map(Strip::length_m).sum()
+        // A plain sum of nothing is -0.
+        self.strips.iter().fold(0.0, |sum, strip| sum + strip.length_m())
     }
 
     /// Sum of the transitions' lengths, metres.
     pub fn transitions_m(&self) -> f64 {
-        self.transitions.iter().map(|transition| transition.length_m).sum()
+        self.transitions.iter().fold(0.0, |sum, transition| sum + transition.length_m)
     }
 
     /// Every point at which the robot may turn, from the start of the first strip to the end of the

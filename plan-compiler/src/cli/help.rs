@@ -90,22 +90,24 @@ Examples:
   plan-compiler comms tests/maps/shop.ovl --place dock=5,5 --frequency 0.868 --power 14 -o shop.npy";
 
 pub(super) const COVERAGE: &str = "\
-Strips lie --width less --overlap apart, or closer. The area falls into parts where obstacles split
-it; the strips of a part alternate in direction, and the part with the nearest end comes next. Beside
-slanted edges and in bays, short strips fill the gaps. Strips keep the robot's radius from obstacles
-and from the edge of the area; --edge sets another distance from the edge. Without --angle, the
-direction that needs the fewest strips is chosen among those of the area's edges and multiples of 30
+The strips of a part lie at equal distances, --width less --overlap or closer, over the cells
+that the robot may enter. The area falls into parts where obstacles split it; the strips of a
+part alternate in direction, and the part with the nearest end comes next. Beside slanted edges
+and in bays, short strips fill the gaps. Strips keep the robot's radius from obstacles and from
+the edge of the area; --edge sets another distance from the edge. Without --angle, the direction
+that needs the fewest strips is chosen among those of the area's edges and multiples of 30
 degrees. Transitions between strips stay in the area where they can.
 
-A point counts as covered within half the width and half a cell of a strip. What stays uncovered is
-reported: ground beside obstacles and edges that the tool does not reach, ground that the robot cannot
-reach from its start, and gaps up to --leave.
+A point counts as covered within half the width and half a cell of a strip. What stays uncovered
+is reported: ground beside obstacles and edges where the robot may not be and no strip passes
+close enough, ground that the robot cannot reach from its start, and gaps up to --leave.
 
-A mission is written beside the mission that it adds to: it keeps everything of it and replaces only
-the strips of an earlier run. It has a behaviour `cover`, one `go-to` action for each end of a strip,
-and a plan to the first strip and wherever the transition to the next leads around obstacles. A strip
-that cannot be driven in time is skipped. Other behaviours of the mission that lead the robot away wait
-for the end of a strip if their actions have delete = [\"at strip\"]; then --plan-each leads it back.
+A mission is written beside the mission that it adds to: it keeps everything of it and replaces
+only the strips of an earlier run. It has a behaviour `cover`, one `go-to` action for each end
+of a strip, and a plan to the first strip and wherever the transition to the next leads around
+obstacles. A strip that cannot be driven in time is skipped. Other behaviours of the mission
+that lead the robot away wait for the end of a strip if their actions have delete = [\"at
+strip\"]; then --plan-each leads it back.
 
 Examples:
   plan-compiler cover tests/maps/meadow.geojson --area Meadow --width 3 -o strips.png
