@@ -7,13 +7,16 @@
 //! The plans of all robots are explored together: a state is the running action and the last signal
 //! of each robot, and any robot may go on at any time to any action that can follow in its grammar,
 //! after a success or after a failure. So every wait that can occur is found, and some that cannot:
-//! where robots are, and which links are up, is not known, so conditions about them may be open.
+//! where robots are, and which links are up, is not known, so conditions about them may be open. A wait
+//! ends by the action's own `until` or by that of a frame above it.
 
 use crate::behaviours::{self, Plans};
 use crate::mission;
 use crate::team::Team;
 use maps::problem::{Problem, Source};
-use plan_format::mission::{ActionKind, Behaviour, FactKind, Mates, MissionDraft, Symbol};
+use plan_format::mission::{
+    ActionKind, Behaviour, Condition, FactKind, Mates, MissionDraft, PlanFrame, Symbol, effects,
+};
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 
@@ -69,6 +72,8 @@ struct Robot {
     first: Actions,
     /// By action, those that can follow it.
     next: Vec<Actions>,
+    /// By action, the frames above it that end early.
+    above: Vec<Vec<PlanFrame>>,
 }
 
 impl Robot {
@@ -76,24 +81,40 @@ impl Robot {
         let names = mission.behaviours.actions.iter().map(|action| action.name.value.clone());
         let flow = Flow::of(&draft);
         let next = (0..draft.actions.len()).map(|action| flow.next(&draft, action)).collect();
-        Self { name: name.into(), names: names.collect(), first: flow.roots(&draft), next, draft }
+        let (first, above) = (flow.roots(&draft), above(&draft));
+        Self { name: name.into(), names: names.collect(), first, next, above, draft }
+    }
+
+    /// The conditions each of which ends an action: its own, and those of the frames above it.
+    fn ends(&self, action: usize) -> Vec<Condition> {
+        let own = self.draft.actions.get(action).map(|action| action.until);
+        let above = self.above.get(action).into_iter().flatten().map(|frame| frame.until);
+        own.into_iter().chain(above).filter(|until| !until.is_empty()).collect()
     }
 
     /// How long the robot stands in an action, milliseconds, if it stands there for a mate.
     fn wait_ms(&self, action: usize) -> Option<u32> {
-        let action = self.draft.actions.get(action)?;
-        let ActionKind::Hold { for_ms } = action.kind else { return None };
-        let facts = action.until.must | action.until.must_not;
+        let ends = self.ends(action);
+        let facts = ends.iter().fold(0, |facts, until| facts | until.must | until.must_not);
         let is_for_mate = (0_u32..)
             .zip(&self.draft.facts)
             .any(|(index, fact)| facts >> index & 1 == 1 && mates_of(fact.kind).is_some());
-        is_for_mate.then(|| for_ms.min(action.timeout_ms))
+        let above = self.above.get(action).into_iter().flatten();
+        let above_ms = above.map(|frame| frame.timeout_ms).filter(|&time_ms| time_ms != 0).min();
+        let action = self.draft.actions.get(action)?;
+        let ActionKind::Hold { for_ms } = action.kind else { return None };
+        is_for_mate.then(|| for_ms.min(action.timeout_ms).min(above_ms.unwrap_or(u32::MAX)))
     }
 
-    /// The mates that keep a wait from ending, one bit each: what they signalled last is known, where
-    /// they are is not.
-    fn waits_for(&self, action: usize, signals: &[u16]) -> u8 {
-        let Some(action) = self.draft.actions.get(action) else { return 0 };
+    /// Whether robots of a set, one bit each, keep a wait from ending: each of its ends is open
+    /// because of one of them.
+    fn is_kept(&self, action: usize, signals: &[u16], robots: u8) -> bool {
+        self.ends(action).into_iter().all(|until| self.waits_for(until, signals) & robots != 0)
+    }
+
+    /// The mates that keep a condition from holding, one bit each: what they signalled last is known,
+    /// where they are is not.
+    fn waits_for(&self, until: Condition, signals: &[u16]) -> u8 {
         let open = |kind: FactKind, wanted: bool| -> u8 {
             let Some(mates) = mates_of(kind) else { return 0 };
             let FactKind::MateSignals { code, .. } = kind else { return mates.robots };
@@ -107,8 +128,8 @@ impl Robot {
         };
         (0_u32..).zip(&self.draft.facts).fold(0, |bits, (index, fact)| {
             let is_in = |facts: u64| facts >> index & 1 == 1;
-            let must = if is_in(action.until.must) { open(fact.kind, true) } else { 0 };
-            let must_not = if is_in(action.until.must_not) { open(fact.kind, false) } else { 0 };
+            let must = if is_in(until.must) { open(fact.kind, true) } else { 0 };
+            let must_not = if is_in(until.must_not) { open(fact.kind, false) } else { 0 };
             bits | must | must_not
         })
     }
@@ -116,6 +137,32 @@ impl Robot {
     fn action(&self, action: u8) -> &str {
         self.names.get(usize::from(action)).map_or("nothing", String::as_str)
     }
+}
+
+/// By action, the frames above it that end by a condition or after a time.
+fn above(draft: &MissionDraft) -> Vec<Vec<PlanFrame>> {
+    let mut above = vec![Vec::new(); draft.actions.len()];
+    for (index, frame) in draft.frames.iter().enumerate() {
+        if frame.until.is_empty() && frame.timeout_ms == 0 {
+            continue;
+        }
+        let (mut seen, mut open) = (vec![false; draft.frames.len()], vec![index]);
+        let mut inside = vec![false; draft.actions.len()];
+        while let Some(frame) = open.pop() {
+            if std::mem::replace(&mut seen[frame], true) {
+                continue;
+            }
+            for symbol in effects::below(draft, frame) {
+                match symbol {
+                    Symbol::Action(action) => inside[usize::from(action)] = true,
+                    Symbol::PlanFrame(frame) => open.push(frame.into()),
+                }
+            }
+        }
+        let inside = inside.into_iter().zip(&mut above).filter(|(is_inside, _)| *is_inside);
+        inside.for_each(|(_, frames)| frames.push(*frame));
+    }
+    above
 }
 
 /// The mates that a fact is about.
@@ -382,9 +429,7 @@ fn waiting(robots: &[Robot], state: &State) -> Vec<(usize, u8)> {
     loop {
         let bits = left.iter().fold(0_u8, |bits, robot| bits | 1 << robot);
         let before = left.len();
-        left.retain(|&robot| {
-            robots[robot].waits_for(usize::from(state[robot].0), &signals) & bits != 0
-        });
+        left.retain(|&robot| robots[robot].is_kept(usize::from(state[robot].0), &signals, bits));
         if left.len() == before {
             return left.into_iter().map(|robot| (robot, state[robot].0)).collect();
         }
@@ -411,86 +456,4 @@ fn ways(came_from: &HashMap<State, Option<State>>, state: &State) -> Vec<Vec<u8>
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use maps::problem::Source;
-
-    /// The warnings of a team of two or three whose robots have these serial plans.
-    fn warnings(robots: &[(&str, &str)], shared: &str) -> Vec<String> {
-        let names: Vec<String> = robots.iter().map(|(name, _)| format!("{name:?}")).collect();
-        let mut text = format!("[team]\nrobots = [{}]\n{shared}\n", names.join(", "));
-        text +=
-            "[inputs]\ntime = { source = \"time\", universe = [0, 1], missing = { then = 0 } }\n";
-        text += "[behaviours.go]\nplan = \"serial\"\ncriticality = { time = \"PB PB PB PB PB PB PB\" }\n";
-        for (name, graph) in robots {
-            text += &format!("[robots.{name}.frames.serial]\nproductions = [\"{graph}\"]\n");
-        }
-        let source = Arc::new(Source { name: "m".into(), text });
-        let (mission, mistakes) = mission::parse_for(&source, Some(robots[0].0));
-        assert!(mistakes.is_empty(), "{mistakes:?}");
-        check(&source, &mission.team)
-            .iter()
-            .map(|problem| format!("{problem}; {}", problem.help.clone().unwrap_or_default()))
-            .collect()
-    }
-
-    const SHARED: &str = r#"
-[facts]
-"all linked" = { linked = "all" }
-"mate is there" = { mate = "any", signals = 1 }
-[actions]
-go = { do = "go-to 5, 5" }
-say = { do = "signal 1" }
-wait = { do = "hold 60 s", until = ["mate is there"] }
-gather = { do = "hold 40 s", until = ["all linked"] }
-"#;
-
-    #[test]
-    fn w37_robots_that_signal_only_after_the_other_wait_for_each_other() {
-        let found = warnings(
-            &[
-                ("a", "entry -> go -> wait -> say -> exit"),
-                ("b", "entry -> go -> wait -> say -> exit"),
-            ],
-            SHARED,
-        );
-        assert_eq!(found.len(), 1, "{found:?}");
-        let expected = "`a` and `b` may wait for each other: a in `wait` and b in `wait`; each moves \
-            again at the latest: a after 60 s and b after 60 s; it comes to this by a: go, wait; b: \
-            go, wait;";
-        assert!(found[0].starts_with(expected), "{}", found[0]);
-    }
-
-    #[test]
-    fn robots_that_signal_before_they_wait_do_not() {
-        let graph = "entry -> go -> say -> wait -> exit";
-        assert_eq!(warnings(&[("a", graph), ("b", graph)], SHARED), [""; 0]);
-        let first = "entry -> go -> say -> exit";
-        assert_eq!(
-            warnings(&[("a", first), ("b", "entry -> wait -> say -> exit")], SHARED),
-            [""; 0]
-        );
-    }
-
-    /// Three in a ring cannot be seen from two of them.
-    #[test]
-    fn a_ring_of_three_is_found() {
-        let graph = "entry -> go -> gather -> exit";
-        let found = warnings(&[("a", graph), ("b", graph), ("c", "entry -> go -> exit")], SHARED);
-        assert!(found[0].contains("a after 40 s and b after 40 s"), "{found:?}");
-        let found = warnings(&[("a", graph), ("b", graph), ("c", graph)], SHARED);
-        assert_eq!(found.len(), 1, "{found:?}");
-        assert!(found[0].starts_with("`a`, `b` and `c` may wait"), "{found:?}");
-        // Each waits for the next one's signal: no two of them wait for each other.
-        let ring = [("a", "b"), ("b", "c"), ("c", "a")].map(|(name, next)| {
-            format!(
-                "[robots.{name}.facts]\n\"mate is there\" = {{ mate = \"{next}\", signals = 1 }}\n"
-            )
-        });
-        let graph = "entry -> wait -> say -> exit";
-        let robots = [("a", graph), ("b", graph), ("c", graph)];
-        let found = warnings(&robots, &(SHARED.to_owned() + &ring.concat()));
-        assert_eq!(found.len(), 1, "{found:?}");
-        assert!(found[0].starts_with("`a`, `b` and `c` may wait"), "{found:?}");
-    }
-}
+mod tests;

@@ -260,7 +260,11 @@ fn write_outcome(
     writeln!(text, "start       {x:.2},{y:.2} m, seed {}", start.seed)?;
     writeln!(text, "time        {:.1} s, {} ticks", outcome.time_s, outcome.ticks)?;
     writeln!(text, "distance    {:.1} m", outcome.distance_m)?;
-    writeln!(text, "closest     {:.2} m, {} contacts", outcome.closest_m, outcome.touches)?;
+    match outcome.closest_m {
+        closest_m if closest_m.is_finite() => write!(text, "closest     {closest_m:.2} m")?,
+        _ => write!(text, "closest     nothing near")?,
+    }
+    writeln!(text, ", {} contacts", outcome.touches)?;
     if outcome.strikes > 0 {
         writeln!(text, "struck      {} times by something that moves", outcome.strikes)?;
     }
