@@ -85,7 +85,7 @@ impl Robot {
         Self { name: name.into(), names: names.collect(), first, next, above, draft }
     }
 
-    /// The conditions each of which ends an action: its own, and those of the frames above it.
+    /// The conditions that end an action, each by itself: its own, and those of the frames above it.
     fn ends(&self, action: usize) -> Vec<Condition> {
         let own = self.draft.actions.get(action).map(|action| action.until);
         let above = self.above.get(action).into_iter().flatten().map(|frame| frame.until);
