@@ -23,9 +23,9 @@ const SLOWEST: f32 = 0.25;
 /// The vector that leads into a dock.
 ///
 /// Outside the radius: a unit vector to where the way in begins, in front of the dock.
-/// Inside, a radial part leads to the dock and a tangential one around it to the way in: off the way by
-/// 45 degrees or more the robot only circles, on it it only approaches. The vector becomes
-/// shorter towards the dock, from 1 to a quarter. Zero at the dock itself.
+/// Inside, a radial part leads to the dock, and a tangential one leads around it to the way in. On
+/// the way in there is only the radial part; 45 degrees aside or more, only the tangential one. The
+/// vector becomes shorter towards the dock, from 1 to a quarter. Zero at the dock itself.
 ///
 /// Source: Arkin and Murphy 1990, "Autonomous navigation in a manufacturing environment", docking:
 /// ballistic and controlled motion.

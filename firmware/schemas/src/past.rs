@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 const PLACES: usize = 24;
 /// A place is remembered this often, microseconds.
 const EVERY_US: u64 = 1_000_000;
-/// Closer to a place than this, the robot is still there, and no direction leads away, metres.
+/// Within this distance of a place, the robot is still there, metres.
 const HERE_M: f32 = 0.2;
 /// After this number of places, a robot that is still there is repelled in another direction.
 const SAME_DIRECTION: u8 = 6;

@@ -90,17 +90,17 @@ Examples:
   plan-compiler comms tests/maps/shop.ovl --place dock=5,5 --frequency 0.868 --power 14 -o shop.npy";
 
 pub(super) const COVERAGE: &str = "\
-The strips of a part lie at equal distances, --width less --overlap or closer, over the cells
-that the robot may enter. The area falls into parts where obstacles split it; the strips of a
-part alternate in direction, and the part with the nearest end comes next. Beside slanted edges
-and in bays, short strips fill the gaps. Strips keep the robot's radius from obstacles and from
-the edge of the area; --edge sets another distance from the edge. Without --angle, the direction
-that needs the fewest strips is chosen among those of the area's edges and multiples of 30
-degrees. Transitions between strips stay in the area where they can.
+The area falls into parts where obstacles split it. The strips of a part lie at equal distances,
+--width less --overlap or closer, over the cells that the robot may enter, and alternate in
+direction. The part with the nearest end comes next. Beside slanted edges and in bays, short
+strips fill the gaps. Strips keep the robot's radius from obstacles and from the edge of the
+area; --edge sets another distance from the edge. Without --angle, the direction that needs the
+fewest strips is chosen among those of the area's edges and multiples of 30 degrees. Transitions
+between strips stay in the area where they can.
 
 A point counts as covered within half the width and half a cell of a strip. What stays uncovered
-is reported: ground beside obstacles and edges where the robot may not be and no strip passes
-close enough, ground that the robot cannot reach from its start, and gaps up to --leave.
+is reported: ground beside obstacles and edges that is too far from every strip, ground that the
+robot cannot reach from its start, and gaps up to --leave.
 
 A mission is written beside the mission that it adds to: it keeps everything of it and replaces
 only the strips of an earlier run. It has a behaviour `cover`, one `go-to` action for each end
