@@ -146,21 +146,11 @@ fn above(draft: &MissionDraft) -> Vec<Vec<PlanFrame>> {
         if frame.until.is_empty() && frame.timeout_ms == 0 {
             continue;
         }
-        let (mut seen, mut open) = (vec![false; draft.frames.len()], vec![index]);
-        let mut inside = vec![false; draft.actions.len()];
-        while let Some(frame) = open.pop() {
-            if std::mem::replace(&mut seen[frame], true) {
-                continue;
-            }
-            for symbol in effects::below(draft, frame) {
-                match symbol {
-                    Symbol::Action(action) => inside[usize::from(action)] = true,
-                    Symbol::PlanFrame(frame) => open.push(frame.into()),
-                }
+        for symbol in effects::all_below(draft, index) {
+            if let Symbol::Action(action) = symbol {
+                above[usize::from(action)].push(*frame);
             }
         }
-        let inside = inside.into_iter().zip(&mut above).filter(|(is_inside, _)| *is_inside);
-        inside.for_each(|(_, frames)| frames.push(*frame));
     }
     above
 }

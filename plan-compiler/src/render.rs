@@ -122,15 +122,19 @@ pub fn side_by_side(blob: &Blob<'_>, panels: &[Panel<'_>], style: Style) -> Stri
     let title_px = titles.iter().map(|title| sheet::title_px(title, size_px)).fold(0.0, f64::max);
     let contents = Contents { grid: blob.grid(), panels: panels.len(), title_px, legend: &entries };
     let sheet = Sheet::new(&contents, size_px);
-    let mut document = document(sheet.size, &titles.join(", ")).add(clip(&sheet.view));
-    for ((panel, sampled), (corner, title)) in
-        panels.iter().zip(&drawn).zip(sheet.maps.iter().zip(&titles))
-    {
-        let map =
-            draw(blob, panel, sampled.draw(bands, sheet.view.map, hatch_px(&sheet)), &sheet, style);
-        let frame = frame(&sheet, title);
+    let maps = panels.iter().zip(&drawn).zip(&titles).map(|((panel, sampled), title)| {
+        let image = sampled.draw(bands, sheet.view.map, hatch_px(&sheet));
+        Group::new().add(draw(blob, panel, image, &sheet, style)).add(frame(&sheet, title))
+    });
+    assembled(&sheet, &titles.join(", "), maps.collect(), &entries)
+}
+
+/// A picture of maps, each at its place on the sheet, and a legend.
+fn assembled(sheet: &Sheet, title: &str, maps: Vec<Group>, entries: &[Entry]) -> String {
+    let mut document = document(sheet.size, title).add(clip(&sheet.view));
+    for (map, corner) in maps.into_iter().zip(&sheet.maps) {
         let place = format!("translate({} {})", corner[0], corner[1]);
-        document = document.add(Group::new().set("transform", place).add(map).add(frame));
+        document = document.add(map.set("transform", place));
     }
     for (entry, place) in entries.iter().zip(sheet.legend.iter().flatten()) {
         document = document.add(legend::draw(entry, *place, &sheet.view));

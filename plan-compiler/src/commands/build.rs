@@ -2,7 +2,7 @@
 
 use super::description::{self, describe, goals_text};
 use super::progress::{with_patience, with_progress};
-use super::{Failure, check_output, project, tell};
+use super::{Failure, check_output, print_json, project, tell};
 use crate::cli::{Build, Compiling};
 use maps::problem::{Problem, has_errors};
 use plan_compiler::boards::{self, Board};
@@ -13,7 +13,7 @@ use plan_format::Blob;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
+use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -46,7 +46,7 @@ pub(super) fn build(
     }
     tell(&problems, quiet);
     if json {
-        return Ok(print_json(output, args.board, &blob, started.elapsed())?);
+        return print_built(output, args.board, &blob, started.elapsed());
     }
     if !quiet {
         crate::say(&summary(output, args.board, image, &blob, started.elapsed()));
@@ -101,24 +101,20 @@ struct Built<'b> {
     blob: description::Description<'b>,
 }
 
-fn print_json(
+fn print_built(
     output: &Path,
     board: Option<&Board>,
     bytes: &[u8],
     took: Duration,
-) -> io::Result<()> {
+) -> Result<(), Failure> {
     // The compiler has already read the blob back.
     let blob = Blob::parse_exact(bytes).map_err(io::Error::other)?;
-    let built = Built {
+    print_json(&Built {
         output: output.to_string_lossy(),
         board: board.map(|board| board.name.as_str()),
         time_ms: took.as_secs_f64() * 1e3,
         blob: describe(&blob, bytes.len(), &width::of_blob(&blob, bytes)),
-    };
-    let mut out = io::stdout().lock();
-    serde_json::to_writer_pretty(&mut out, &built)?;
-    writeln!(out)?;
-    out.flush()
+    })
 }
 
 fn summary(

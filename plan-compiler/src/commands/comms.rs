@@ -1,7 +1,7 @@
 //! `comms`: where radio reaches.
 
 use super::progress::with_patience;
-use super::{Failure, check_output, print, print_text, project, tell};
+use super::{Failure, check_output, file_name, print_json, print_text, project, tell};
 use crate::cli::Comms;
 use maps::numbers::{metres, pair};
 use maps::problem::{Problem, has_errors};
@@ -60,8 +60,7 @@ pub(super) fn run(args: &Comms, quiet: bool) -> Result<(), Failure> {
         let at: Vec<Point> = places.iter().map(|(_, at)| *at).collect();
         let free = Bitmap::from_fn(grid.columns, grid.rows, |cell| !blocked.get(cell));
         let margins = Margins::of(&model, &grid, &at, rule.need, rule.threshold_db, &free);
-        let name = args.input.file_name().unwrap_or(args.input.as_os_str());
-        let name = Path::new(name).display().to_string();
+        let name = file_name(&args.input);
         Some(Found { name, grid, rule, places, blocked, margins })
     };
     let Some(found) = with_patience(quiet, "computing the links", computing) else {
@@ -79,9 +78,7 @@ pub(super) fn run(args: &Comms, quiet: bool) -> Result<(), Failure> {
     }
     tell(&problems, quiet);
     if args.json {
-        let mut text = serde_json::to_vec_pretty(&found.summary()).map_err(std::io::Error::from)?;
-        text.push(b'\n');
-        return print(&text);
+        return print_json(&found.summary());
     }
     if quiet { Ok(()) } else { print_text(&found.text()) }
 }

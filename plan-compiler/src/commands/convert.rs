@@ -1,7 +1,7 @@
 //! `convert`: between maps, blobs and MissionLab's Iplan.dat.
 
 use super::build::{build, compile};
-use super::{Failure, check_output, open, read_blob, tell};
+use super::{Failure, check_output, file_name, open, read_blob, tell};
 use crate::cli::{Compiling, Convert};
 use maps::formats::{ReadOptions, foreign};
 use maps::problem::{Problem, has_errors};
@@ -9,7 +9,6 @@ use plan_compiler::boards;
 use plan_compiler::image::Image;
 use plan_compiler::{iplan, output};
 use plan_format::MAGIC;
-use std::path::Path;
 
 pub(super) fn run(args: &Convert, quiet: bool) -> Result<(), Failure> {
     let extension = args.output.extension().and_then(|extension| extension.to_str());
@@ -63,8 +62,7 @@ fn write_iplan(args: &Convert, blob: &[u8], problems: &mut Vec<Problem>) -> Resu
     let plan = open(&args.input, blob)?;
     problems.extend(iplan::check(&plan));
     if !has_errors(problems) {
-        let name = args.input.file_name().unwrap_or(args.input.as_os_str());
-        let name = Path::new(name).display().to_string();
+        let name = file_name(&args.input);
         let written = output::write_file(&args.output, |out| iplan::write(out, &plan, &name));
         problems.extend(written.err());
     }

@@ -1,7 +1,7 @@
 //! `cover`: strips over an area.
 
 use super::progress::with_patience;
-use super::{Failure, check_output, print, print_text, project, quoted, tell};
+use super::{Failure, check_output, file_name, print_json, print_text, project, quoted, tell};
 use crate::cli::Cover as Args;
 use maps::numbers::metres;
 use maps::problem::{Problem, has_errors};
@@ -84,9 +84,7 @@ pub(super) fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     }
     tell(&problems, quiet);
     if args.json {
-        let mut text = serde_json::to_vec_pretty(&found.summary()).map_err(std::io::Error::from)?;
-        text.push(b'\n');
-        return print(&text);
+        return print_json(&found.summary());
     }
     if quiet { Ok(()) } else { print_text(&found.text()) }
 }
@@ -149,8 +147,7 @@ impl<'s> Found<'s> {
             };
             uncovered[kind] += 1;
         }
-        let name = args.input.file_name().unwrap_or(args.input.as_os_str());
-        let name = Path::new(name).display().to_string();
+        let name = file_name(&args.input);
         Self { name, site, settings, cover, covered, uncovered }
     }
 

@@ -2,7 +2,7 @@
 
 use super::description::{bytes_per_cell, describe, goals_text, raw_bytes};
 use super::progress::with_patience;
-use super::{Failure, open, print, print_text, read_blob};
+use super::{Failure, open, print_json, print_text, read_blob};
 use crate::cli::Inspect;
 use maps::numbers::{metres, pair};
 use plan_compiler::width::{self, LayerPassages, Need, Passage, in_words};
@@ -15,13 +15,10 @@ pub(super) fn run(args: &Inspect) -> Result<(), Failure> {
     let bytes = read_blob(&args.plans)?;
     let plan = open(&args.plans, &bytes)?;
     let passages = with_patience(false, "measuring passages", || width::of_blob(&plan, &bytes));
-    let mut out = Vec::new();
     if args.json {
-        serde_json::to_writer_pretty(&mut out, &describe(&plan, bytes.len(), &passages))
-            .map_err(io::Error::from)?;
-        out.push(b'\n');
-        return print(&out);
+        return print_json(&describe(&plan, bytes.len(), &passages));
     }
+    let mut out = Vec::new();
     write_text(&mut out, &args.plans, &plan, bytes.len(), &passages)?;
     print_text(&String::from_utf8_lossy(&out))
 }

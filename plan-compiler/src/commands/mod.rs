@@ -26,6 +26,7 @@ use maps::source;
 use maps::terminal::safe;
 use plan_compiler::{output, trace};
 use plan_format::{Blob, Layer, MAGIC, ParallelPlan};
+use serde::Serialize;
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
@@ -82,6 +83,18 @@ fn tell(problems: &[Problem], quiet: bool) {
 /// Writes text for a person to standard output, made safe since it may contain names from files.
 fn print_text(text: &str) -> Result<(), Failure> {
     print(safe(text).as_bytes())
+}
+
+/// Writes a value as JSON to standard output.
+fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let mut text = serde_json::to_vec_pretty(value).map_err(io::Error::from)?;
+    text.push(b'\n');
+    print(&text)
+}
+
+/// The name of a file without its folder.
+fn file_name(path: &Path) -> String {
+    Path::new(path.file_name().unwrap_or(path.as_os_str())).display().to_string()
 }
 
 /// Writes bytes to standard output.

@@ -3,7 +3,7 @@
 use super::description::{self, OnePassage};
 use super::progress::{with_patience, with_progress};
 use super::project;
-use super::{Failure, open, print, print_text, read_blob, tell};
+use super::{Failure, open, print_json, print_text, read_blob, tell};
 use crate::cli::Verify;
 use maps::numbers::{metres, pair};
 use maps::problem::{Problem, has_errors};
@@ -13,7 +13,6 @@ use plan_compiler::verify::{self, Report};
 use plan_compiler::width::{self, Need};
 use plan_format::{Blob, Origin};
 use serde::Serialize;
-use std::io;
 
 pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
     let bytes = read_blob(&args.plans)?;
@@ -48,8 +47,7 @@ pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
             compared_with_map: args.input.is_some(),
             too_narrow: narrow.collect(),
         };
-        let json = serde_json::to_string_pretty(&proved).map_err(io::Error::from)?;
-        return print(format!("{json}\n").as_bytes());
+        return print_json(&proved);
     }
     if !quiet {
         let rule = if proof.cuts_corners { "corners allowed" } else { "no corner is cut" };

@@ -47,21 +47,13 @@ pub(super) fn order(
     let mut inside = Roads::of(inside);
     let transitions = strips.windows(2).map(|pair| {
         let (from, to) = (pair[0].to, pair[1].from);
-        let transition = inside.route(from, to).map(|(via, length_m)| Transition {
-            via,
-            length_m,
-            leaves: false,
-        });
-        transition
-            .or_else(|| {
-                anywhere.route(from, to).map(|(via, length_m)| Transition {
-                    via,
-                    length_m,
-                    leaves: true,
-                })
-            })
-            // Strips that no route connects are not laid: their ground is cut off.
-            .unwrap_or(Transition { via: Vec::new(), length_m: distance(from, to), leaves: true })
+        let (route, leaves) = match inside.route(from, to) {
+            Some(route) => (Some(route), false),
+            None => (anywhere.route(from, to), true),
+        };
+        // Strips that no route connects are not laid: their ground is cut off.
+        let (via, length_m) = route.unwrap_or((Vec::new(), distance(from, to)));
+        Transition { via, length_m, leaves }
     });
     let transitions = transitions.collect();
     (strips, transitions)

@@ -210,6 +210,11 @@ fn block(index: u32, samples: u32, cells: u32) -> Range<u32> {
     edge(index)..edge(index + 1)
 }
 
+/// The cell of a grid under a pixel of an image of it, whose rows come from the north.
+pub(super) fn under(grid: &Grid, [width, height]: [u32; 2], x: u32, y: u32) -> Cell {
+    Cell::new(middle(x, width, grid.columns), middle(height - 1 - y, height, grid.rows))
+}
+
 /// The sample under the middle of one of `pixels` pixels.
 fn middle(pixel: u32, pixels: u32, samples: u32) -> u32 {
     ((2 * u64::from(pixel) + 1) * u64::from(samples) / (2 * u64::from(pixels))) as u32

@@ -1,15 +1,15 @@
 //! A picture of where radio reaches: bands of the margin in dB, lines between them, the threshold,
 //! obstacles and places.
 
-use super::cells::{Bands, indexed};
-use super::legend::{self, CONTOUR_UNITS, Entry, Ramp, Symbol};
+use super::cells::{Bands, indexed, under};
+use super::legend::{CONTOUR_UNITS, Entry, Ramp, Symbol};
 use super::marks::{self, Mark, Names};
 use super::palette::{self, ATTENUATING, BLOCKED, INK, OBSTACLE};
 use super::scale::round_number_above;
 use super::sheet::{self, Contents, Sheet};
 use super::stroke::stroke;
 use super::view::View;
-use super::{clip, document, frame, hatch_px, text};
+use super::{assembled, frame, hatch_px, text};
 use crate::comms::Margins;
 use maps::numbers::metres;
 use maps::{Bitmap, Feature, Point, Role};
@@ -63,16 +63,8 @@ pub fn reach(reach: &Reach<'_>, size_px: u32) -> String {
             over = over.add(name);
         }
     }
-    let mut picture = document(sheet.size, reach.title).add(clip(view));
     let drawn = Group::new().add(map).add(over).add(frame(&sheet, reach.title));
-    for corner in &sheet.maps {
-        let place = format!("translate({} {})", corner[0], corner[1]);
-        picture = picture.add(drawn.clone().set("transform", place));
-    }
-    for (entry, place) in entries.iter().zip(sheet.legend.iter().flatten()) {
-        picture = picture.add(legend::draw(entry, *place, view));
-    }
-    picture.to_string()
+    assembled(&sheet, reach.title, vec![drawn], &entries)
 }
 
 /// The characters in the names of places that the font lacks, which a PNG shows as boxes.
@@ -133,13 +125,8 @@ fn cells(reach: &Reach<'_>, ramp: Ramp, view: &View, hatch_px: u32) -> Image {
     let count = ramp.bands.count;
     let mut colours: Vec<u8> = (0..count).flat_map(|index| ramp.colour(index)).collect();
     colours.extend([INK, BLOCKED].into_iter().flat_map(palette::rgb));
-    let Grid { columns, rows, .. } = *reach.grid;
-    let [width, height] = view.map;
-    indexed([width, height], colours, |x, y| {
-        let along = |pixel: u32, pixels: u32, cells: u32| {
-            ((2 * u64::from(pixel) + 1) * u64::from(cells) / (2 * u64::from(pixels))) as u32
-        };
-        let cell = Cell::new(along(x, width, columns), along(height - 1 - y, height, rows));
+    indexed(view.map, colours, |x, y| {
+        let cell = under(reach.grid, view.map, x, y);
         let margin = f64::from(reach.margins.at(cell));
         let is_line = margin < reach.threshold_db && (x + y) % hatch_px < hatch_px.div_ceil(6);
         match reach.blocked.get(cell) {

@@ -1,14 +1,14 @@
 //! A picture of strips: what they cover, what stays, the strips and the transitions between them.
 
-use super::legend::{self, Entry, Symbol};
+use super::legend::{Entry, Symbol};
 use super::marks::{self, Mark};
 use super::palette::{self, ATTENUATING, BLOCKED, INK, OBSTACLE, PAPER, UNMAPPED};
 use super::sheet::{self, Contents, Sheet};
 use super::view::View;
-use super::{cells, clip, document, frame};
+use super::{assembled, cells, frame};
 use maps::{Bitmap, Feature, Point, Role};
 use math::scalar::wide;
-use plan_format::{Cell, Grid};
+use plan_format::Grid;
 use std::fmt::Write;
 use svg::node::element::{Group, Image};
 
@@ -77,16 +77,8 @@ pub fn strips(strips: &Strips<'_>, size_px: u32) -> String {
         over = over.add(Mark::Start.draw(view.place(*first), unit));
         over = over.add(Mark::End.draw(view.place(*last), unit));
     }
-    let mut picture = document(sheet.size, strips.title).add(clip(view));
     let drawn = Group::new().add(map).add(over).add(frame(&sheet, strips.title));
-    for corner in &sheet.maps {
-        let place = format!("translate({} {})", corner[0], corner[1]);
-        picture = picture.add(drawn.clone().set("transform", place));
-    }
-    for (entry, place) in entries.iter().zip(sheet.legend.iter().flatten()) {
-        picture = picture.add(legend::draw(entry, *place, view));
-    }
-    picture.to_string()
+    assembled(&sheet, strips.title, vec![drawn], &entries)
 }
 
 /// The arrow in the middle of a strip that has room for it.
@@ -138,13 +130,8 @@ const COVERED: &str = "#cbe38f";
 /// The cells as an image.
 fn ground(strips: &Strips<'_>, view: &View) -> Image {
     let colours = [PAPER, BLOCKED, COVERED, UNMAPPED].into_iter().flat_map(palette::rgb).collect();
-    let Grid { columns, rows, .. } = *strips.grid;
-    let [width, height] = view.map;
-    cells::indexed([width, height], colours, |x, y| {
-        let along = |pixel: u32, pixels: u32, cells: u32| {
-            ((2 * u64::from(pixel) + 1) * u64::from(cells) / (2 * u64::from(pixels))) as u32
-        };
-        let cell = Cell::new(along(x, width, columns), along(height - 1 - y, height, rows));
+    cells::indexed(view.map, colours, |x, y| {
+        let cell = cells::under(strips.grid, view.map, x, y);
         match (strips.wanted.get(cell), strips.covered.get(cell)) {
             (true, true) => 2,
             (true, false) => 3,

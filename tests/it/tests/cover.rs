@@ -4,42 +4,17 @@
 use std::fs;
 use std::process::Command;
 
+use crate::work::record_with;
 use harness::mission::{self, Changes};
 use harness::setup;
 use it::own_map;
 use maps::{Extent, Map};
 use plan_compiler::cover::{Area, Asked, Strip, covered, site};
 use plan_compiler::project::{Request, load};
-use plan_compiler::trace::story::{self, Story};
-use robot_io::{CommandRecord, Percepts, SensorRecord};
-use sim::{
-    Difference, Ending, HostPilot, Outcome, Pilot, PilotError, Scenario, SensorSettings, Start,
-};
+use sim::{Difference, Ending, Scenario, SensorSettings};
 
 /// Width of the mower, metres.
 const WIDTH_M: f64 = 3.0;
-
-/// A robot in this process, with the percepts of all its ticks.
-struct Recorder<'p>(HostPilot<'p>, Vec<Percepts>);
-
-impl Pilot for Recorder<'_> {
-    fn exchange(&mut self, sensors: &SensorRecord) -> Result<CommandRecord, PilotError> {
-        let answer = self.0.exchange(sensors)?;
-        self.1.extend(self.0.take_percepts());
-        Ok(answer)
-    }
-}
-
-fn run(scenario: &Scenario, sensors: SensorSettings) -> (Outcome, Story) {
-    let surroundings = scenario.surroundings.as_ref().expect("there is a world file");
-    let start =
-        Start { position: surroundings.start, heading_rad: surroundings.heading, seed: 1, sensors };
-    let mut recorder = Recorder(HostPilot::new(scenario.plan()), Vec::new());
-    let robot = scenario.robot(&start, &mut recorder).expect("the body is clear of obstacles");
-    let outcome = robot.run(&scenario.truth).expect("the robot answers");
-    let story = story::of(&scenario.plan(), &recorder.1);
-    (outcome, story)
-}
 
 /// W27: coverage, fuel and radio in one mission. The robot drives over at least 95 % of the ground
 /// that it may enter, touches nothing, and refuels on its way.
@@ -48,7 +23,7 @@ fn w27_the_glebe_is_mown_as_its_mission_drives() {
     let path = own_map("glebe.mission.toml");
     let scenario = mission::scenario(&path, &Changes::default());
     let scenario = scenario.unwrap_or_else(|problems| panic!("{problems}"));
-    let (outcome, story) = run(&scenario, scenario.sensors());
+    let (outcome, story, _) = record_with(&scenario, scenario.sensors());
     assert_eq!((outcome.ending, outcome.touches), (Some(Ending::Done), 0), "{outcome:?}");
     let refuelled = story.turns.iter().filter(|turn| turn.interrupted_at_once == Some(false));
     assert!(refuelled.count() >= 2, "a tank is enough for half of the field");
@@ -155,7 +130,8 @@ back = { do = 'follow pump' }
             10.25 + begin_m
         );
         let surroundings = Some(world.parse().expect("the world is sound"));
-        let (outcome, _) = run(&Scenario { surroundings, ..scenario }, SensorSettings::PERFECT);
+        let scenario = Scenario { surroundings, ..scenario };
+        let (outcome, ..) = record_with(&scenario, SensorSettings::PERFECT);
         let farthest = outcome.route.iter().map(|at| at[0]).fold(0.0, f64::max);
         let turned_m = farthest - 10.25 - begin_m;
         let expected_m = (400.0 - 30.0 - begin_m) / 2.0;

@@ -13,7 +13,7 @@ use it::own_map;
 use plan_compiler::trace::Trace;
 use plan_compiler::trace::story::{self, Story, Turn};
 use robot_io::{CommandRecord, Percepts, SensorRecord};
-use sim::{Ending, HostPilot, Outcome, Pilot, PilotError, Scenario, Start};
+use sim::{Ending, HostPilot, Outcome, Pilot, PilotError, Scenario, SensorSettings, Start};
 
 /// The shipped mission, with some of its world's text replaced.
 fn plough(replacements: &[(&str, &str)]) -> Scenario {
@@ -35,13 +35,13 @@ fn leaking(after_m: u32, to: f64) -> Scenario {
 }
 
 fn run(scenario: &Scenario, pilot: impl Pilot) -> Outcome {
-    let surroundings = scenario.surroundings.as_ref().expect("there is a field");
-    let start = Start {
-        position: surroundings.start,
-        heading_rad: surroundings.heading,
-        seed: 1,
-        sensors: scenario.sensors(),
-    };
+    run_with(scenario, scenario.sensors(), pilot)
+}
+
+fn run_with(scenario: &Scenario, sensors: SensorSettings, pilot: impl Pilot) -> Outcome {
+    let surroundings = scenario.surroundings.as_ref().expect("there is a world file");
+    let start =
+        Start { position: surroundings.start, heading_rad: surroundings.heading, seed: 1, sensors };
     let robot = scenario.robot(&start, pilot).expect("the body is clear of obstacles");
     robot.run(&scenario.truth).expect("the robot answers")
 }
@@ -59,8 +59,13 @@ impl Pilot for Recorder<'_> {
 
 /// Runs on the host to the end.
 fn record(scenario: &Scenario) -> (Outcome, Story, Trace) {
+    record_with(scenario, scenario.sensors())
+}
+
+/// As [`record`], with these sensors.
+pub(crate) fn record_with(scenario: &Scenario, sensors: SensorSettings) -> (Outcome, Story, Trace) {
     let mut recorder = Recorder(HostPilot::new(scenario.plan()), Vec::new());
-    let outcome = run(scenario, &mut recorder);
+    let outcome = run_with(scenario, sensors, &mut recorder);
     let story = story::of(&scenario.plan(), &recorder.1);
     let trace =
         Trace { blob: scenario.blob.clone(), percepts: recorder.1, hash: outcome.trace_hash };

@@ -71,25 +71,29 @@ pub fn below(draft: &MissionDraft, frame: usize) -> Vec<Symbol> {
     productions.flat_map(|production| draft.edges_of(production)).map(|edge| edge.symbol).collect()
 }
 
-/// Whether frame `to` can occur below frame `from`.
-pub fn reaches(draft: &MissionDraft, from: usize, to: usize) -> bool {
-    let mut seen = vec![from];
-    let mut at = 0;
-    while at < seen.len() {
-        for symbol in below(draft, seen[at]) {
-            if let Symbol::PlanFrame(index) = symbol {
-                let index = usize::from(index);
-                if index == to {
-                    return true;
-                }
-                if !seen.contains(&index) {
-                    seen.push(index);
-                }
+/// Every component that can occur below a frame, at any depth, once; a frame that can occur below
+/// itself too.
+pub fn all_below(draft: &MissionDraft, frame: usize) -> Vec<Symbol> {
+    let (mut all, mut open) = (Vec::new(), vec![frame]);
+    while let Some(frame) = open.pop() {
+        for symbol in below(draft, frame) {
+            if all.contains(&symbol) {
+                continue;
+            }
+            all.push(symbol);
+            if let Symbol::PlanFrame(inner) = symbol {
+                open.push(inner.into());
             }
         }
-        at += 1;
     }
-    false
+    all
+}
+
+/// Whether frame `to` can occur below frame `from`.
+pub fn reaches(draft: &MissionDraft, from: usize, to: usize) -> bool {
+    all_below(draft, from)
+        .iter()
+        .any(|symbol| matches!(symbol, Symbol::PlanFrame(index) if usize::from(*index) == to))
 }
 
 #[cfg(test)]
