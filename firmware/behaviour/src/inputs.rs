@@ -16,6 +16,9 @@ pub trait World {
     fn is_at_goal(&self, plan: u16) -> bool;
     /// Whether the robot is at a point, map metres.
     fn is_at(&self, point: Vec2) -> bool;
+    /// Whether the robot has docked: it is at a point, map metres, which it entered from the front and
+    /// in this direction, on the globe, radians counter-clockwise from east.
+    fn is_docked(&self, point: Vec2, direction_rad: f32) -> bool;
 }
 
 /// What the behaviour control system sees in one tick.

@@ -21,6 +21,7 @@
 //!     fn price(&self, _: u16, _: u8) -> Option<f32> { None }
 //!     fn is_at_goal(&self, _: u16) -> bool { false }
 //!     fn is_at(&self, _: Vec2) -> bool { false }
+//!     fn is_docked(&self, _: Vec2, _: f32) -> bool { false }
 //! }
 //!
 //! let text = "

@@ -182,8 +182,9 @@ impl Behaviours {
             |time_ms: u32| self.now_us.saturating_sub(started_us) >= u64::from(time_ms) * 1_000;
         match action.kind {
             ActionKind::Follow { plan, .. } => seen.world.is_at_goal(plan),
-            ActionKind::GoTo { x_m, y_m } | ActionKind::Dock { x_m, y_m, .. } => {
-                seen.world.is_at(Vec2::new(x_m, y_m))
+            ActionKind::GoTo { x_m, y_m } => seen.world.is_at(Vec2::new(x_m, y_m)),
+            ActionKind::Dock { x_m, y_m, direction_rad, .. } => {
+                seen.world.is_docked(Vec2::new(x_m, y_m), direction_rad)
             }
             ActionKind::Return => self.left_by(owner).is_none_or(|place| seen.world.is_at(place)),
             ActionKind::Hold { for_ms }

@@ -18,6 +18,7 @@ use robot_io::{Commands, Percepts, Reason};
 use schemas::Dock;
 
 use crate::guidance::{self, Guidance, Target};
+use crate::sense::Sensed;
 
 const _: () = assert!(robot_io::limits::MAX_CHANNELS == plan_format::limits::MAX_CHANNELS);
 const _: () = assert!(robot_io::limits::MAX_OUTPUTS == plan_format::limits::MAX_OUTPUTS);
@@ -81,7 +82,7 @@ pub fn behave(
     blob: &Blob<'_>,
     behaviours: &mut Behaviours,
     percepts: &Percepts,
-    position: Option<Vec2>,
+    sensed: &Sensed,
     mates: &[behaviour::Mate],
     report: &mut Report,
 ) -> Intent {
@@ -103,13 +104,14 @@ pub fn behave(
         behaviours.pause(percepts.time_us);
         return intent;
     }
+    let position = sensed.position.ok();
     let seen = Observations {
         time_us: percepts.time_us,
         position,
         channels: &percepts.inputs,
         mates,
         team: parameters.team.mates(),
-        world: &Surroundings { blob, position },
+        world: &Surroundings { blob, position, heading_rad: sensed.heading_rad },
     };
     let running = behaviours.step(&mission, &seen, report);
     Intent { outputs: behaviours.outputs(), ..intent.of(&running) }
@@ -193,10 +195,16 @@ impl Intent {
     }
 }
 
+/// The direction of the map's y axis, radians clockwise from true north.
+pub fn north_rad(blob: &Blob<'_>) -> f32 {
+    blob.origin().map_or(0.0, |origin| origin.heading_rad as f32)
+}
+
 /// Answers the behaviours' questions about the robot's position from the plans.
 struct Surroundings<'s, 'p> {
     blob: &'s Blob<'p>,
     position: Option<Vec2>,
+    heading_rad: Option<f32>,
 }
 
 impl Surroundings<'_, '_> {
@@ -252,5 +260,15 @@ impl World for Surroundings<'_, '_> {
     fn is_at(&self, place: Vec2) -> bool {
         let tolerance_m = self.blob.parameters().schemas.goal_tolerance_m;
         self.position.is_some_and(|at| vector::length(place - at) <= tolerance_m)
+    }
+
+    fn is_docked(&self, at: Vec2, direction_rad: f32) -> bool {
+        let (Some(position), Some(heading_rad)) = (self.position, self.heading_rad) else {
+            return false;
+        };
+        let tolerance_m = self.blob.parameters().schemas.goal_tolerance_m;
+        let direction_rad = direction_rad + north_rad(self.blob);
+        let dock = Dock { at, direction_rad, radius_m: tolerance_m };
+        schemas::is_docked(position, heading_rad, &dock, tolerance_m)
     }
 }

@@ -267,7 +267,7 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let position = sensed.position.ok();
     let mates = state.team.listen(&blob.parameters().team, &percepts);
     let intent =
-        behave::behave(blob, &mut state.behaviours, &percepts, position, &mates, &mut report);
+        behave::behave(blob, &mut state.behaviours, &percepts, &sensed, &mates, &mut report);
     let vehicle = intent.constrained(&blob.parameters().vehicle);
     let now = state.commanded.now(&percepts, sensed.ranges.age_s(), vehicle.braking_mps2);
     let seen = scan::points(&percepts.ranges);
@@ -321,8 +321,7 @@ fn decide(
     }
     let position = sensed.position?;
     let is_armed = percepts.operator.is_armed;
-    let north_rad = blob.origin().map_or(0.0, |origin| origin.heading_rad as f32);
-    let (guidance, attraction) = match intent.approach(position, north_rad)? {
+    let (guidance, attraction) = match intent.approach(position, behave::north_rad(blob))? {
         Approach::Straight(..) if is_lost(blob, position) => return Err(Reason::OffMap),
         Approach::ByPlan(target) => {
             let (progress, inputs) = (&mut state.progress, &percepts.inputs);

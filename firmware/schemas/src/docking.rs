@@ -13,7 +13,7 @@ pub struct Dock {
     pub radius_m: f32,
 }
 
-/// Beyond this sine of the angle to the way in, the robot only circles.
+/// Sine and cosine of 45 degrees: beyond this angle to the way in, the robot only circles.
 const SIDEWAYS: f32 = core::f32::consts::FRAC_1_SQRT_2;
 /// Where the way in begins, as a share of the radius: inside, so that the robot passes the radius.
 const BEGIN: f32 = 0.9;
@@ -47,6 +47,17 @@ pub fn docking(position: Vec2, dock: &Dock) -> Vec2 {
     let around = if sine > 0.0 { clockwise(outwards) } else { -clockwise(outwards) };
     let length = (distance_m / dock.radius_m).max(SLOWEST);
     (around * aside - outwards * (1.0 - aside)) * length
+}
+
+/// Whether a robot within `tolerance_m` of a dock has entered it from the front: it is at most 45 degrees
+/// aside of the way in, and its heading is at most 45 degrees from the dock's direction.
+pub fn is_docked(position: Vec2, heading_rad: f32, dock: &Dock, tolerance_m: f32) -> bool {
+    let inwards = vector::from_angle(dock.direction_rad);
+    let offset = position - dock.at;
+    let distance_m = vector::length(offset);
+    distance_m <= tolerance_m
+        && -inwards.dot(&offset) >= SIDEWAYS * distance_m
+        && inwards.dot(&vector::from_angle(heading_rad)) >= SIDEWAYS
 }
 
 fn clockwise(v: Vec2) -> Vec2 {
@@ -89,6 +100,26 @@ mod tests {
                 (vector - Vec2::new(expected.0, expected.1)).amax() < 5e-3,
                 "{x} {y}: {vector:?}"
             );
+        }
+    }
+
+    #[test]
+    fn a_docked_robot_is_in_front_of_the_dock_and_faces_it() {
+        use core::f32::consts::PI;
+        let table = [
+            ((0.0, -0.5), PI / 2.0, true),
+            ((0.0, 0.0), PI / 2.0, true),
+            ((0.3, -0.5), 2.3, true),
+            // Too far, beside, behind, turned away.
+            ((0.0, -1.1), PI / 2.0, false),
+            ((0.6, -0.5), PI / 2.0, false),
+            ((0.0, 0.1), PI / 2.0, false),
+            ((0.0, -0.5), 2.4, false),
+            ((0.0, 0.0), -PI / 2.0, false),
+        ];
+        for ((x, y), heading_rad, expected) in table {
+            let docked = is_docked(Vec2::new(x, y), heading_rad, &DOCK, 1.0);
+            assert_eq!(docked, expected, "({x}, {y}) {heading_rad}");
         }
     }
 

@@ -53,7 +53,7 @@ pub mod robots;
 
 pub use avoid_static_obstacle::{Repulsion, avoid_static_obstacle};
 pub use blend::{Vectors, blend};
-pub use docking::{Dock, docking};
+pub use docking::{Dock, docking, is_docked};
 pub use follow_plan::follow_plan;
 pub use move_ahead::move_ahead;
 pub use move_to_goal::move_to_goal;

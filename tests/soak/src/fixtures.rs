@@ -159,4 +159,7 @@ impl World for Open {
     fn is_at(&self, point: Vec2) -> bool {
         self.0.is_some_and(|at| vector::length(point - at) < 0.5)
     }
+    fn is_docked(&self, point: Vec2, _: f32) -> bool {
+        self.is_at(point)
+    }
 }

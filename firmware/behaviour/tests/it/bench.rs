@@ -60,6 +60,10 @@ impl World for Field {
     fn is_at(&self, point: Vec2) -> bool {
         self.0.is_some_and(|at| vector::length(point - at) <= 1.0)
     }
+
+    fn is_docked(&self, point: Vec2, _: f32) -> bool {
+        self.is_at(point)
+    }
 }
 
 /// A robot with scripted inputs.

@@ -69,6 +69,32 @@ fn a_dock_is_entered_from_its_front() {
     }
 }
 
+/// Being within the goal's tolerance, 1 m, is not enough beside the dock, behind it or turned away.
+#[test]
+fn a_robot_near_a_dock_still_enters_it_from_its_front() {
+    use core::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+    let map = open_field(30, 30, (25, 25));
+    let blob = behaving_blob(&map, "PS", "dock 15 15 1.5708 400, hold 60000");
+    for (x, y, heading_rad) in [
+        (15.7, 15.0, FRAC_PI_2),
+        (14.3, 15.1, -FRAC_PI_2),
+        (15.0, 15.6, FRAC_PI_2),
+        (15.2, 15.5, -FRAC_PI_2),
+        (15.0, 14.5, -FRAC_PI_2),
+        (15.1, 14.4, 0.0),
+    ] {
+        let case = (x, y, heading_rad);
+        let mut robot = Robot::new(Blob::parse(&blob).expect("the blob is valid"), x, y);
+        robot.heading_rad = heading_rad;
+        let reasons: Vec<_> = (0..2_000).map(|_| robot.drive_with(|_| {}).reason).collect();
+        assert_eq!((reasons[0], reasons[1_999]), (Reason::Driving, Reason::Holding), "{case:?}");
+        let offset = robot.position - Vec2::new(15.0, 15.0);
+        assert!(offset.y < 0.0 && offset.x.abs() < -offset.y + 0.05, "{case:?}: {offset:?}");
+        let error_rad = (robot.heading_rad - FRAC_PI_2).abs();
+        assert!(error_rad < FRAC_PI_4 + 0.05, "{case:?}: {error_rad}");
+    }
+}
+
 #[test]
 fn wander_moves_and_hold_does_not() {
     let wandering = ticks("wander 10000", 40);

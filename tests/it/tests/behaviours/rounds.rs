@@ -39,6 +39,10 @@ impl World for Point {
     fn is_at(&self, place: Vec2) -> bool {
         vector::length(place - self.at) < 0.8
     }
+
+    fn is_docked(&self, place: Vec2, _: f32) -> bool {
+        self.is_at(place)
+    }
 }
 
 impl Point {
