@@ -98,6 +98,10 @@ pub mod wide {
     pub fn cos(x: f64) -> f64 {
         libm::cos(x)
     }
+    /// Sine and cosine, radians: those of [`sin`] and [`cos`] to the last bit.
+    pub fn sin_cos(x: f64) -> (f64, f64) {
+        libm::sincos(x)
+    }
     /// Tangent, radians.
     pub fn tan(x: f64) -> f64 {
         libm::tan(x)
@@ -157,6 +161,14 @@ mod tests {
             let (y, x) = (libm::sin(f64::from(a)), libm::cos(f64::from(a)));
             let error = wrap_angle(atan2(y as f32, x as f32) - a);
             assert!(error.abs() < 5e-3, "atan2 of angle {a} is off by {error}");
+        }
+    }
+
+    #[test]
+    fn sine_and_cosine_together_are_those_alone() {
+        for i in -10_000..10_000 {
+            let a = f64::from(i) * 0.0137;
+            assert_eq!(wide::sin_cos(a), (wide::sin(a), wide::cos(a)), "{a}");
         }
     }
 

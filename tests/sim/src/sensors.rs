@@ -1,7 +1,8 @@
 //! The robot's sensors: they turn the true state of the simulation into sensor records.
 
 use crate::geometry::{Circle, wrapped};
-use crate::{Body, Mode, Point, Random, Receiver, ReceiverSettings, Stream, World, world};
+use crate::world::View;
+use crate::{Body, Mode, Point, Random, Receiver, ReceiverSettings, Stream, World};
 use maps::Reference;
 use robot_io::limits::{MAX_CHANNELS, MAX_GPS_BYTES, MAX_RANGES};
 use robot_io::{Operator, Pose, RangeReading, SensorRecord};
@@ -32,15 +33,10 @@ pub struct Scene<'w> {
 }
 
 impl Scene<'_> {
-    /// Distance from the body's centre to the first surface of an obstacle, another robot or a
-    /// disc in a direction, metres; `None` if none is nearer than `most_m`.
-    fn range(&self, heading_rad: f64, most_m: f64) -> Option<f64> {
-        let from = self.body.position;
-        let others = self.others.iter().filter_map(|other| {
-            world::range_of_disc(from, heading_rad, other.centre, other.radius_m)
-        });
-        let obstacle = self.world.range(from, heading_rad, most_m);
-        others.filter(|&range| range < most_m).chain(obstacle).reduce(f64::min)
+    /// Obstacles, other robots and discs as seen from the body's centre.
+    fn view(&self, most_m: f64) -> View {
+        let obstacles = self.world.view(self.body.position, most_m);
+        self.others.iter().fold(obstacles, |view, &other| view.with(other))
     }
 }
 
@@ -199,12 +195,13 @@ impl SensorSuite {
         let sectors = ring.sectors.clamp(1, MAX_RANGES);
         let beams = ring.beams.max(1);
         let step_rad = TAU / (sectors * beams) as f64;
+        let view = scene.view(ring.range_m);
         for sector in 0..sectors {
             let beams = (0..beams).map(|beam| {
                 let offset = beam as f64 - (beams - 1) as f64 / 2.0;
                 let bearing_rad = ((sector * beams) as f64 + offset) * step_rad;
                 let heading_rad = scene.body.heading_rad + bearing_rad;
-                (bearing_rad, scene.range(heading_rad, ring.range_m))
+                (bearing_rad, view.range(heading_rad))
             });
             let seen = beams.filter_map(|(bearing, range)| Some((bearing, range?)));
             if let Some((bearing_rad, range)) = seen.reduce(|a, b| if b.1 < a.1 { b } else { a }) {

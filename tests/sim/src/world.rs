@@ -2,6 +2,7 @@
 
 mod cells;
 mod index;
+mod view;
 
 use crate::geometry::{distance, nearest_of_segment};
 use crate::{Placement, Point};
@@ -9,6 +10,8 @@ use cells::{cell_at, outline};
 use index::Index;
 use maps::{CellMap, Map, Role, Shape};
 use math::scalar::wide;
+
+pub use view::View;
 
 /// Most pushes of a disc out of obstacles; two walls of a corner need two or three.
 const MAX_PUSHES: usize = 8;
@@ -107,10 +110,15 @@ impl World {
         (best < most_m).then_some(best)
     }
 
+    /// The surfaces that rays from a point meet within `most_m`.
+    pub fn view(&self, from: Point, most_m: f64) -> View {
+        View::new(self, from, most_m)
+    }
+
     /// The nearest point of any surface; `None` if none is within `within_m`.
     pub fn nearest(&self, point: Point, within_m: f64) -> Option<Nearest> {
         let mut best: Option<Nearest> = None;
-        self.index.around(point, within_m, &mut |part| {
+        self.within(around(point, within_m), &mut |part| {
             let found = self.parts[part as usize].nearest(point);
             let limit = best.map_or(within_m, |best| best.distance_m);
             if found.distance_m < limit {
@@ -126,10 +134,20 @@ impl World {
         let mut best = within_m;
         let low = [0, 1].map(|axis| from[axis].min(to[axis]) - within_m);
         let high = [0, 1].map(|axis| from[axis].max(to[axis]) + within_m);
-        self.index.within([low, high], &mut |part| {
+        self.within([low, high], &mut |part| {
             best = best.min(self.parts[part as usize].distance_of_way(from, to));
         });
         (best < within_m).then_some(best)
+    }
+
+    /// Calls `seen` for every part whose box overlaps a box, for some parts twice.
+    fn within(&self, [low, high]: [Point; 2], seen: &mut dyn FnMut(u32)) {
+        self.index.within([low, high], &mut |part| {
+            let [from, to] = self.parts[part as usize].bounds();
+            if [0, 1].into_iter().all(|axis| from[axis] <= high[axis] && low[axis] <= to[axis]) {
+                seen(part);
+            }
+        });
     }
 
     /// Whether a disc touches no obstacle and its centre is not inside a filled one.
@@ -263,9 +281,14 @@ impl Part {
             Self::Segment { from: a, to: b } => {
                 [[a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]]
             }
-            Self::Disc { centre: c, radius: r } => [[c[0] - r, c[1] - r], [c[0] + r, c[1] + r]],
+            Self::Disc { centre, radius } => around(centre, radius),
         }
     }
+}
+
+/// The box around a disc.
+fn around(centre: Point, radius: f64) -> [Point; 2] {
+    [-radius, radius].map(|by| [centre[0] + by, centre[1] + by])
 }
 
 /// Whether two points lie on the same side of the line through `a` and `b`, or on it.
@@ -340,6 +363,7 @@ mod tests {
             let hits = world.parts.iter().filter_map(|part| part.hit(from, along));
             let slow = hits.filter(|&hit| hit < 40.0).reduce(f64::min);
             assert_eq!(world.range(from, heading, 40.0), slow, "{from:?} {heading}");
+            assert_eq!(world.view(from, 40.0).range(heading), slow, "{from:?} {heading}");
 
             let to = [from[0] + random.between(-3.0, 3.0), from[1] + random.between(-3.0, 3.0)];
             let ways = world.parts.iter().map(|part| part.distance_of_way(from, to));

@@ -63,14 +63,6 @@ impl Index {
         rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
     }
 
-    /// Calls `seen` for every part within `within_m` of a point, for some parts twice and for some
-    /// that are farther away.
-    pub(super) fn around(&self, point: Point, within_m: f64, seen: &mut dyn FnMut(u32)) {
-        let low = [point[0] - within_m, point[1] - within_m];
-        let high = [point[0] + within_m, point[1] + within_m];
-        self.within([low, high], seen);
-    }
-
     /// Calls `seen` for every part within a box, for some parts twice and for some outside.
     pub(super) fn within(&self, corners: [Point; 2], seen: &mut dyn FnMut(u32)) {
         for cell in self.cells_of(corners) {
