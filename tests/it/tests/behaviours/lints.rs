@@ -239,8 +239,8 @@ criticality = { battery = "PM PM NB NB NB NB NB" }
     );
 }
 
-/// The bound equals the sum computed by hand: 10 s until driving times out, half a second for the end
-/// of each action, and a dwell of a second.
+/// The bound equals the sum computed by hand: 10 s until driving times out or 4 s until the frame
+/// does, half a second for the end of each, and a dwell of a second.
 #[test]
 fn h36_a_bound_worked_out_by_hand() {
     let text = format!(
@@ -256,11 +256,15 @@ plan = "work"
 criticality = { battery = "PM PM NB NB NB NB NB" }
 "#
     );
-    let (_, problems) = compiled(&text);
-    let note = problems.iter().map(ToString::to_string).find(|p| p.contains("longest waits"));
-    // `one` waits for the dwell of `two`, then at most until `drive` has ended.
-    let note = note.expect("waits are reported");
-    assert!(note.contains("`two` 11.5 s (behind `one`)"), "{note}");
+    let timed = text.replace("[frames.work]\n", "[frames.work]\ntimeout_s = 4\n");
+    assert_ne!(text, timed);
+    for (text, bound) in [(text, "11.5 s"), (timed, "5.5 s")] {
+        let (_, problems) = compiled(&text);
+        let note = problems.iter().map(ToString::to_string).find(|p| p.contains("longest waits"));
+        // `one` waits for the dwell of `two`, then at most until `drive` or its frame has ended.
+        let note = note.expect("waits are reported");
+        assert!(note.contains(&format!("`two` {bound} (behind `one`)")), "{note}");
+    }
 }
 
 #[test]

@@ -100,9 +100,10 @@ impl States {
         states.add(&mission, plan, &mut known, &mut waiting, work);
         while let Some((index, plan)) = waiting.pop() {
             let running = plan.running(&mission);
-            let time_ms = running.iter().map(|&(_, time_ms)| time_ms).min().unwrap_or(0) + EVENT_MS;
+            let (timeout_ms, mut ends) = plan.ends_of_frames(&mission);
+            let times_ms = running.iter().map(|&(_, time_ms)| time_ms).chain(timeout_ms);
+            let time_ms = times_ms.min().unwrap_or(0) + EVENT_MS;
             let mut transitions = Vec::new();
-            let mut ends = plan.ends_of_frames(&mission);
             for (id, _) in running {
                 ends.extend([(id, false), (id, true)]);
             }
@@ -224,9 +225,10 @@ impl PlanState {
         running.collect()
     }
 
-    /// The decomposed frames that may end at any time, and whether that is a failure.
-    fn ends_of_frames(&self, mission: &Mission<'_>) -> Vec<(Id, bool)> {
-        let mut ends = Vec::new();
+    /// The shortest timeout of the decomposed frames, milliseconds; and those that may end at any
+    /// time, each with whether that is a failure.
+    fn ends_of_frames(&self, mission: &Mission<'_>) -> (Option<u64>, Vec<(Id, bool)>) {
+        let (mut timeout_ms, mut ends) = (None, Vec::new());
         for (id, component) in self.forest.iter() {
             let Symbol::PlanFrame(index) = component.symbol else { continue };
             let frame = mission.plan_frames().get(usize::from(index));
@@ -236,9 +238,11 @@ impl PlanState {
             }
             if frame.timeout_ms != 0 {
                 ends.push((id, true));
+                let own_ms = u64::from(frame.timeout_ms);
+                timeout_ms = Some(timeout_ms.map_or(own_ms, |least: u64| least.min(own_ms)));
             }
         }
-        ends
+        (timeout_ms, ends)
     }
 
     /// Ends a component. Returns the point that is then reached, unless another action still runs.
