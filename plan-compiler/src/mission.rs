@@ -488,12 +488,15 @@ impl Reader<'_> {
         let here = KEYS.iter().filter(|key| key.section == section).map(|key| key.name);
         let sections = SECTIONS.iter().chain(&behaviours::TABLES).copied();
         let sections = sections.filter(|_| section.is_empty());
-        let elsewhere = KEYS.iter().find(|key| key.name == name);
+        let elsewhere = KEYS.iter().find(|key| key.name == name).map(belongs);
+        // What `team` reads.
+        let of_team = matches!(name, "robots" | "tether");
+        let of_team = of_team.then(|| format!("`{name}` belongs in [team]"));
         let known: Vec<&str> = here.chain(sections).collect();
-        match elsewhere {
-            Some(key) => {
+        match elsewhere.or(of_team) {
+            Some(help) => {
                 let message = format!("`{name}` is not a key of {table}");
-                self.report.error(message, &span, "unknown key", &belongs(key));
+                self.report.error(message, &span, "unknown key", &help);
             }
             None => {
                 let how = format!("known here: {}", known.join(", "));

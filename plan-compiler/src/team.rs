@@ -110,9 +110,15 @@ fn names(file: &Table, report: &mut Report<'_>) -> Vec<Text> {
         Some(Spanned { value: name, span: value.span().unwrap_or_else(|| span.clone()) })
     });
     let texts: Vec<Text> = texts.collect();
-    if values.is_none_or(|values| values.len() != texts.len() || values.len() < 2) {
-        let expected = "a list of two robots or more, by their names";
+    let expected = "a list of two robots or more, by their names";
+    if values.is_none_or(|values| values.len() != texts.len()) {
         report.wrong_type("team.robots", item, &span, expected, example);
+        return Vec::new();
+    }
+    if texts.len() < 2 {
+        let message = format!("`team.robots` must be {expected}");
+        let help = "add the others, or remove [team] from the mission of a single robot";
+        report.error(message, &span, "too few", help);
         return Vec::new();
     }
     if let Some(text) = texts.get(MAX_ROBOTS) {
@@ -262,7 +268,7 @@ tether = "left"
 
     #[test]
     fn mistakes_in_a_team_have_their_lines() {
-        let table: [(&str, Option<&str>, &[&str]); 13] = [
+        let table: [(&str, Option<&str>, &[&str]); 14] = [
             (
                 TEAM,
                 None,
@@ -292,6 +298,11 @@ tether = "left"
                 &["3: there is no mate `a`"],
             ),
             (
+                "[team]\nrobots = [\"a\", \"b\"]\n[robots.b]\ntether = \"a\"\n",
+                Some("b"),
+                &["4: `tether` is not a key of a mission"],
+            ),
+            (
                 "[team]\nrobots = [3]\n",
                 Some("a"),
                 &["2: `team.robots` must be a list of two robots or more, by their names"],
@@ -315,6 +326,30 @@ tether = "left"
         ];
         for (text, robot, expected) in table {
             assert_eq!(read(text, robot).1, expected, "{text} {robot:?}");
+        }
+    }
+
+    /// What a user of one file for all robots writes first.
+    #[test]
+    fn what_belongs_elsewhere_is_told_where() {
+        let team = "[team]\nrobots = [\"a\", \"b\"]\n";
+        for (part, message, help) in [
+            ("[robots.b]\ntether = \"a\"\n", "`tether` is not a key of a mission", "in [team]"),
+            (
+                "[facts]\nx = { linked = \"b\" }\n",
+                "`b` is the robot itself, not a mate",
+                "[robots.NAME.facts]",
+            ),
+            (
+                "[inputs]\nx = { source = \"mate-distance b\", universe = [0, 9], missing = { then = 9 } }\n",
+                "`b` is the robot itself, not a mate",
+                "[robots.NAME.inputs]",
+            ),
+        ] {
+            let source = Arc::new(Source { name: "m".into(), text: format!("{team}{part}") });
+            let (_, problems) = parse_for(&source, Some("b"));
+            assert_eq!(problems[0].to_string(), message);
+            assert!(problems[0].help.as_deref().unwrap_or_default().contains(help), "{problems:?}");
         }
     }
 }

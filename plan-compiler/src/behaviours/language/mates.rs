@@ -29,9 +29,17 @@ fn mates(
 
 /// The bit of a mate that is named.
 fn one(report: &mut Report<'_>, team: &Team, text: &Text, how: &str) -> Option<u8> {
-    let number = team.number(text.as_str()).filter(|number| *number != team.robot);
-    if number.is_none() {
-        report.unknown("mate", text, team.mates(), how);
+    let number = team.number(text.as_str());
+    match number {
+        Some(number) if number == team.robot => {
+            let message = format!("`{}` is the robot itself, not a mate", text.as_str());
+            let help = "what only its mates need belongs in their parts, [robots.NAME.facts] or \
+                        [robots.NAME.inputs]";
+            report.error(message, &text.span, "this robot", help);
+            return None;
+        }
+        Some(_) => {}
+        None => report.unknown("mate", text, team.mates(), how),
     }
     number.map(|number| 1 << number)
 }
