@@ -13,7 +13,8 @@
 //! A direction is open if the body can drive its own radius in it. Progress is a way to the goal
 //! that is shorter than ever before. It ends a detour as soon as the wanted direction is open. A
 //! detour without progress ends after a time; the next one takes the other side and lasts twice as
-//! long.
+//! long, up to eight times the first. If the longest ones to either side did not help, the obstacle
+//! closes the way, as far as the robot can tell.
 //!
 //! Sources: MissionLab's swirl schema; Lumelsky and Stepanov 1987, "Path-planning strategies for a
 //! point mobile automaton", and Kamon and Rivlin 1997, DistBug, for the rules of leaving.
@@ -112,6 +113,11 @@ pub struct Situation<'p> {
 }
 
 impl Detours {
+    /// Whether the longest detours to either side did not help.
+    pub const fn are_exhausted(&self) -> bool {
+        self.tried >= MOST_DOUBLINGS + 2
+    }
+
     /// The direction to drive and the rule that chose it. `wanted` is the blended vector; both are
     /// in the robot's axes, and the result has the length of `wanted`, at most 1 if it is turned.
     pub fn choose(&mut self, situation: &Situation<'_>, wanted: Vec2) -> (Vec2, Rule) {

@@ -285,7 +285,7 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let commands = state.arming.explained(limited, &wanted, &percepts);
     state.track.commanded(&commands);
     state.commanded.commanded(percepts.time_us, &commands, &now);
-    state.stuck.update(&sensed, &commands, blob.parameters());
+    state.stuck.update(&sensed, &commands, blob.parameters(), &mut state.detours);
     state.team.speak(&blob.parameters().team, position, &commands);
     Explanation { commands, sensed, report, blend }
 }

@@ -2,13 +2,15 @@
 //!
 //! The robot makes no progress if it drives for some time without leaving a circle. Only time in
 //! which it is commanded to move counts: waiting before an obstacle does not. The circle begins
-//! where the robot last left one, and anew when it holds, arrives, is driven by hand or disarmed.
+//! where the robot last left one, and anew when it holds, arrives, is driven by hand or disarmed. Nor
+//! does it get on if detours to either side of an obstacle did not help, however far they led.
 
 use math::{Vec2, vector};
 use plan_format::parameters::{OnNoProgress, Parameters, ProgressPolicy};
 use robot_io::{Commands, Reason};
 use serde::{Deserialize, Serialize};
 
+use crate::detour::Detours;
 use crate::sense::Sensed;
 
 /// How many accuracies of the position enlarge the circle, so that noise does not leave it.
@@ -35,10 +37,21 @@ impl Progress {
     ///
     /// A robot that stops without progress stays so until it begins anew; otherwise leaving the
     /// circle is progress.
-    pub fn update(&mut self, sensed: &Sensed, commands: &Commands, parameters: &Parameters) {
+    pub fn update(
+        &mut self,
+        sensed: &Sensed,
+        commands: &Commands,
+        parameters: &Parameters,
+        detours: &mut Detours,
+    ) {
         use Reason::{Driving, Escaping, NoPlan, NoProgress, NoRoute, ObstacleStop, OffMap};
         let policy = &parameters.progress;
         self.is_none |= sensed.is_stuck;
+        if detours.are_exhausted() && policy.on_none == OnNoProgress::Stop {
+            self.is_none = true;
+            // A robot that is armed anew tries again.
+            *detours = Detours::default();
+        }
         let moves = commands.speed_mps != 0.0 || commands.turn_rate_radps != 0.0;
         match commands.reason {
             Driving | Escaping | NoPlan | NoRoute | OffMap | ObstacleStop if moves => {

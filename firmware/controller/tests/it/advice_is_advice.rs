@@ -3,7 +3,7 @@
 
 use crate::bench::{ORIGIN, Robot, blob, open_field};
 use math::{scalar, vector};
-use plan_format::parameters::{Gains, SchemaParameters, Selection};
+use plan_format::parameters::{Gains, OnNoProgress, SchemaParameters, Selection};
 use plan_format::{Blob, Parameters};
 use robot_io::{Percepts, RangeReading, Reason};
 
@@ -203,6 +203,51 @@ fn a_plan_leads_out_of_a_pocket_that_holds_a_reactive_robot() {
             robot.drive_with(ring).reason == Reason::AtGoal
         });
         assert_eq!(arrived, arrives, "{gains:?} ended at {:?}", robot.position);
+    }
+}
+
+/// The map shows a door in the wall, and it is closed. The robot looks for a way along the wall in both
+/// directions, gives up, and tries again when it is armed anew.
+#[test]
+fn a_robot_before_a_closed_door_gives_up() {
+    let open = "
+        ################
+        #.......#......#
+        #.......#......#
+        #.......#......#
+        #..............#
+        #..............#
+        #.............G#
+        #.......#......#
+        #.......#......#
+        #.......#......#
+        ################";
+    let column = |line: &str| line.replace("#..............#", "#.......#......#");
+    let closed = column(open).replace("#.............G#", "#.......#.....G#");
+    for (on_none, gives_up) in [(OnNoProgress::Stop, true), (OnNoProgress::Continue, false)] {
+        let mut parameters = Parameters::default();
+        parameters.progress.on_none = on_none;
+        let known = blob(&[open], parameters.clone());
+        let truth = blob(&[&closed], parameters);
+        let truth = Blob::parse(&truth).unwrap();
+        let mut robot = Robot::new(Blob::parse(&known).unwrap(), 3.5, 5.5);
+        let mut tick = |is_armed: bool| {
+            let (position, heading_rad) = (robot.position, robot.heading_rad);
+            let see = |percepts: &mut Percepts| {
+                percepts.operator.is_armed = is_armed;
+                percepts.ranges =
+                    (0..16).filter_map(|i| ray(&truth, position, heading_rad, i)).collect();
+            };
+            (robot.drive_with(see).reason, robot.position)
+        };
+        let told = (0..8_000).position(|_| tick(true).0 == Reason::NoProgress);
+        assert_eq!(told.is_some(), gives_up, "{told:?}");
+        if gives_up {
+            let (_, before) = tick(false);
+            let reasons: Vec<Reason> = (0..200).map(|_| tick(true).0).collect();
+            assert!(!reasons.contains(&Reason::NoProgress), "{reasons:?}");
+            assert!(vector::length(tick(true).1 - before) > 0.3);
+        }
     }
 }
 
