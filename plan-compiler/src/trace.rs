@@ -1,10 +1,11 @@
 //! Traces: the percepts of a run, tick by tick, with the blob that the robot used.
 //!
 //! A tick is a pure function, so the percepts and the blob are enough to repeat the whole run bit
-//! for bit. The file contains the eight bytes `WAYTRACE`, the version (3) as `u16`, the trace hash
+//! for bit. The file contains the eight bytes `WAYTRACE`, the version (4) as `u16`, the trace hash
 //! of the run as `u64`, the blob's length as `u32` and the blob, then for each tick the length as
 //! `u16` and the percepts in postcard; all numbers are little-endian.
 
+pub mod fold;
 pub mod story;
 
 use plan_format::Blob;

@@ -10,7 +10,8 @@ use maps::problem::Problem;
 use maps::source;
 use math::Vec2;
 use plan_compiler::goals;
-use plan_compiler::trace::story::{self, decided, facts};
+use plan_compiler::trace::fold::{self, Line};
+use plan_compiler::trace::story::{self, Turn, decided, facts};
 use plan_compiler::trace::{Trace, TraceError};
 use plan_format::grid::cost_metres;
 use plan_format::mission::{Label, Mission, RuleBase};
@@ -42,7 +43,8 @@ fn refused(args: &Explain, bytes: &[u8], error: TraceError) -> Failure {
     Problem::error(format!("{name}: {error}")).help(record).into()
 }
 
-/// One line per turn and per step of the run, with where the robot was.
+/// One line per turn and per step of the run, with where the robot was; what comes again and again is
+/// shown once.
 fn turns(blob: &Blob<'_>, trace: &Trace) -> String {
     let mut text = format!("{} ticks\n", trace.percepts.len());
     warn_of_another_build(&mut text, blob, trace);
@@ -51,10 +53,15 @@ fn turns(blob: &Blob<'_>, trace: &Trace) -> String {
     lines.extend(story.steps);
     // In each tick the turns come first.
     lines.sort_by_key(|turn| turn.tick);
-    for turn in lines {
-        let at = turn.at.map_or("at ?".to_owned(), |at| format!("at ({:.1}, {:.1})", at.x, at.y));
-        let (tick, time_s) = (turn.tick, turn.time_s);
-        let _ = writeln!(text, "tick {tick:>6} {time_s:>8.2} s  {at:<16}  {}", turn.text);
+    for line in fold::folded(&lines) {
+        let _ = match line {
+            Line::Turn(Turn { tick, time_s, at, text: what, .. }) => {
+                let at =
+                    at.map_or("at ?".to_owned(), |at| format!("at ({:.1}, {:.1})", at.x, at.y));
+                writeln!(text, "tick {tick:>6} {time_s:>8.2} s  {at:<16}  {what}")
+            }
+            Line::Again(again) => writeln!(text, "     ...  {again}"),
+        };
     }
     text
 }

@@ -13,6 +13,7 @@ use plan_compiler::mission::Goal;
 use plan_compiler::mission::words;
 use plan_compiler::output;
 use plan_compiler::trace::Trace;
+use plan_compiler::trace::fold::{self, Line};
 use plan_compiler::trace::story;
 use plan_format::parameters::Gains;
 use robot_io::{CommandRecord, Percepts, SensorRecord};
@@ -175,8 +176,11 @@ fn on_the_host(
     drop(simulation);
     let percepts = recorder.percepts;
     let story = story::of(&scenario.plan(), &percepts);
-    for turn in &story.turns {
-        let _ = writeln!(text, "{:>8.2} s  {}", turn.time_s, turn.text);
+    for line in fold::folded(&story.turns) {
+        let _ = match line {
+            Line::Turn(turn) => writeln!(text, "{:>8.2} s  {}", turn.time_s, turn.text),
+            Line::Again(again) => writeln!(text, "     ...  {again}"),
+        };
     }
     if let Some(path) = &arguments.picture {
         picture::draw(scenario, start, &route, &story, &outcome, path).map_err(Failure::Run)?;
