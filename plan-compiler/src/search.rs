@@ -6,14 +6,16 @@
 //! relaxation gives the same field, and tests compare the fast methods bit by bit with a plain
 //! Dijkstra search.
 //!
-//! There are three methods; a [`Solver`] chooses the one that suits the map:
+//! There are two methods; a [`Solver`] chooses the one that suits the map:
 //!
 //! - `tiles`: tiles of 64 x 64 cells in a priority queue; inside a tile, whole rows at a time in
 //!   vector instructions. By far the faster on open maps.
 //! - `buckets`: cell by cell in the order of costs, in buckets one step wide. For mazes of narrow
 //!   corridors, where a tile would be visited repeatedly for a single cell.
-//! - `tolled`: buckets as wide as the shortest step, for maps with tolls. A step costs by the cell
-//!   that it leaves; costs count fractions of the unit, see [`crate::tolls::Tolls::unit`].
+//!
+//! Maps with tolls have forms of their own of both methods, `tolled_tiles` and `tolled`. There a step
+//! costs by the cell that it leaves, and costs count fractions of the unit, see
+//! [`crate::tolls::Tolls::unit`].
 //!
 //! Each method is one file that explains how it works and why it is exact. `advice` then finds the
 //! moves in one pass over the costs, and `escape` finds the ways out of blocked cells.
@@ -35,6 +37,7 @@ mod shores;
 pub(crate) mod tiles;
 mod tolled;
 mod tolled_advice;
+mod tolled_tiles;
 mod vectors;
 
 use crate::field::{self, Field};
@@ -55,7 +58,7 @@ pub enum Corners {
     Allow,
 }
 
-/// How a field without tolls is computed. Both methods give the same field.
+/// How a field is computed. Both methods give the same field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
     /// Tiles of 64 x 64 cells, a row at a time.
@@ -101,6 +104,7 @@ pub struct Solver {
     tiles: tiles::Tiles,
     buckets: buckets::Queue,
     tolled: tolled::Tolled,
+    tolled_tiles: tolled_tiles::TolledTiles,
     method: Option<Method>,
     vectors: Vectors,
 }
@@ -145,13 +149,22 @@ impl Solver {
             self.open.fill(&terrain.blocked, false);
             self.suitable = suitable(&self.open, vectors);
         }
+        let method = self.method.unwrap_or(self.suitable);
         let blocked = &terrain.blocked;
         field.unit = terrain.tolls.as_ref().map(Tolls::unit);
         if let Some(tolls) = &terrain.tolls {
-            self.tolled.search(&self.open, tolls, &goals, corners, vectors);
-            return tolled_advice::advise(&self.tolled, query, vectors, field);
+            return match method {
+                Method::Tiles => {
+                    self.tolled_tiles.search(&self.open, tolls, &goals, corners, vectors);
+                    tolled_advice::advise(&self.tolled_tiles, query, vectors, field);
+                }
+                Method::Buckets => {
+                    self.tolled.search(&self.open, tolls, &goals, corners, vectors);
+                    tolled_advice::advise(&self.tolled, query, vectors, field);
+                }
+            };
         }
-        match self.method.unwrap_or(self.suitable) {
+        match method {
             Method::Tiles => {
                 self.tiles.search(&self.open, &goals, corners, vectors);
                 advice::advise(&self.tiles, blocked, &goals, corners, vectors, field);

@@ -1,4 +1,5 @@
-//! Uniform-cost search over cells with tolls, with buckets no wider than the shortest step.
+//! Uniform-cost search over cells with tolls, with buckets no wider than the shortest step; for mazes
+//! of narrow corridors.
 //!
 //! Why it is exact: as in [`super::buckets`], no step from a cell of a bucket leads to a cost inside
 //! that bucket's interval, so every cost is final when its bucket is opened. The width is the largest

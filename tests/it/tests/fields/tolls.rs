@@ -6,7 +6,7 @@ use maps::Bitmap;
 use plan_compiler::field::{self, Field};
 use plan_compiler::layers::Limits;
 use plan_compiler::pack::pack_with_limits;
-use plan_compiler::search::{Corners, MAX_COST, Query, Solver, Vectors, is_cut_short};
+use plan_compiler::search::{Corners, MAX_COST, Method, Query, Solver, Vectors, is_cut_short};
 use plan_compiler::terrain::Terrain;
 use plan_compiler::tolls::Tolls;
 use plan_compiler::verify::verify;
@@ -126,9 +126,11 @@ fn solve(blocked: &Bitmap, tolls: &Tolls, goal: Cell, corners: Corners) -> Optio
     let query = Query { terrain: &terrain, goals: &[goal], corners };
     let field = Solver::new().solve(&query);
     assert!(!is_cut_short(&query, &field));
-    for vectors in Vectors::all() {
-        let other = Solver::new().with_vectors(vectors).solve(&query);
-        assert!(other == field, "{} differs", vectors.name());
+    for method in [Method::Tiles, Method::Buckets] {
+        for vectors in Vectors::all() {
+            let other = Solver::with_method(method).with_vectors(vectors).solve(&query);
+            assert!(other == field, "{method:?} with {} differs", vectors.name());
+        }
     }
     Some(field)
 }
