@@ -10,6 +10,7 @@ use math::GeoPoint;
 use plan_compiler::pack::pack;
 use plan_compiler::search::{Corners, Query, solve};
 use plan_compiler::terrain::Terrain;
+use plan_compiler::tolls::Tolls;
 use plan_format::mission::MissionDraft;
 use plan_format::{
     Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, write,
@@ -31,6 +32,7 @@ pub const LIMITS: &[(&str, u64)] = &[
     ("behaviours-tick-stack-bytes", 8_192),
     ("worst-map-blob-validation", 30_000_000),
     ("worst-map-look-up-worst", 400),
+    ("tolled-map-look-up-worst", 500),
     ("guest-stack-bytes", 16_384),
 ];
 
@@ -41,7 +43,7 @@ pub fn golden() -> PathBuf {
 
 /// Counts on the emulated Cortex-M4F and returns a name and a number per line. The plans are those
 /// of the campus, the behaviours those of [`soak::fixtures::budget`]. A look-up and a validation
-/// are also counted on a map that packs badly. The stack of the whole guest, with tasks and
+/// are also counted on a map that packs badly, a look-up also on one with tolls. The stack of the whole guest, with tasks and
 /// executor, is measured in a mission on the campus. The error is a message for the user.
 pub fn measure() -> Result<String, String> {
     let map: &Path = &root().join("tests/maps/campus.opar");
@@ -55,8 +57,11 @@ pub fn measure() -> Result<String, String> {
         .lines()
         .filter(|line| line.starts_with("blob-validation") || line.starts_with("look-up-worst"));
     let large = large.map(|line| format!("worst-map-{line}"));
+    let tolled = count(&tolled_map().map_err(|error| error.to_string())?)?;
+    let tolled = tolled.lines().filter(|line| line.starts_with("look-up-worst"));
+    let tolled = tolled.map(|line| format!("tolled-map-{line}"));
     let stack = format!("guest-stack-bytes {}", guest_stack(&campus)?);
-    let more = behaviours.map(str::to_owned).chain(large).chain([stack]);
+    let more = behaviours.map(str::to_owned).chain(large).chain(tolled).chain([stack]);
     Ok(more.fold(plans, |counts, line| counts + &line + "\n"))
 }
 
@@ -90,24 +95,48 @@ fn worst_map() -> Result<Vec<u8>, WriteError> {
     let blocked = Bitmap::from_fn(SIDE, SIDE, |cell| {
         if cell.column < SIDE / 2 { hash(cell).is_multiple_of(5) } else { is_wall(cell) }
     });
-    // Needed because the guest also counts ticks, which use fixes.
-    let place = GeoPoint { lat_e7: 337_756_000, lon_e7: -843_990_000 };
     // A room of the maze, so it is free.
     let middle = (SIDE / 2) | 1;
-    let goal = Cell::new(middle, middle);
-    let grid = Grid { columns: SIDE, rows: SIDE, resolution_m: 1.0, corner_m: [0.0, 0.0] };
+    blob(&Terrain::new(blocked), Cell::new(middle, middle))
+}
+
+/// A blob of a map with tolls of all kinds: houses with bands around them, areas, and in the north a
+/// factor of its own for each cell.
+fn tolled_map() -> Result<Vec<u8>, WriteError> {
+    const SIDE: u32 = 250;
+    let is_house = |column: u32, row: u32| {
+        let block = Cell::new(column / 24, row / 24);
+        let [x, y] = [column % 24, row % 24];
+        hash(block).is_multiple_of(2)
+            && (6..18).contains(&x)
+            && (6..14 + hash(block) % 6).contains(&y)
+    };
+    let blocked = Bitmap::from_fn(SIDE, SIDE, |cell| is_house(cell.column, cell.row));
+    let is_near = |cell: Cell, reach: u32| {
+        let around = |at: u32| at.saturating_sub(reach)..(at + reach + 1).min(SIDE);
+        around(cell.row).any(|row| around(cell.column).any(|column| is_house(column, row)))
+    };
+    let tolls = Tolls::from_fn(SIDE, SIDE, |cell| {
+        let bands = [24, 16, 12].into_iter().zip(1..).find(|&(_, reach)| is_near(cell, reach));
+        let area =
+            if hash(Cell::new(cell.column / 40, cell.row / 30)).is_multiple_of(3) { 2 } else { 1 };
+        let own = if cell.row > SIDE * 3 / 4 { 8 + hash(cell) % 24 } else { 8 };
+        bands.map_or(own, |(factor, _)| factor) * area
+    });
+    blob(&Terrain::new(blocked).with_tolls(tolls), Cell::new(2, 2))
+}
+
+/// A blob with one layer.
+fn blob(terrain: &Terrain, goal: Cell) -> Result<Vec<u8>, WriteError> {
+    // Needed because the guest also counts ticks, which use fixes.
+    let place = GeoPoint { lat_e7: 337_756_000, lon_e7: -843_990_000 };
+    let [columns, rows] = terrain.size();
+    let grid = Grid { columns, rows, resolution_m: 1.0, corner_m: [0.0, 0.0] };
+    let packed = pack(&solve(&Query { terrain, goals: &[goal], corners: Corners::Forbid }));
     let plan = PlanDraft {
         name: "worst".into(),
         goals_m: vec![grid.centre(goal)],
-        layers: vec![LayerDraft {
-            rank: 0,
-            name: "physical".into(),
-            packed: pack(&solve(&Query {
-                terrain: &Terrain::new(blocked),
-                goals: &[goal],
-                corners: Corners::Forbid,
-            })),
-        }],
+        layers: vec![LayerDraft { rank: 0, name: "physical".into(), packed }],
     };
     write(&Draft {
         grid,
