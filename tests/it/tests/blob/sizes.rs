@@ -1,5 +1,7 @@
 //! Sizes of layers on maps of every kind.
 
+mod tolls;
+
 use super::draft;
 use maps::Bitmap;
 use plan_compiler::field::Field;
@@ -61,16 +63,10 @@ fn noise_and_mazes_take_less_than_plain_arrays() {
 /// Builds the blobs of a map and prints their sizes as a line of the table.
 fn size(name: &str, map: &Bitmap) -> Size {
     let (columns, rows) = (map.columns(), map.rows());
-    let goals = [(columns / 2, rows / 2), (columns / 5, rows * 7 / 10)];
-    let free = |(column, row)| {
-        let cells = (row..rows).flat_map(|row| (column..columns).map(move |column| (column, row)));
-        let mut cells = cells.map(|(column, row)| Cell::new(column, row));
-        cells.find(|&cell| !map.get(cell)).expect("a free cell")
-    };
     let mut solver = Solver::new();
     let terrain = Terrain::new(map.clone());
-    let fields = goals.map(|goal| {
-        solver.solve(&Query { terrain: &terrain, goals: &[free(goal)], corners: Corners::Forbid })
+    let fields = free_goals(map).map(|goal| {
+        solver.solve(&Query { terrain: &terrain, goals: &[goal], corners: Corners::Forbid })
     });
     let bytes = |fields: &[Field]| write(&draft(fields)).unwrap();
     let (one, two) = (bytes(&fields[..1]), bytes(&fields));
@@ -86,6 +82,16 @@ fn size(name: &str, map: &Bitmap) -> Size {
     );
     assert!(layer.bytes() < layer.raw_bytes());
     size
+}
+
+/// A goal in the middle and one in the north-west, in the first free cells north-east of there.
+fn free_goals(map: &Bitmap) -> [Cell; 2] {
+    let (columns, rows) = (map.columns(), map.rows());
+    [(columns / 2, rows / 2), (columns / 5, rows * 7 / 10)].map(|(column, row)| {
+        let cells = (row..rows).flat_map(|row| (column..columns).map(move |column| (column, row)));
+        let mut cells = cells.map(|(column, row)| Cell::new(column, row));
+        cells.find(|&cell| !map.get(cell)).expect("a free cell")
+    })
 }
 
 /// Random numbers that are the same in every run.
