@@ -19,6 +19,7 @@ mod memory;
 mod nearest_free;
 mod obstacles;
 mod radio;
+mod speed_limits;
 mod tolls;
 mod warnings;
 
@@ -40,6 +41,7 @@ use maps::problem::has_errors;
 use maps::radio::Model;
 use maps::{Bitmap, Point, Problem};
 use math::MapFrame;
+use memory::Levels;
 use plan_format::grid::cost_metres;
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::Vehicle;
@@ -147,7 +149,13 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     problems.extend(too_narrow(input, radius));
     let origin = area::origin(input, problems);
     let limit_bytes = input.options.max_memory_bytes.unwrap_or(memory::DEFAULT_LIMIT_BYTES);
-    if let Some(problem) = memory::check(limit_bytes, &grid, limits::MAX_LAYERS) {
+    let have_tolls = has_tolls(input);
+    let at_first = match have_tolls {
+        // Tolls take much more than other layers, so only those that there are count.
+        true => Levels { count: input.mission.layers.len() + 2, have_tolls },
+        false => Levels { count: limits::MAX_LAYERS, have_tolls },
+    };
+    if let Some(problem) = memory::check(limit_bytes, &grid, at_first) {
         problems.push(problem);
         return None;
     }
@@ -176,8 +184,9 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
     let plans = plan_names(&goals, layers);
     let mission = behaviours::compile(&input.mission.behaviours, &plans, problems)?;
     let jobs = goals.iter().map(|goal| goal.layers.len()).sum();
+    let levels = Levels { count: layers.len(), have_tolls };
     let threads = thread::available_parallelism().map_or(1, |threads| threads.get());
-    let need = Need::within(limit_bytes, &grid, layers.len(), jobs, threads)?;
+    let need = Need::within(limit_bytes, &grid, levels, jobs, threads)?;
     let recipe = recipe::write(input, radius, &radio::known_places(input));
     Some(Prepared {
         grid,
@@ -191,6 +200,12 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
         recipe,
         need,
     })
+}
+
+/// Whether any layer has tolls or speed limits.
+fn has_tolls(input: &Input<'_>) -> bool {
+    let mut rules = input.mission.layers.iter();
+    !input.mission.speed_masks.is_empty() || rules.any(|rule| !rule.tolls.is_empty())
 }
 
 /// What behaviours may refer to by name.

@@ -31,11 +31,16 @@ pub struct Limits {
 impl Limits {
     /// Lowers the limit in some cells to this one, m/s.
     pub fn lower(&mut self, cells: &Bitmap, limit_mps: f64) {
-        let limit = ((limit_mps * 100.0 + 0.5) as u16).max(1);
+        let limit = Self::in_cmps(limit_mps);
         match self.zones.binary_search_by_key(&limit, |zone| zone.0) {
             Ok(at) => self.zones[at].1.add_all(cells),
             Err(at) => self.zones.insert(at, (limit, cells.clone())),
         }
+    }
+
+    /// A limit in m/s as whole cm/s.
+    pub fn in_cmps(limit_mps: f64) -> u16 {
+        ((limit_mps * 100.0 + 0.5) as u16).max(1)
     }
 
     /// Whether no cell has a limit.

@@ -11,6 +11,7 @@ pub(crate) mod brakes;
 mod costs;
 pub(crate) mod follow;
 mod given;
+mod images;
 mod key;
 pub mod keys;
 pub(crate) mod layer_gains;
@@ -18,16 +19,18 @@ mod masks;
 mod place;
 mod radio;
 mod reading;
+mod speed_masks;
 mod speeds;
 mod tolls;
 pub mod words;
 
-pub use costs::{CostMap, Factors};
+pub use costs::{CostImage, CostMap, CostSource, Factors};
 pub use given::Given;
 pub use layer_gains::NamedGain;
 pub use masks::Mask;
 pub use place::{geo_uri, is_geo_uri, place_of};
 pub use radio::{NEEDS, RADIO_KEYS, RadioKey, RadioRule};
+pub use speed_masks::{SpeedMask, SpeedUnit};
 pub use tolls::{Band, SpeedZone, TollRule, kind};
 
 use crate::behaviours;
@@ -79,6 +82,8 @@ pub struct Mission {
     pub selection_hysteresis: Option<f64>,
     /// Maps of where the robot must not go.
     pub masks: Vec<Mask>,
+    /// Images that limit the speed.
+    pub speed_masks: Vec<SpeedMask>,
     /// How layer `comms` is computed; `None` if it has the map's areas.
     pub radio: Option<RadioRule>,
     /// The parallel plan that the robot follows; `None` for the first.

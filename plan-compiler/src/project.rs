@@ -112,7 +112,8 @@ pub fn load(request: Request, problems: &mut Vec<Problem>) -> Option<Project> {
     }));
     let map = map.filter(|_| !is_incomplete)?;
     let named = source.as_ref().and_then(|text| formats::pcf::map_path(&map_path, &text.text));
-    let masks = mission.masks.iter().map(|mask| mask.path.clone());
+    let speeds = mission.speed_masks.iter().map(|mask| mask.path.clone());
+    let masks = mission.masks.iter().map(|mask| mask.path.clone()).chain(speeds);
     let costs = mission.layers.iter().filter_map(|rule| rule.tolls.costs.as_ref());
     let costs = costs.map(|costs| costs.path.clone());
     let others = named.into_iter().chain(mission_path).chain(masks).chain(costs);

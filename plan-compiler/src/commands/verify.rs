@@ -8,6 +8,7 @@ use crate::cli::Verify;
 use maps::numbers::{metres, pair};
 use maps::problem::{Problem, has_errors};
 use plan_compiler::compile::layers;
+use plan_compiler::layers::Stack;
 use plan_compiler::project::Project;
 use plan_compiler::verify::{self, Report};
 use plan_compiler::width::{self, Need};
@@ -90,14 +91,27 @@ fn compare(
     let Some(project) = project::read_for((bytes, blob), input, asked, mission, problems)? else {
         return Ok("");
     };
-    compare_cells(blob, &project, problems);
-    Ok("; the obstacles match the map")
+    let expected = compare_cells(blob, &project, problems);
+    let layers = expected.as_ref().map_or(&[][..], Stack::layers);
+    let has_tolls = layers.iter().any(|layer| layer.terrain.tolls.is_some());
+    let has_limits = layers.iter().any(|layer| !layer.limits.is_none());
+    Ok(match (has_tolls, has_limits) {
+        (false, false) => "; the obstacles match the map",
+        (true, false) => "; obstacles and tolls match the map",
+        (false, true) => "; obstacles and speed limits match the map",
+        (true, true) => "; obstacles, tolls and speed limits match the map",
+    })
 }
 
-/// Reports how plans and a map differ: in the grid, the place on the globe or the blocked cells.
-pub(super) fn compare_cells(blob: &Blob<'_>, project: &Project, problems: &mut Vec<Problem>) {
+/// Reports how plans and a map differ: in the grid, the place on the globe, the blocked cells, the
+/// tolls or the speed limits. Returns the map's layers, if they could be compared.
+pub(super) fn compare_cells(
+    blob: &Blob<'_>,
+    project: &Project,
+    problems: &mut Vec<Problem>,
+) -> Option<Stack> {
     let input = project.input();
-    let Some(grid) = plan_compiler::compile::grid(&input, problems) else { return };
+    let grid = plan_compiler::compile::grid(&input, problems)?;
     if grid != *blob.grid() {
         let text = |grid: &plan_format::Grid| {
             let (side, corner) = (metres(grid.resolution_m), pair(grid.corner_m));
@@ -105,7 +119,7 @@ pub(super) fn compare_cells(blob: &Blob<'_>, project: &Project, problems: &mut V
         };
         let message = format!("the plans have {}, the map {}", text(blob.grid()), text(&grid));
         problems.push(Problem::error(message).help(OTHER_OPTIONS));
-        return;
+        return None;
     }
     let origin = plan_compiler::compile::origin(&input);
     if origin != blob.origin() {
@@ -122,11 +136,11 @@ pub(super) fn compare_cells(blob: &Blob<'_>, project: &Project, problems: &mut V
         let (ours, theirs) = (text(blob.origin()), text(origin));
         let message = format!("the plans' origin is {ours}; the map's is {theirs}");
         problems.push(Problem::error(message).help(OTHER_OPTIONS));
-        return;
+        return None;
     }
-    if let Some(expected) = layers(&input, &grid, problems) {
-        add(&verify::compare(blob, &expected), OTHER_OPTIONS, problems);
-    }
+    let expected = layers(&input, &grid, problems)?;
+    add(&verify::compare(blob, &expected), OTHER_OPTIONS, problems);
+    Some(expected)
 }
 
 /// Help for a blob and a map that disagree.

@@ -3,6 +3,7 @@
 use super::MAX_SUGGESTIONS;
 use super::area::reach;
 use super::obstacles::Added;
+use super::speed_limits::{self, MaskLimits};
 use super::{radio, tolls};
 use crate::input::Input;
 use crate::layers::Stack;
@@ -32,6 +33,7 @@ pub(super) fn stack(
     check_areas(input, problems);
     let fill_walls = input.options.fill_walls || input.mission.fill_walls.unwrap_or(false);
     let options = RasterOptions { robot_radius_m, fill_walls };
+    let mask_limits = MaskLimits::new(input, grid, problems);
     let mut stack = Stack::default();
     let mut all: Vec<Added<'_>> = Vec::new();
     for name in names {
@@ -46,16 +48,21 @@ pub(super) fn stack(
         }
         let rules = input.mission.layers.iter().filter(|rule| rule.name.name == name);
         let rules: Vec<_> = rules.filter(|rule| !rule.tolls.is_empty()).collect();
-        if rules.is_empty() {
+        if rules.is_empty() && !mask_limits.has(name) {
             stack.add(name, blocked);
             continue;
         }
         let site = tolls::Site { input, grid, options, added: &all };
+        let mut solid = blocked.clone();
+        if let Some(below) = stack.layers().last() {
+            solid.add_all(&below.terrain.blocked);
+        }
         stack.add_with_tolls(name, blocked, |tolls, limits| {
             rules.iter().for_each(|rule| site.add(rule, tolls, limits, problems));
+            mask_limits.add(name, &|cell| !solid.get(cell), tolls, limits, problems);
         });
     }
-    problems.extend(tolls::too_many_limits(input));
+    problems.extend(speed_limits::too_many(input));
     problems.extend(input.mission.masks.iter().filter_map(|mask| beside(mask, grid)));
     Some(stack)
 }

@@ -3,31 +3,12 @@
 use super::obstacles::Added;
 use crate::input::Input;
 use crate::layers::Limits;
-use crate::mission::{CostMap, LayerRule, Named, SpeedZone};
+use crate::mission::{CostMap, CostSource, LayerRule, Named};
 use crate::tolls::{LEAST, MOST, Tolls};
-use maps::problem::Problem;
+use maps::problem::{Place, Problem};
 use maps::raster::{RasterOptions, keep_out, rasterise};
 use maps::{Bitmap, Feature};
 use plan_format::{Cell, Grid};
-
-/// Different speed limits in one blob.
-const MAX_LIMITS: usize = 15;
-
-/// An error if there are more different speed limits than a blob holds.
-pub(super) fn too_many_limits(input: &Input<'_>) -> Option<Problem> {
-    let zones = input.mission.layers.iter().flat_map(|rule| &rule.tolls.speed);
-    let mut different: Vec<f64> = Vec::new();
-    let last = zones.filter(|zone| {
-        let is_new = !different.contains(&zone.limit_mps);
-        different.extend(is_new.then_some(zone.limit_mps));
-        is_new && different.len() > MAX_LIMITS
-    });
-    let place = &last.last()?.area.place;
-    let message =
-        format!("{} different speed limits, but a blob holds {MAX_LIMITS}", different.len());
-    let problem = Problem::error(message).at(&place.source, place.span.clone(), "the last one");
-    Some(problem.help("give some areas the same limit"))
-}
 
 /// What the tolls of one layer need to know of the layers from the least constrained one up to it.
 pub(super) struct Site<'a> {
@@ -59,21 +40,10 @@ impl Site<'_> {
         for zone in &rule.tolls.speed {
             let cells = self.cells_of(&zone.area);
             limits.lower(&cells, zone.limit_mps);
-            let factor = self.factor(zone);
+            let factor = zone.eighths.unwrap_or_else(|| slower(self.input, zone.limit_mps));
             cut += tolls.multiply(&self.tolls(|cell| if cells.get(cell) { factor } else { LEAST }));
         }
-        if cut > 0 {
-            let place = &rule.name.place;
-            problems.push(
-                Problem::warning(format!(
-                    "in layer `{}`, tolls multiply to more than {} in {cut} cells, and are cut to it",
-                    rule.name.name,
-                    MOST / LEAST,
-                ))
-                .at(&place.source, place.span.clone(), "this layer")
-                .help("lower the factors, or list what the robot must not enter as `areas`"),
-            );
-        }
+        problems.extend(too_high(cut, &rule.name.name, &rule.name.place, "this layer"));
     }
 
     fn tolls(&self, eighths: impl FnMut(Cell) -> u32) -> Tolls {
@@ -93,16 +63,22 @@ impl Site<'_> {
 
     /// The factors of a cost map, which must have the grid's cells.
     fn of_cells(&self, costs: &CostMap) -> Result<Tolls, Problem> {
-        let (factors, grid) = (&costs.factors, self.grid);
-        if (factors.columns, factors.rows) == (grid.columns, grid.rows) {
-            let index = |cell: Cell| (cell.row * grid.columns + cell.column) as usize;
-            return Ok(self.tolls(|cell| factors.eighths[index(cell)].into()));
-        }
-        let message = format!("{} does not have the cells of the plan", costs.path.display());
-        let label = format!("{} columns and {} rows", factors.columns, factors.rows);
-        let help = format!("the plan has {} columns and {} rows", grid.columns, grid.rows);
-        let place = &costs.place;
-        Err(Problem::error(message).at(&place.source, place.span.clone(), label).help(help))
+        let grid = self.grid;
+        costs.factors.on(grid).ok_or_else(|| {
+            let [columns, rows] = costs.factors.size();
+            let message = format!("{} does not have the cells of the plan", costs.path.display());
+            let label = format!("{columns} columns and {rows} rows");
+            let help = format!("the plan has {} columns and {} rows", grid.columns, grid.rows);
+            let help = match costs.factors {
+                CostSource::Array(_) => help,
+                CostSource::Image(_) => {
+                    help + "; name a ROS map, a YAML file with `resolution` and `origin`, to lay the \
+                            image over them"
+                }
+            };
+            let place = &costs.place;
+            Problem::error(message).at(&place.source, place.span.clone(), label).help(help)
+        })
     }
 
     /// The factors of bands around obstacles; where they overlap, the highest.
@@ -134,14 +110,25 @@ impl Site<'_> {
         }
         cells
     }
+}
 
-    /// The factor of a speed zone, eighths: by default how much longer the robot takes at the limit
-    /// than at its top speed.
-    fn factor(&self, zone: &SpeedZone) -> u32 {
-        zone.eighths.unwrap_or_else(|| {
-            let fastest = f64::from(self.input.mission.parameters.vehicle.max_speed_mps);
-            let slower = (fastest / zone.limit_mps).clamp(1.0, f64::from(MOST / LEAST));
-            (slower * f64::from(LEAST) + 0.5) as u32
-        })
-    }
+/// A warning if products of factors were cut in some cells of a layer.
+pub(super) fn too_high(cut: usize, layer: &str, place: &Place, label: &str) -> Option<Problem> {
+    let most = MOST / LEAST;
+    let message = format!(
+        "in layer `{layer}`, tolls multiply to more than {most} in {cut} cells, and are cut to it"
+    );
+    (cut > 0).then(|| {
+        Problem::warning(message)
+            .at(&place.source, place.span.clone(), label)
+            .help("lower the factors, or list what the robot must not enter as `areas`")
+    })
+}
+
+/// The factor of cells with a speed limit, eighths: how much longer the robot takes at the limit than
+/// at its top speed.
+pub(super) fn slower(input: &Input<'_>, limit_mps: f64) -> u32 {
+    let fastest = f64::from(input.mission.parameters.vehicle.max_speed_mps);
+    let slower = (fastest / limit_mps).clamp(1.0, f64::from(MOST / LEAST));
+    (slower * f64::from(LEAST) + 0.5) as u32
 }

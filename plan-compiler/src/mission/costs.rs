@@ -1,11 +1,14 @@
-//! Cost maps: a factor for each cell of the plan's grid, as an array in NumPy's format.
+//! Cost maps: a factor for each cell of the plan's grid, as an array in NumPy's format or as an image.
 //!
 //! The array is \[row, column\] with row 0 in the south, as `plan-compiler export` writes them, of
-//! float32, float64 or integers, in either order. Factors are rounded to eighths.
+//! float32, float64 or integers, in either order. Factors are rounded to eighths. An image is read as
+//! [`maps::formats::ros::Shades`]: white has one factor and black another, and greys lie between.
 
-use crate::tolls::{LEAST, MOST};
+use crate::tolls::{LEAST, MOST, Tolls};
+use maps::formats::ros::{DARKEST, Shades};
 use maps::problem::Place;
 use plan_format::limits::MAX_SIDE_CELLS;
+use plan_format::{Cell, Grid};
 use std::path::PathBuf;
 
 /// Factors by cell.
@@ -16,7 +19,62 @@ pub struct CostMap {
     /// Its place in the mission file.
     pub place: Place,
     /// Its factors.
-    pub factors: Factors,
+    pub factors: CostSource,
+}
+
+/// Where the factors of a cost map come from.
+#[derive(Clone, Debug)]
+pub enum CostSource {
+    /// An array.
+    Array(Factors),
+    /// An image.
+    Image(CostImage),
+}
+
+/// An image whose shades are factors.
+#[derive(Clone, Debug)]
+pub struct CostImage {
+    /// The shades.
+    pub shades: Shades,
+    /// Eighths of white and of black.
+    pub ends: [u32; 2],
+}
+
+impl CostSource {
+    /// Columns and rows.
+    pub fn size(&self) -> [u32; 2] {
+        match self {
+            Self::Array(factors) => [factors.columns, factors.rows],
+            Self::Image(CostImage { shades, .. }) => [shades.columns, shades.rows],
+        }
+    }
+
+    /// The factors of the cells of a grid; `None` if it does not have these cells. A cell has the
+    /// highest factor of the pixels that it overlaps, and 1 beside the image.
+    pub fn on(&self, grid: &Grid) -> Option<Tolls> {
+        let tolls =
+            |eighths: &dyn Fn(Cell) -> u32| Some(Tolls::from_fn(grid.columns, grid.rows, eighths));
+        match self {
+            Self::Array(factors) if self.size() == [grid.columns, grid.rows] => {
+                let index = |cell: Cell| (cell.row * grid.columns + cell.column) as usize;
+                tolls(&|cell| factors.eighths[index(cell)].into())
+            }
+            Self::Image(image) if image.shades.fits(grid) => tolls(&|cell| {
+                let numbers = image.shades.over(grid, cell);
+                numbers.iter().map(|number| image.eighths(number)).max().unwrap_or(LEAST)
+            }),
+            _ => None,
+        }
+    }
+}
+
+impl CostImage {
+    /// The factor of a shade, eighths, rounded.
+    fn eighths(&self, number: u8) -> u32 {
+        let ([white, black], darkest) = (self.ends, u32::from(DARKEST));
+        let dark = u32::from(number);
+        (white * (darkest - dark) + black * dark + darkest / 2) / darkest
+    }
 }
 
 /// An array of factors.
@@ -148,6 +206,22 @@ mod tests {
         bytes.extend_from_slice(literal.as_bytes());
         bytes.extend_from_slice(data);
         bytes
+    }
+
+    #[test]
+    fn the_factors_of_greys_lie_between_those_of_white_and_black() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.pgm");
+        std::fs::write(&path, "P2 5 1 255 255 191 128 64 0").unwrap();
+        let shades = maps::formats::ros::read_shades(&path).0.unwrap();
+        let grid = Grid { columns: 5, rows: 1, resolution_m: 1.0, corner_m: [0.0; 2] };
+        for (ends, expected) in [([8, 40], [8, 16, 24, 32, 40]), ([24, 8], [24, 20, 16, 12, 8])] {
+            let image = CostSource::Image(CostImage { shades: shades.clone(), ends });
+            let tolls = image.on(&grid).unwrap();
+            let factors = [0, 1, 2, 3, 4].map(|column| tolls.eighths(Cell::new(column, 0)));
+            assert_eq!(factors, expected);
+            assert!(image.on(&Grid { columns: 4, ..grid }).is_none());
+        }
     }
 
     const U1: &str = "{'descr': '|u1', 'fortran_order': False, 'shape': (2, 3), }";

@@ -4,10 +4,11 @@
 //! are squares on the plane. A cell of the plan is blocked if such a square, grown by the robot's
 //! radius, touches it. Only occupied cells of the mask keep out; its unknown cells do nothing.
 //!
-//! Deliberately absent: speed masks. A speed zone is an area of the map: see `tolls`.
+//! Masks of speeds are in `speed_masks`.
 
 use super::{LayerRule, Named, PHYSICAL, Reader, TollRule};
 use crate::toml::{Span, key_span};
+use maps::formats::ros::read_shades;
 use maps::formats::{self, ReadOptions};
 use maps::problem::{Place, Severity};
 use maps::{CellMap, Unknown};
@@ -38,12 +39,10 @@ impl Reader<'_> {
             let key_span = key_span(table, name);
             match name {
                 "keepout" => self.keepout(item, key_span),
-                "speed" => self.report.error(
-                    "speed masks cannot be used yet",
-                    &key_span,
-                    "a mask has no areas",
-                    "name areas of the map in a layer, [layers.NAME], as speed = { AREA = 0.5 }",
-                ),
+                "speed" => {
+                    let span = item.span().unwrap_or(key_span);
+                    self.speed_masks(item, &span);
+                }
                 other => self.report.error(
                     format!("`{other}` is not a kind of mask"),
                     &key_span,
@@ -54,6 +53,18 @@ impl Reader<'_> {
         }
     }
 
+    /// The layer to which a mask belongs; a layer that the mission does not list is added.
+    pub(super) fn layer_of_mask(&mut self, raw: &str, span: Span) -> Option<String> {
+        let layer = self.name("layer", raw, span.clone())?;
+        let is_known = self.mission.layers.iter().any(|rule| rule.name.name == layer);
+        if !is_known && layer != PHYSICAL {
+            let name = Named { name: layer.clone(), place: self.report.place(&span) };
+            let tolls = TollRule::default();
+            self.mission.layers.push(LayerRule { name, areas: Vec::new(), tolls });
+        }
+        Some(layer)
+    }
+
     fn keepout(&mut self, item: &Item, key_span: Span) {
         let Some(layers) = item.as_table_like() else {
             return self.masks_of(PHYSICAL, "masks.keepout", item);
@@ -61,16 +72,7 @@ impl Reader<'_> {
         for (raw, item) in layers.iter() {
             let span = layers.key(raw).and_then(toml_edit::Key::span);
             let span = span.unwrap_or_else(|| key_span.clone());
-            let Some(layer) = self.name("layer", raw, span.clone()) else { continue };
-            let is_known = self.mission.layers.iter().any(|rule| rule.name.name == layer);
-            if !is_known && layer != PHYSICAL {
-                let name = Named { name: layer.clone(), place: self.report.place(&span) };
-                self.mission.layers.push(LayerRule {
-                    name,
-                    areas: Vec::new(),
-                    tolls: TollRule::default(),
-                });
-            }
+            let Some(layer) = self.layer_of_mask(raw, span) else { continue };
             self.masks_of(&layer, &format!("masks.keepout.{raw}"), item);
         }
     }
@@ -123,8 +125,25 @@ impl Reader<'_> {
                  [layers]",
             );
         };
+        if cells.unknown.count() > 0 {
+            self.greys(&path, text, &span);
+        }
         let cells = CellMap { unknown_as: Unknown::Free, ..cells };
         let (layer, place) = (layer.to_owned(), self.report.place(&span));
         self.mission.masks.push(Mask { layer, path, place, cells });
+    }
+
+    /// Warns about greys of a mask: in Nav2's mode `scale` they are costs.
+    fn greys(&mut self, path: &Path, text: &str, span: &Span) {
+        let count = read_shades(path).0.map_or(0, |shades| shades.greys());
+        if count > 0 {
+            let message =
+                format!("{count} grey pixels of {} do not keep the robot out", path.display());
+            let help = format!(
+                "only occupied ones do; for costs, add to a layer: costs = {{ image = \"{text}\", black = \
+                 5 }}"
+            );
+            self.report.warning(message, span, "this mask", &help);
+        }
     }
 }

@@ -1,7 +1,8 @@
 //! The tolls of a layer: where a step costs more than its length.
 
 use super::Named;
-use super::costs::{CostMap, MAX_BYTES, factors};
+use super::costs::{CostImage, CostMap, CostSource, MAX_BYTES, factors};
+use super::images;
 use crate::tolls;
 use crate::toml::{Fields, Report, Span, key_span, number};
 use maps::formats::TagRule;
@@ -17,7 +18,7 @@ pub struct TollRule {
     pub clearance: Vec<Band>,
     /// Areas of the map with a speed limit.
     pub speed: Vec<SpeedZone>,
-    /// A factor for each cell.
+    /// A factor for each cell, from an array or an image.
     pub costs: Option<CostMap>,
 }
 
@@ -50,6 +51,7 @@ const LIMITS_MPS: std::ops::RangeInclusive<f64> = 0.05..=50.0;
 /// What a factor may be, for a sentence.
 const FACTOR: &str = "a number from 1 to 32 in steps of 1/8";
 const CLEARANCE: &str = "clearance = [{ within = 0.5, factor = 3 }, { within = 1, factor = 2 }]";
+const IMAGE: &str = "costs = { image = \"costs.png\", black = 5 }";
 const SPEED: &str = "speed = { yard = 0.5 }, or { yard = { limit = 0.5, factor = 2 } }";
 
 impl TollRule {
@@ -82,7 +84,17 @@ pub(super) fn read(report: &mut Report<'_>, fields: &Fields<'_>) -> TollRule {
 }
 
 fn costs(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<CostMap> {
+    let (item, span) = fields.item("costs")?;
+    if item.is_table_like() {
+        return image_of_costs(report, item, &span, format!("{}.costs", fields.path));
+    }
     let name = fields.text(report, "costs", "\"costs.npy\"")?;
+    if images::is_image_name(name.as_str()) {
+        let message = format!("{} does not say which factors its shades mean", name.as_str());
+        let help = format!("write costs = {{ image = \"{}\", black = 5 }}", name.as_str());
+        report.error(message, &name.span, "an image", &help);
+        return None;
+    }
     let folder = Path::new(&report.source.name).parent().unwrap_or(Path::new(""));
     let path = folder.join(name.as_str());
     let size = std::fs::metadata(&path).map(|file| file.len());
@@ -91,7 +103,10 @@ fn costs(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<CostMap> {
         _ => std::fs::read(&path).map_err(|error| error.to_string()),
     };
     match bytes.and_then(|bytes| factors(&bytes)) {
-        Ok(factors) => Some(CostMap { path, place: report.place(&name.span), factors }),
+        Ok(factors) => {
+            let factors = CostSource::Array(factors);
+            Some(CostMap { path, place: report.place(&name.span), factors })
+        }
         Err(reason) => {
             let message = format!("{} cannot be used as a cost map", path.display());
             let help = "save an array [row, column] of factors from 1 to 32, row 0 in the south, with \
@@ -100,6 +115,32 @@ fn costs(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<CostMap> {
             None
         }
     }
+}
+
+/// An image of costs: `{ image = "costs.png", black = 5 }`.
+fn image_of_costs(
+    report: &mut Report<'_>,
+    item: &Item,
+    span: &Span,
+    path: String,
+) -> Option<CostMap> {
+    let keys = ["image", "white", "black"];
+    let fields = Fields::open(report, path.clone(), item, span.clone(), &keys, IMAGE)?;
+    let mut complete = true;
+    for key in ["image", "black"].into_iter().filter(|key| fields.lacks(key)) {
+        let message = format!("`{path}` has no `{key}`");
+        report.error(message, span, "this image", &format!("write {IMAGE}"));
+        complete = false;
+    }
+    let [white, black] = ["white", "black"].map(|key| {
+        let given = fields.item(key);
+        given.map(|(item, span)| factor(report, &format!("{path}.{key}"), item, &span))
+    });
+    let name = fields.text(report, "image", "\"costs.png\"")?;
+    let (path, shades) = images::shades(report, &name)?;
+    let ends = [white.unwrap_or(Some(tolls::LEAST))?, black.flatten()?];
+    let factors = CostSource::Image(CostImage { shades, ends });
+    complete.then(|| CostMap { path, place: report.place(&name.span), factors })
 }
 
 fn areas(report: &mut Report<'_>, fields: &Fields<'_>) -> Vec<(Named, u32)> {
@@ -209,7 +250,7 @@ fn named(report: &Report<'_>, name: &str, span: &Span) -> Named {
 }
 
 /// A factor in eighths.
-fn factor(report: &mut Report<'_>, path: &str, item: &Item, span: &Span) -> Option<u32> {
+pub(super) fn factor(report: &mut Report<'_>, path: &str, item: &Item, span: &Span) -> Option<u32> {
     let Some(number) = item.as_value().and_then(number) else {
         report.wrong_type(path, item, span, FACTOR, "2, or 1.5");
         return None;

@@ -12,6 +12,7 @@ mod passages;
 mod people;
 mod pictures;
 mod reach;
+mod shades;
 mod tolls;
 mod typed;
 

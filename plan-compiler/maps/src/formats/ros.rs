@@ -11,10 +11,12 @@
 //!
 //! The image's last row is the southernmost. `origin` is the south-west corner of its south-west
 //! pixel, and the image's angle of rotation about that corner.
+//! [`shades`] reads such a file as numbers instead of kinds, for masks and costs.
 //! Deliberately absent: keep-out masks, which are separate maps that a mission names.
 
 mod image;
 mod settings;
+mod shades;
 #[cfg(test)]
 mod tests;
 
@@ -26,6 +28,7 @@ use image::Grey;
 pub(super) use image::refuse_alone;
 use math::Cell;
 use settings::{Mode, Settings};
+pub use shades::{DARKEST, Numbers, Shades, read_shades};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -74,17 +77,17 @@ pub fn read(path: &Path, source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
 }
 
 /// Occupancy that map savers write for unknown cells.
-const UNKNOWN_GREY: f64 = 205.0 / 255.0;
+const UNKNOWN_PIXEL: (f64, bool) = (205.0 / 255.0, false);
 
 /// A warning if cells that a saver marked unknown count as free. Its grey is just unknown by the
 /// threshold of ROS 1, 0.196, and free by that of Nav2, 0.25.
 fn freed(grey: &Grey, settings: &Settings, source: &Arc<Source>) -> Option<Problem> {
-    let is_free = kind(settings, (UNKNOWN_GREY, false)) == Kind::Free;
+    let is_free = kind(settings, UNKNOWN_PIXEL) == Kind::Free;
     if !is_free || settings.mode != Mode::Trinary || settings.negate {
         return None;
     }
     let pixels = (0..grey.rows).flat_map(|row| (0..grey.columns).map(move |column| (column, row)));
-    let is_unknown = |&(column, row): &(u32, u32)| grey.pixel(column, row) == (UNKNOWN_GREY, false);
+    let is_unknown = |&(column, row): &(u32, u32)| grey.pixel(column, row) == UNKNOWN_PIXEL;
     let count = pixels.filter(is_unknown).count();
     let free = settings.free_thresh;
     let warning = Problem::warning(format!(
@@ -134,13 +137,23 @@ fn cells(grey: &Grey, settings: &Settings, resolution_m: f64, corner: [f64; 2]) 
     CellMap { resolution_m, corner, occupied, unknown, unknown_as, turned_from: None }
 }
 
-/// The kind of a pixel with this lightness, 0 to 1, and transparency.
-fn kind(settings: &Settings, (light, is_transparent): (f64, bool)) -> Kind {
-    let occupancy = match settings.mode {
-        Mode::Raw => (light * 255.0).round() / 100.0,
+/// The grey of a lightness, 0 to 255.
+fn grey_of(light: f64) -> f64 {
+    (light * 255.0).round()
+}
+
+/// The share of occupancy of a lightness; above 1 in mode `raw` where it is unknown.
+fn occupancy(settings: &Settings, light: f64) -> f64 {
+    match settings.mode {
+        Mode::Raw => grey_of(light) / 100.0,
         _ if settings.negate => light,
         _ => 1.0 - light,
-    };
+    }
+}
+
+/// The kind of a pixel with this lightness, 0 to 1, and transparency.
+fn kind(settings: &Settings, (light, is_transparent): (f64, bool)) -> Kind {
+    let occupancy = occupancy(settings, light);
     if is_transparent || (settings.mode == Mode::Raw && occupancy > 1.0) {
         Kind::Unknown
     } else if occupancy >= settings.occupied_thresh {

@@ -23,17 +23,23 @@ pub(super) fn turned(
     yaw_rad: f64,
     limit: u32,
 ) -> Option<(CellMap, Option<Vec<Point>>)> {
-    let quarters = wide::floor(yaw_rad / std::f64::consts::FRAC_PI_2 + 0.5);
-    let rest = yaw_rad - quarters * std::f64::consts::FRAC_PI_2;
     let farthest = f64::from(cells.columns()) + f64::from(cells.rows());
-    if rest.abs() * farthest <= SAME {
-        return Some((by_quarters(cells, quarters.rem_euclid(4.0) as u8), None));
+    if let Some(quarters) = quarters(yaw_rad, farthest) {
+        return Some((by_quarters(cells, quarters), None));
     }
     let (cells, outline) = by_angle(&cells, yaw_rad, limit)?;
     Some((cells, Some(outline)))
 }
 
-fn by_quarters(cells: CellMap, quarters: u8) -> CellMap {
+/// The quarter turns from 0 to 3 that an angle means for cells up to this far away, in cells; `None`
+/// if it is another angle.
+pub(super) fn quarters(yaw_rad: f64, farthest: f64) -> Option<usize> {
+    let quarters = wide::floor(yaw_rad / std::f64::consts::FRAC_PI_2 + 0.5);
+    let rest = yaw_rad - quarters * std::f64::consts::FRAC_PI_2;
+    (rest.abs() * farthest <= SAME).then(|| quarters.rem_euclid(4.0) as usize)
+}
+
+fn by_quarters(cells: CellMap, quarters: usize) -> CellMap {
     let (columns, rows) = (cells.columns(), cells.rows());
     let [x, y] = cells.corner;
     let side = |count: u32| f64::from(count) * cells.resolution_m;

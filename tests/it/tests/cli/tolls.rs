@@ -50,7 +50,8 @@ fn tolls_are_proved_with_and_without_their_map() {
     let run = meadow();
     run.done("build meadow.geojson");
     assert!(run.done("verify plans.bin").contains("proved"));
-    run.done("verify plans.bin --map meadow.geojson");
+    let text = run.done("verify plans.bin --map meadow.geojson");
+    assert!(text.contains("; obstacles, tolls and speed limits match the map"), "{text}");
     let mission = std::fs::read_to_string(run.path("meadow.mission.toml")).unwrap();
     for (old, new, expected) in [
         ("Mud = 6", "Mud = 5", "has a toll of 6, but of 5 in the map"),

@@ -68,7 +68,7 @@ fn a_mask_may_belong_to_a_layer_and_may_be_turned() {
 #[test]
 fn what_a_mask_cannot_do_is_told() {
     for (mission, origin, status, words) in [
-        ("[masks]\nspeed = \"mask.yaml\"\n", "1, 1, 0", 1, "speed masks cannot be used yet"),
+        ("[masks]\nspeed = \"mask.yaml\"\n", "1, 1, 0", 1, "`masks.speed` must be a table"),
         ("[masks]\nkeep_out = \"mask.yaml\"\n", "1, 1, 0", 1, "`keep_out` is not a kind of mask"),
         ("[masks]\nkeepout = \"msak.yaml\"\n", "1, 1, 0", 1, "mask.yaml?"),
         ("[masks]\nkeepout = 3\n", "1, 1, 0", 1, "the name of a file, or a list"),

@@ -16,6 +16,9 @@ const MAX_DECODED_BYTES: u64 = 1 << 30;
 /// Most images of a folder that are listed if the named one is missing.
 const LISTED: usize = 8;
 
+/// Help for a file that cannot be read.
+pub(super) const HELP: &str = "save it as a PGM, PNG or BMP of at most 16384 pixels a side";
+
 /// An image as lightness per pixel.
 pub(super) struct Grey {
     pub(super) columns: u32,
@@ -78,7 +81,7 @@ pub(super) fn read(
     })?;
     decode(&bytes).map_err(|reason| {
         let message = format!("{} cannot be read as an image: {reason}", path.display());
-        wrong(message, "save it as a PGM, PNG or BMP of at most 16384 pixels a side".into())
+        wrong(message, HELP.into())
     })
 }
 
@@ -97,7 +100,7 @@ fn moved(yaml: &Path, path: &Path) -> Option<String> {
     is_there.then(|| format!("it lies beside the YAML file: write `image: {name}`"))
 }
 
-fn decode(bytes: &[u8]) -> Result<Grey, String> {
+pub(super) fn decode(bytes: &[u8]) -> Result<Grey, String> {
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|error| error.to_string())?;
@@ -159,10 +162,21 @@ fn is_image_name(name: &str) -> bool {
     })
 }
 
+/// Whether bytes begin like a PGM, PNG or BMP.
+pub(super) fn is_image(bytes: &[u8]) -> bool {
+    // The header of a BMP has four reserved bytes, which are 0.
+    let is_bmp = matches!(bytes, [b'B', b'M', _, _, _, _, 0, 0, 0, 0, ..]);
+    is_bmp || is_pnm_or_png(bytes)
+}
+
+fn is_pnm_or_png(bytes: &[u8]) -> bool {
+    matches!(bytes, [b'P', b'1'..=b'7', b' ' | b'\t' | b'\r' | b'\n', ..])
+        || bytes.starts_with(b"\x89PNG\r\n")
+}
+
 /// An error if the file is an image, which is not a map without its YAML file.
 pub(crate) fn refuse_alone(path: &Path, bytes: &[u8]) -> Option<Problem> {
-    let is_pnm = matches!(bytes, [b'P', b'1'..=b'7', b' ' | b'\t' | b'\r' | b'\n', ..]);
-    if !is_pnm && !bytes.starts_with(b"\x89PNG\r\n") {
+    if !is_pnm_or_png(bytes) {
         return None;
     }
     let problem = Problem::error(format!("{} is an image without a scale", path.display()));
