@@ -7,7 +7,9 @@
 //!
 //! Deliberately absent: background maps and user-defined colours.
 
+mod borders;
 mod cells;
+mod isolines;
 mod legend;
 mod marks;
 pub(crate) mod palette;
@@ -230,6 +232,9 @@ fn entries(
     for (mark, _, text) in panels.iter().flat_map(|panel| panel.overlay.marks) {
         item(Symbol::Mark(*mark), text);
     }
+    if panels.iter().any(|panel| panel.parallel.goal_count() > 1) {
+        item(Symbol::Border, "border between goals");
+    }
     item(Symbol::Mark(Mark::Goal), "goal");
     if panels.iter().any(|panel| !other_goals(blob, &panel.parallel).is_empty()) {
         item(Symbol::Mark(Mark::OtherGoal), "goal of another plan");
@@ -272,6 +277,9 @@ fn draw(
     }
     if style.has_arrows {
         map = map.add(marks::arrows(layer, view));
+    }
+    if parallel.goal_count() > 1 {
+        map = map.add(borders::line(borders::path(layer, view), unit));
     }
     for piece in overlay.routes {
         let mut path = String::new();

@@ -3,8 +3,10 @@
 //! It is the route of a robot that follows the advice only: from the centre of a cell to the centre
 //! of the next one. Inside an obstacle it follows the escape.
 
+use advice::{Choice, Kind, advise};
 use maps::Point;
 use plan_format::grid::cost_metres;
+use plan_format::parameters::Selection;
 use plan_format::{Answer, Grid, Layer, ParallelPlan};
 
 /// A route to the goal.
@@ -37,6 +39,56 @@ impl std::fmt::Display for NoRoute {
             Self::Astray => "the advice does not lead to the goal",
         })
     }
+}
+
+/// A part of a route on which a robot follows one layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stretch {
+    /// The layer's index in its plan, 0 for the least constrained.
+    pub layer: u8,
+    /// Centres of cells, metres; its first point is the last one of the stretch before.
+    pub points: Vec<Point>,
+    /// Its length, metres.
+    pub length_m: f64,
+}
+
+/// Follows the advice of a plan from a point to the goal, with the layer that the robot would choose
+/// in each cell.
+pub fn choose(
+    grid: &Grid,
+    parallel: &ParallelPlan<'_>,
+    selection: Selection,
+    start: Point,
+) -> Result<Vec<Stretch>, NoRoute> {
+    let mut cell = grid.cell_at(start[0], start[1]).ok_or(NoRoute::OffMap)?;
+    let (mut choice, mut at) = (Choice::default(), start);
+    let mut stretches: Vec<Stretch> = Vec::new();
+    // Where layers are chosen again in each cell, a route may pass a cell once for each.
+    for _ in 0..grid.cells() * parallel.layer_count().max(1) {
+        let advice = advise(parallel, Some(cell), selection, &mut choice);
+        let layer = advice.layer.ok_or(NoRoute::Unreachable)?;
+        if stretches.last().is_none_or(|last| last.layer != layer) {
+            stretches.push(Stretch { layer, points: vec![at], length_m: 0.0 });
+        }
+        let Some(last) = stretches.last_mut() else { return Err(NoRoute::Astray) };
+        match advice.kind {
+            Kind::Goal => {
+                let number = parallel.layer(layer.into()).map_or(0, |own| own.goal_number(cell));
+                let goal = parallel.goals_m().nth(number.into()).unwrap_or(parallel.goal_m());
+                last.points.push(goal);
+                return Ok(stretches);
+            }
+            Kind::Move | Kind::Escape => {}
+            Kind::NoRoute => return Err(NoRoute::Unreachable),
+            Kind::OffMap => return Err(NoRoute::Astray),
+        }
+        let direction = advice.direction.ok_or(NoRoute::Astray)?;
+        cell = cell.neighbour(direction, grid.columns, grid.rows).ok_or(NoRoute::Astray)?;
+        at = grid.centre(cell);
+        last.points.push(at);
+        last.length_m += cost_metres(direction.step_cost(), grid.resolution_m);
+    }
+    Err(NoRoute::Astray)
 }
 
 /// Follows the advice of a layer from a point to the goal.

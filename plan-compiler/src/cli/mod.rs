@@ -165,6 +165,9 @@ pub(crate) struct Render {
     /// map's metres, x east, y north
     #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) route: Option<[f64; 2]>,
+    /// Draw that route as the robot drives it if it may choose its layer, with a colour for each layer
+    #[arg(long, requires = "route")]
+    pub(crate) chosen: bool,
     /// The file to write: .svg or .png
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: PathBuf,

@@ -10,7 +10,7 @@ use plan_compiler::goals::numbered;
 use plan_compiler::input::Options;
 use plan_compiler::output;
 use plan_compiler::render::{Mark, Overlay, Panel, Piece, Style, lacking, png, side_by_side};
-use plan_compiler::route::{self, NoRoute, Route};
+use plan_compiler::route::{self, NoRoute, Route, Stretch};
 use plan_compiler::width::{self, LayerPassages, Need, Passage};
 use plan_format::{Blob, Layer, ParallelPlan};
 use std::iter;
@@ -30,9 +30,16 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
     let drawn = chosen(args, &plan)?;
     let features = features(args, &bytes, &plan, quiet)?;
     let routes = match args.route {
-        Some(start) => routes(&plan, &drawn, start, quiet)?,
-        None => Vec::new(),
+        Some(start) if !args.chosen => routes(&plan, &drawn, start, quiet)?,
+        _ => Vec::new(),
     };
+    let stretches = match (args.route, drawn.first()) {
+        (Some(start), Some((parallel, _))) if args.chosen => {
+            stretches(&plan, parallel, start, quiet)?
+        }
+        _ => Vec::new(),
+    };
+    let chosen: Vec<Piece<'_>> = stretches.iter().map(|(name, own)| stretch(name, own)).collect();
     let pieces: Vec<Option<Piece<'_>>> =
         routes.iter().map(|route| route.as_ref().map(piece)).collect();
     let need = Need::of(plan.parameters());
@@ -45,11 +52,12 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
         let mut marks: Vec<_> =
             passages.map(|own| passage_mark(own, &need, &narrow_text)).collect();
         marks.extend(routes.get(index).into_iter().flat_map(|r| marks_of(args.route, r.as_ref())));
+        marks.extend(args.route.filter(|_| args.chosen).map(|at| (Mark::Start, at, "start")));
         marks
     });
     let marks: Vec<Vec<(Mark, Point, &str)>> = marks.collect();
     let panels = drawn.iter().enumerate().map(|(index, &(parallel, layer))| {
-        let routes = pieces.get(index).map_or(&[][..], Option::as_slice);
+        let routes = pieces.get(index).map_or(&chosen[..], Option::as_slice);
         let marks = marks.get(index).map_or(&[][..], Vec::as_slice);
         let overlay = Overlay { features: &features, routes, marks, ..Overlay::default() };
         Panel { parallel, layer, overlay }
@@ -73,6 +81,37 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
 /// A route as it is drawn.
 fn piece(route: &Route) -> Piece<'_> {
     Piece { name: "route that follows the advice", style: 0, points: &route.points }
+}
+
+/// A part of a route on which one layer was chosen, as it is drawn.
+fn stretch<'s>(name: &'s str, own: &'s Stretch) -> Piece<'s> {
+    Piece { name, style: own.layer.into(), points: &own.points }
+}
+
+/// The route from a point with the layers that the robot would choose, each with its name in the
+/// legend. Reports how long each layer is followed.
+fn stretches(
+    blob: &Blob<'_>,
+    parallel: &ParallelPlan<'_>,
+    start: Point,
+    quiet: bool,
+) -> Result<Vec<(String, Stretch)>, Failure> {
+    let found = route::choose(blob.grid(), parallel, blob.parameters().selection, start);
+    let found = found.map_err(|reason| {
+        let message = format!("{} has no route from {}: {reason}", parallel.name(), pair(start));
+        Problem::error(message).help(help(reason))
+    })?;
+    let name = |index: u8| {
+        let layer = parallel.layer(index.into());
+        layer.map_or(String::new(), |layer| layer.name().to_owned())
+    };
+    if !quiet {
+        let each =
+            found.iter().map(|own| format!("{} {} m", name(own.layer), metres(own.length_m)));
+        let each: Vec<String> = each.collect();
+        crate::say(&format!("{} from {}: {}\n", parallel.name(), pair(start), each.join(", ")));
+    }
+    Ok(found.into_iter().map(|own| (format!("route by layer {}", name(own.layer)), own)).collect())
 }
 
 /// The mark of a passage.

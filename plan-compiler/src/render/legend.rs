@@ -1,5 +1,6 @@
 //! The legend: the meaning of colours, lines and marks, the scale, and north.
 
+use super::borders;
 use super::cells::{Bands, MAX_BANDS};
 use super::marks::{self, Mark};
 use super::palette::{self, ADVICE, HATCH, INK, PAPER, TOLL};
@@ -70,6 +71,10 @@ pub(super) enum Symbol {
     Shaded,
     /// The line at a threshold.
     Contour,
+    /// A line of equal values.
+    Isoline,
+    /// The border between the areas of several goals.
+    Border,
     /// An arrow of the advice.
     Arrow,
     /// A route.
@@ -80,6 +85,9 @@ pub(super) enum Symbol {
 
 /// Width of the line at a threshold, units.
 pub(super) const CONTOUR_UNITS: f64 = 2.0;
+/// Width of a line of equal values, units, and its opacity.
+pub(super) const THIN_UNITS: f64 = 0.9;
+pub(super) const THIN_OPACITY: f64 = 0.6;
 
 // Sizes in multiples of the font size.
 const BANDS_EM: [f64; 2] = [15.0, 3.9];
@@ -274,6 +282,15 @@ fn draw_item(symbol: Symbol, meaning: &str, measure: Measure) -> Group {
             let lines = hatching([0.0, top, width, height], 6.0 * unit);
             let ground = palette::hex(palette::band(MAX_BANDS - 2, MAX_BANDS));
             Group::new().add(frame(INK).set("fill", ground)).add(stroke(lines, INK, unit))
+        }
+        Symbol::Isoline => {
+            let path = format!("M0 {0}H{1}", text::round(middle), text::round(width));
+            let line = stroke(path, INK, THIN_UNITS * unit);
+            Group::new().add(line.set("stroke-opacity", THIN_OPACITY))
+        }
+        Symbol::Border => {
+            let path = format!("M0 {0}H{1}", text::round(middle), text::round(width));
+            borders::line(path, unit)
         }
         Symbol::Contour => {
             let path = format!("M0 {0}H{1}", text::round(middle), text::round(width));

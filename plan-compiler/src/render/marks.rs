@@ -310,6 +310,11 @@ impl Names {
         Self { taken: marks.iter().map(around).collect(), routes }
     }
 
+    /// Names never cover this box either: left, top, right, bottom.
+    pub(super) fn keep_free(&mut self, area: [f64; 4]) {
+        self.taken.push(area);
+    }
+
     /// A name beside its mark, inside the map; `None` if there is no room.
     pub(super) fn place(&mut self, name: &str, at: [f64; 2], view: &View) -> Option<Group> {
         let (font, unit) = (view.measure.font, view.measure.unit);

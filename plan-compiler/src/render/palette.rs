@@ -30,6 +30,8 @@ pub(crate) const ATTENUATING: &str = "#009e73";
 pub(crate) const ZONE: &str = "#8f3f71";
 /// Arrows of the advice.
 pub(crate) const ADVICE: &str = "#12263a";
+/// Borders between the areas of several goals.
+pub(crate) const BORDER: &str = "#c94f8a";
 /// The goal.
 pub(crate) const GOAL: &str = "#f0e442";
 

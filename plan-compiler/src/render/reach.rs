@@ -2,12 +2,12 @@
 //! obstacles and places.
 
 use super::cells::{Bands, indexed, under};
-use super::legend::{CONTOUR_UNITS, Entry, Ramp, Symbol};
+use super::isolines;
+use super::legend::{Entry, Ramp, Symbol};
 use super::marks::{self, Mark, Names};
 use super::palette::{self, ATTENUATING, BLOCKED, INK, OBSTACLE};
 use super::scale::round_number_above;
 use super::sheet::{self, Contents, Sheet};
-use super::stroke::stroke;
 use super::view::View;
 use super::{assembled, frame, hatch_px, text};
 use crate::comms::Margins;
@@ -15,7 +15,6 @@ use maps::numbers::metres;
 use maps::{Bitmap, Feature, Point, Role};
 use math::scalar::wide;
 use plan_format::{Cell, Grid};
-use std::fmt::Write;
 use svg::node::element::{Group, Image};
 
 /// What is drawn.
@@ -47,17 +46,25 @@ pub fn reach(reach: &Reach<'_>, size_px: u32) -> String {
     let contents = Contents { grid: reach.grid, panels: 1, title_px, legend: &entries };
     let sheet = Sheet::new(&contents, size_px);
     let view = &sheet.view;
+    let places: Vec<[f64; 2]> = reach.places.iter().map(|(_, at)| view.place(*at)).collect();
+    let ground = isolines::Ground {
+        grid: reach.grid,
+        margins: reach.margins,
+        blocked: reach.blocked,
+        threshold_db: reach.threshold_db,
+    };
+    let isolines = isolines::draw(&ground, ramp, view, &places);
     let map = Group::new()
         .set("clip-path", "url(#map)")
         .add(cells(reach, ramp, view, hatch_px(&sheet)))
-        .add(lines(reach, ramp, view))
+        .add(isolines.lines)
         .add(marks::shapes(reach.features, view));
-    let places: Vec<[f64; 2]> = reach.places.iter().map(|(_, at)| view.place(*at)).collect();
-    let mut over = Group::new();
+    let mut over = isolines.labels;
     for at in &places {
         over = over.add(Mark::End.draw(*at, view.measure.unit));
     }
     let mut names = Names::new(&places, Vec::new(), view.measure.unit);
+    isolines.boxes.into_iter().for_each(|label| names.keep_free(label));
     for ((name, _), at) in reach.places.iter().zip(&places) {
         if let Some(name) = names.place(name, *at, view) {
             over = over.add(name);
@@ -100,6 +107,7 @@ fn entries(reach: &Reach<'_>, ramp: Ramp) -> Vec<Entry> {
     let mut entries = vec![Entry::Bands(ramp), Entry::Scale, Entry::North(reach.heading_rad)];
     let mut item = |symbol, text: String| entries.push(Entry::Item(symbol, text));
     let threshold = metres(reach.threshold_db);
+    item(Symbol::Isoline, "equal margin, dB".into());
     item(Symbol::Contour, format!("threshold, {threshold} dB"));
     item(Symbol::Shaded, format!("out of reach, below {threshold} dB"));
     item(Symbol::Mark(Mark::End), "place".into());
@@ -135,65 +143,4 @@ fn cells(reach: &Reach<'_>, ramp: Ramp, view: &View, hatch_px: u32) -> Image {
             false => ramp.index(margin) as u8,
         }
     })
-}
-
-/// Lines of equal margin: between all bands, and a strong one at the threshold.
-fn lines(reach: &Reach<'_>, ramp: Ramp, view: &View) -> Group {
-    let unit = view.measure.unit;
-    let width = ramp.bands.width_m;
-    let mut thin = String::new();
-    for index in 1..ramp.bands.count {
-        let level = ramp.from + index as f64 * width;
-        // At the edge of a shadow many lines would lie on each other.
-        isoline(reach, level, 2.0 * width, view, &mut thin);
-    }
-    let mut strong = String::new();
-    isoline(reach, reach.threshold_db, f64::INFINITY, view, &mut strong);
-    let threshold = stroke(strong.clone(), palette::PAPER, 4.0 * unit);
-    Group::new()
-        .add(stroke(thin, INK, 0.6 * unit).set("stroke-opacity", 0.45))
-        .add(threshold)
-        .add(stroke(strong, INK, CONTOUR_UNITS * unit))
-}
-
-/// Adds the line of one margin to a path: marching squares between the centres of cells, where a
-/// square's margins differ by at most `steepest_db`.
-fn isoline(reach: &Reach<'_>, level_db: f64, steepest_db: f64, view: &View, path: &mut String) {
-    let grid = reach.grid;
-    // More squares than pixels are invisible.
-    let step = [0, 1].map(|axis| {
-        let cells = [grid.columns, grid.rows][axis];
-        cells.div_ceil(view.map[axis]).max(1)
-    });
-    for row in (0..grid.rows.saturating_sub(step[1])).step_by(step[1] as usize) {
-        for column in (0..grid.columns.saturating_sub(step[0])).step_by(step[0] as usize) {
-            // Around the square, from its south-west corner.
-            let corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[right, up]: [u32; 2]| {
-                Cell::new(column + right * step[0], row + up * step[1])
-            });
-            let margins = corners.map(|cell| f64::from(reach.margins.at(cell)));
-            let highest = margins.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let lowest = margins.iter().copied().fold(f64::INFINITY, f64::min);
-            let is_hidden = corners.iter().all(|cell| reach.blocked.get(*cell));
-            if is_hidden || !(lowest < level_db && level_db <= highest) {
-                continue;
-            }
-            if highest - lowest > steepest_db {
-                continue;
-            }
-            let crossing = |side: usize| {
-                let (a, b) = (margins[side], margins[(side + 1) % 4]);
-                let [from, to] = [corners[side], corners[(side + 1) % 4]].map(|c| grid.centre(c));
-                let share = (level_db - a) / (b - a);
-                let at = [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * share);
-                ((a < level_db) != (b < level_db)).then(|| view.place(at).map(text::round))
-            };
-            let crossings: Vec<[f64; 2]> = (0..4).filter_map(crossing).collect();
-            for ends in crossings.chunks_exact(2) {
-                let [[x1, y1], [x2, y2]] = [ends[0], ends[1]];
-                // Writing to a string does not fail.
-                let _ = write!(path, "M{x1} {y1}L{x2} {y2}");
-            }
-        }
-    }
 }

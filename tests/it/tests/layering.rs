@@ -27,6 +27,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "plan-compiler",
         &[
+            "advice",
             "behaviour",
             "board-table",
             "controller",

@@ -189,6 +189,7 @@ fn cells_of_all_kinds_can_be_told_apart() {
     apart(&named(&[BLOCKED, OBSTACLE, PAPER]), 20.0);
     assert!(contrast(rgb(HATCH), rgb(PAPER)) >= 3.0);
     apart(&named(&[ATTENUATING, ZONE, OBSTACLE]), 15.0);
+    apart(&named(&[BORDER, ADVICE, GOAL]), 15.0);
     apart(&named(&[UNMAPPED, OBSTACLE, BLOCKED, PAPER]), 15.0);
 }
 

@@ -84,3 +84,48 @@ fn names_that_the_font_lacks_are_warned_of_in_a_png_only() {
     assert_eq!((ended.status, ended.err.as_str()), (0, ""));
     assert!(texts(&run.path("plan.svg")).contains(&"北門".to_owned()));
 }
+
+#[test]
+fn radio_has_isolines_with_their_decibels() {
+    let run = Run::yard();
+    run.done("comms yard.ovl --place base=3,3 --threshold 45 -o reach.svg --quiet");
+    let texts = texts(&run.path("reach.svg"));
+    let decibels: Vec<f64> =
+        texts.iter().filter_map(|text| text.strip_suffix(" dB")?.parse().ok()).collect();
+    assert!(decibels.len() >= 4 && decibels.contains(&45.0), "{texts:?}");
+    for text in ["equal margin, dB", "threshold, 45 dB", "margin of the link, dB"] {
+        assert!(texts.iter().any(|found| found == text), "{text} is missing in {texts:?}");
+    }
+}
+
+#[test]
+fn several_goals_have_borders_between_them() {
+    let run = Run::yard();
+    for (goals, has_border) in [("fuel=3,3;36,26", true), ("fuel=3,3", false)] {
+        run.done(&format!("build yard.ovl --goal {goals}"));
+        run.done("render plans.bin --layer fuel/physical -o plan.svg");
+        let texts = texts(&run.path("plan.svg"));
+        assert_eq!(texts.contains(&"border between goals".to_owned()), has_border, "{texts:?}");
+    }
+}
+
+#[test]
+fn a_route_shows_the_layers_that_the_robot_chooses() {
+    let mission =
+        "selection = \"dynamic\"\n[goals]\nspot = [8, 18]\n[layers]\nnight = ['NoFlyZone1']\n";
+    let files: [(&str, &[u8]); 2] =
+        [("yard.ovl", YARD.as_bytes()), ("yard.mission.toml", mission.as_bytes())];
+    let run = Run::new(&files);
+    run.done("build yard.ovl --resolution 0.5");
+    let render = "render plans.bin --layer spot/night --route 30,22 -o plan.svg";
+    let text = run.run(&format!("{render} --chosen"), "");
+    assert_eq!(text.status, 0, "{}", text.err);
+    let said = format!("{}{}", text.out, text.err);
+    assert!(said.contains("spot from (30, 22): comms ") && said.contains(", night "), "{said}");
+    let found = texts(&run.path("plan.svg"));
+    for text in ["route by layer comms", "route by layer night", "start"] {
+        assert!(found.iter().any(|found| found == text), "{text} is missing in {found:?}");
+    }
+    // Without a start there is no route.
+    assert_eq!(run.run("render plans.bin --chosen -o plan.svg", "").status, 2);
+}
