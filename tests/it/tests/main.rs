@@ -4,6 +4,7 @@ mod behaviours;
 mod blob;
 mod boards;
 mod circles;
+mod clearance;
 mod cli;
 mod convert;
 mod cover;
