@@ -66,7 +66,7 @@ fn routes(project: &Project, (fine, near): &(Grid, Bitmap)) -> Routes {
                 let all = Direction::ALL.into_iter();
                 let direction = all.clone().find(|d| {
                     let (dx, dy) = d.step();
-                    [dx as i32, dy as i32] == step
+                    [dx, dy] == step
                 });
                 direction.expect("one step").code()
             })

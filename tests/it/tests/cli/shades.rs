@@ -98,7 +98,8 @@ fn more_limits_than_a_blob_holds_are_lowered() {
     // The shade of each pixel in percent, below 100 % of 1 m/s.
     for (index, &limit) in limits.iter().enumerate() {
         let [x, y] = [index as u32 % 16, 7 - index as u32 / 16];
-        if !(2..14).contains(&x) || !(2..6).contains(&y) || !(limit > 0.0 && limit.is_finite()) {
+        let is_inside = (2..14).contains(&x) && (2..6).contains(&y);
+        if !is_inside || limit == 0.0 || limit.is_infinite() {
             continue;
         }
         let dark = (f64::from(12 * x + y) / 255.0 * 100.0).round();
