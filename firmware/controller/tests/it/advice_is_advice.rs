@@ -222,12 +222,12 @@ fn a_robot_before_a_closed_door_gives_up() {
         #.......#......#
         #.......#......#
         ################";
-    let column = |line: &str| line.replace("#..............#", "#.......#......#");
-    let closed = column(open).replace("#.............G#", "#.......#.....G#");
+    let shut = |line: &str| line.replace("#..............#", "#.......#......#");
+    let closed = shut(open).replace("#.............G#", "#.......#.....G#");
     for (on_none, gives_up) in [(OnNoProgress::Stop, true), (OnNoProgress::Continue, false)] {
         let mut parameters = Parameters::default();
         parameters.progress.on_none = on_none;
-        let known = blob(&[open], parameters.clone());
+        let known = blob(&[open], parameters);
         let truth = blob(&[&closed], parameters);
         let truth = Blob::parse(&truth).unwrap();
         let mut robot = Robot::new(Blob::parse(&known).unwrap(), 3.5, 5.5);
