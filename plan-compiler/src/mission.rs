@@ -43,7 +43,7 @@ use maps::formats::TagRules;
 use maps::problem::{MAX_PROBLEMS, Place, Problem, Source};
 use math::GeoPoint;
 use plan_format::{Parameters, limits};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use toml_edit::{Document, Item, TableLike, Value};
 
@@ -327,8 +327,7 @@ impl Reader<'_> {
 
     fn text(&mut self, key: &Key, text: &str, span: Span) {
         if key.is("", "map") {
-            let folder = Path::new(&self.report.source.name).parent().unwrap_or(Path::new(""));
-            self.mission.map = Some(folder.join(text));
+            self.mission.map = Some(self.report.beside(text));
             self.mission.map_place = Some(self.report.place(&span));
         } else {
             self.mission.plan =

@@ -33,6 +33,7 @@ pub(crate) mod advice;
 mod buckets;
 mod escape;
 pub(crate) mod open;
+mod queue;
 mod shores;
 pub(crate) mod tiles;
 mod tolled;
@@ -195,8 +196,7 @@ pub fn is_cut_short(query: &Query<'_>, field: &Field) -> bool {
     if highest.is_none_or(|&highest| highest < MAX_COST - longest) {
         return false;
     }
-    let (columns, rows) = (field.columns, field.rows);
-    let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| Cell::new(column, row)));
+    let cells = field::all_cells(field.columns, field.rows);
     cells.filter(|&cell| terrain.is_free(cell) && cost(cell) == field::UNREACHED).any(|cell| {
         Direction::ALL.into_iter().any(|direction| {
             step(terrain, cell, direction, corners)

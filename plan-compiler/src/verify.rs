@@ -373,7 +373,7 @@ impl Proof<'_> {
         let has_route = |&cost: &u32| if cost == UNREACHED { UNREACHED } else { 0 };
         let mut least: Vec<u32> = self.field.cost.iter().map(has_route).collect();
         let mut queue = BinaryHeap::new();
-        let all = (0..rows).flat_map(|row| (0..columns).map(move |c| Cell::new(c, row)));
+        let all = all_cells(columns, rows);
         // Only cells beside a blocked one can be the end of a way out.
         let starts = all.filter(|&cell| self.at(&least, cell) == 0).filter(|cell| {
             let mut around = Direction::ALL.iter();

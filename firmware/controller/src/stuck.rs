@@ -2,8 +2,10 @@
 //!
 //! The robot makes no progress if it drives for some time without leaving a circle. Only time in
 //! which it is commanded to move counts: waiting before an obstacle does not. The circle begins
-//! where the robot last left one, and anew when it holds, arrives, is driven by hand or disarmed. Nor
-//! does it get on if detours to either side of an obstacle did not help, however far they led.
+//! where the robot last left one, and anew when it holds, arrives, is driven by hand or disarmed.
+//!
+//! A robot that roams along an obstacle leaves every circle. It makes no progress either once detours to
+//! both sides have not helped.
 
 use math::{Vec2, vector};
 use plan_format::parameters::{OnNoProgress, Parameters, ProgressPolicy};

@@ -49,8 +49,8 @@ pub fn docking(position: Vec2, dock: &Dock) -> Vec2 {
     (around * aside - outwards * (1.0 - aside)) * length
 }
 
-/// Whether a robot within `tolerance_m` of a dock has entered it from the front: it is at most 45 degrees
-/// aside of the way in, and its heading is at most 45 degrees from the dock's direction.
+/// Whether a robot has entered a dock from the front: it is within `tolerance_m` of the dock and at most
+/// 45 degrees off the way in, and its heading is at most 45 degrees off the dock's direction.
 pub fn is_docked(position: Vec2, heading_rad: f32, dock: &Dock, tolerance_m: f32) -> bool {
     let inwards = vector::from_angle(dock.direction_rad);
     let offset = position - dock.at;

@@ -5,6 +5,7 @@
 //! robot least over all their cells. A limit is never raised.
 
 use super::tolls::{slower, too_high};
+use crate::field;
 use crate::input::Input;
 use crate::layers::Limits;
 use crate::mission::SpeedMask;
@@ -153,7 +154,7 @@ impl<'a> MaskLimits<'a> {
             problems.extend(too_high(cut, layer, &mask.place, "this mask"));
             let is_idle = of_cells.iter().all(|&limit| limit == Limit::None);
             let stuck = |cell: &Cell| at(*cell) == Limit::TooLow && is_free(*cell);
-            let all = (0..rows).flat_map(|row| (0..columns).map(move |c| Cell::new(c, row)));
+            let all = field::cells(self.grid);
             problems.extend(too_low(mask, all.filter(stuck).map(|cell| self.grid.centre(cell))));
             if is_idle && mask.shades.overlaps(self.grid) {
                 problems.push(without_effect(mask));
@@ -200,7 +201,6 @@ fn limits(input: &Input<'_>, mask: &SpeedMask, grid: &Grid) -> Vec<Limit> {
         Some(speed) if speed < fastest => Limit::At(Limits::in_cmps(speed)),
         _ => Limit::None,
     };
-    let all = (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |c| Cell::new(c, row)));
     let strictest = |cell| {
         let limits = mask.shades.over(grid, cell).iter().map(of_number);
         limits.fold(Limit::None, |strictest, limit| match (strictest, limit) {
@@ -209,7 +209,7 @@ fn limits(input: &Input<'_>, mask: &SpeedMask, grid: &Grid) -> Vec<Limit> {
             (Limit::None, other) | (other, Limit::None) => other,
         })
     };
-    all.map(strictest).collect()
+    field::cells(grid).map(strictest).collect()
 }
 
 /// An error if a mask stops the robot in free cells, whose centres these are.

@@ -17,8 +17,7 @@ pub(super) fn is_image_name(name: &str) -> bool {
 
 /// Reads the image that a mission names; reports what is wrong with it.
 pub(super) fn shades(report: &mut Report<'_>, name: &Text) -> Option<(PathBuf, Shades)> {
-    let folder = Path::new(&report.source.name).parent().unwrap_or(Path::new(""));
-    let path = folder.join(name.as_str());
+    let path = report.beside(name.as_str());
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy")) {
         let help = format!("an array has factors, not shades: write costs = \"{}\"", name.as_str());
         report.error(format!("{} is not an image", path.display()), &name.span, "an array", &help);

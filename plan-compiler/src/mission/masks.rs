@@ -106,8 +106,7 @@ impl Reader<'_> {
     }
 
     fn mask(&mut self, layer: &str, text: &str, span: Span) {
-        let folder = Path::new(&self.report.source.name).parent().unwrap_or(Path::new(""));
-        let path = folder.join(text);
+        let path = self.report.beside(text);
         let (map, found) = formats::read(&path, &ReadOptions::default());
         let worth_saying = found.into_iter().filter(|problem| problem.severity > Severity::Note);
         let source = self.report.source;

@@ -6,7 +6,6 @@ use super::images;
 use crate::tolls;
 use crate::toml::{Fields, Report, Span, key_span, number};
 use maps::formats::TagRule;
-use std::path::Path;
 use toml_edit::{Item, TableLike, Value};
 
 /// Where steps of a layer, and of the layers above it, cost more than their length.
@@ -95,8 +94,7 @@ fn costs(report: &mut Report<'_>, fields: &Fields<'_>) -> Option<CostMap> {
         report.error(message, &name.span, "an image", &help);
         return None;
     }
-    let folder = Path::new(&report.source.name).parent().unwrap_or(Path::new(""));
-    let path = folder.join(name.as_str());
+    let path = report.beside(name.as_str());
     let size = std::fs::metadata(&path).map(|file| file.len());
     let bytes = match size {
         Ok(size) if size > MAX_BYTES => Err("it is larger than any grid".to_owned()),

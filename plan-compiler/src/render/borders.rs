@@ -15,8 +15,7 @@ const DASHES: [f64; 2] = [3.0, 1.5];
 /// The borders of a layer as a path between cells, for one of several goals each.
 pub(super) fn path(layer: &Layer<'_>, view: &View) -> String {
     let grid = &view.grid;
-    // Cells smaller than a pixel are skipped.
-    let step = [0, 1].map(|axis| [grid.columns, grid.rows][axis].div_ceil(view.map[axis]).max(1));
+    let step = view.step();
     let goal = |column: u32, row: u32| {
         let cell = Cell::new(column, row);
         let is_led = matches!(layer.step(cell), Step::Move(_) | Step::Goal);

@@ -87,7 +87,7 @@ fn isoline(
     path: &mut String,
 ) -> Vec<Piece> {
     let grid = ground.grid;
-    let step = squares(ground, view);
+    let step = view.step();
     let mut pieces = Vec::new();
     for row in (0..grid.rows.saturating_sub(step[1])).step_by(step[1] as usize) {
         for column in (0..grid.columns.saturating_sub(step[0])).step_by(step[0] as usize) {
@@ -125,12 +125,6 @@ fn isoline(
     pieces
 }
 
-/// Cells along the sides of a square: more squares than pixels are invisible.
-fn squares(ground: &Ground<'_>, view: &View) -> [u32; 2] {
-    let grid = ground.grid;
-    [0, 1].map(|axis| [grid.columns, grid.rows][axis].div_ceil(view.map[axis]).max(1))
-}
-
 /// Labels that are placed one after the other.
 struct Labels<'v> {
     view: &'v View,
@@ -147,7 +141,7 @@ impl Labels<'_> {
         let font = LABEL_EM * self.view.measure.font;
         let name = format!("{} dB", metres(level_db));
         let half = [width_px(&name, font) / 2.0 + 0.2 * font, (CAPITALS_EM / 2.0 + 0.25) * font];
-        let step = squares(ground, self.view);
+        let step = self.view.step();
         let mut clear: Vec<(f64, [f64; 2])> = pieces
             .into_iter()
             .filter(|piece| {

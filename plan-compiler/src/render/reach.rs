@@ -11,10 +11,11 @@ use super::sheet::{self, Contents, Sheet};
 use super::view::View;
 use super::{assembled, frame, hatch_px, text};
 use crate::comms::Margins;
+use crate::field;
 use maps::numbers::metres;
 use maps::{Bitmap, Feature, Point, Role};
 use math::scalar::wide;
-use plan_format::{Cell, Grid};
+use plan_format::Grid;
 use svg::node::element::{Group, Image};
 
 /// What is drawn.
@@ -82,9 +83,7 @@ pub fn lacking_in(names: &[(String, Point)]) -> String {
 
 /// Bands of a round width that cover the margins of all cells that are not blocked.
 fn ramp(reach: &Reach<'_>) -> Ramp {
-    let grid = reach.grid;
-    let cells = (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |c| Cell::new(c, row)));
-    let free = cells.filter(|cell| !reach.blocked.get(*cell));
+    let free = field::cells(reach.grid).filter(|cell| !reach.blocked.get(*cell));
     let margins = free.map(|cell| f64::from(reach.margins.at(cell)));
     let (low, high) = margins.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), margin| {
         (low.min(margin), high.max(margin))

@@ -53,6 +53,12 @@ impl View {
         [width / f64::from(self.grid.columns), height / f64::from(self.grid.rows)]
     }
 
+    /// Columns and rows from one drawn cell to the next: cells smaller than a pixel are skipped.
+    pub(super) fn step(&self) -> [u32; 2] {
+        let Grid { columns, rows, .. } = self.grid;
+        [columns.div_ceil(self.map[0]).max(1), rows.div_ceil(self.map[1]).max(1)]
+    }
+
     /// A point of the map in pixels, from the map's north-west corner.
     pub(super) fn place(&self, at: Point) -> [f64; 2] {
         let [width, height] = self.cell().map(|cell| cell / self.grid.resolution_m);

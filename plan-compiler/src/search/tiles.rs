@@ -14,14 +14,13 @@ mod relax;
 
 use super::advice::Rows;
 use super::open::{Open, Passable, SIDE};
+use super::queue::{Pending, Queue};
 use super::shores::Shores;
 use super::{Corners, MAX_COST, Vectors};
 use crate::field::UNREACHED;
 use plan_format::Cell;
 use pulp::Simd;
 use relax::{CELLS, Row, line, relax, spread_east, spread_west};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// The cost of a cell that is not reached yet, or not passable.
 const UNKNOWN: u32 = MAX_COST + 1;
@@ -36,17 +35,6 @@ struct Tile {
     sides: [Row; 2],
 }
 
-/// Why a tile waits for a visit.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pending {
-    /// Rows to relax from the row south of them, one bit each.
-    from_south: u64,
-    /// Rows to relax from the row north of them, one bit each.
-    from_north: u64,
-    /// The lowest waiting cost, if the tile is in the queue.
-    key: Option<u32>,
-}
-
 /// The search and its buffers, which are reused from search to search.
 #[derive(Debug, Default)]
 pub(crate) struct Tiles {
@@ -56,9 +44,7 @@ pub(crate) struct Tiles {
     tiles: Vec<Tile>,
     /// Whether a tile still holds the costs of an earlier search.
     is_stale: Vec<bool>,
-    pending: Vec<Pending>,
-    /// Tiles by their keys. An entry whose key was lowered later is skipped.
-    queue: BinaryHeap<Reverse<(u32, u32)>>,
+    queue: Queue,
 }
 
 impl Tiles {
@@ -89,7 +75,7 @@ impl Tiles {
         spread_east(cost, start, x as isize % SIDE as isize, open);
         spread_west(cost, start, x as isize % SIDE as isize, open);
         let row = 1u64 << (y % SIDE);
-        self.wake(at, Pending { from_south: row << 1, from_north: row >> 1, key: Some(0) });
+        self.queue.wake(at, Pending { from_south: row << 1, from_north: row >> 1, key: Some(0) });
     }
 
     /// Finds the cheapest ways out of the deep cells, starting from the shores.
@@ -108,9 +94,7 @@ impl Tiles {
         }
         self.is_stale.clear();
         self.is_stale.resize(count, true);
-        self.pending.clear();
-        self.pending.resize(count, Pending::default());
-        self.queue.clear();
+        self.queue.reset(count);
     }
 
     /// Clears what an earlier search left in a tile. Done when the tile is first needed, so that it
@@ -119,20 +103,6 @@ impl Tiles {
     fn freshen(&mut self, at: usize) {
         if std::mem::take(&mut self.is_stale[at]) {
             self.tiles[at].cost.fill(UNKNOWN);
-        }
-    }
-
-    /// Puts a tile in the queue or moves it forward.
-    #[inline(always)]
-    fn wake(&mut self, at: usize, offer: Pending) {
-        let pending = &mut self.pending[at];
-        pending.from_south |= offer.from_south;
-        pending.from_north |= offer.from_north;
-        if let Some(key) = offer.key
-            && pending.key.is_none_or(|old| key < old)
-        {
-            pending.key = Some(key);
-            self.queue.push(Reverse((key, at as u32)));
         }
     }
 
@@ -172,25 +142,30 @@ impl Tiles {
         }
         self.tiles[at].keep_sides();
         if rows != 0 {
-            self.wake(at, Pending { from_south: rows, from_north: rows, key: Some(0) });
+            self.queue.wake(at, Pending { from_south: rows, from_north: rows, key: Some(0) });
         }
     }
 
     /// Visits tiles until none waits.
     #[inline(always)]
     fn visit_all<S: Simd>(&mut self, simd: S, map: &Passable, corners: Corners) {
-        while let Some(Reverse((key, at))) = self.queue.pop() {
-            if self.pending[at as usize].key == Some(key) {
-                self.visit(simd, map, at as usize, corners);
-            }
+        while let Some((at, pending)) = self.queue.next() {
+            self.visit(simd, map, at, pending, corners);
         }
     }
 
     /// Lowers the costs of a tile as far as it and its halo allow, sweeping north and south until no
     /// row waits.
     #[inline(always)]
-    fn visit<S: Simd>(&mut self, simd: S, map: &Passable, at: usize, corners: Corners) {
-        let Pending { mut from_south, mut from_north, .. } = std::mem::take(&mut self.pending[at]);
+    fn visit<S: Simd>(
+        &mut self,
+        simd: S,
+        map: &Passable,
+        at: usize,
+        pending: Pending,
+        corners: Corners,
+    ) {
+        let Pending { mut from_south, mut from_north, .. } = pending;
         let open = map.tile(at % self.across, at / self.across);
         self.freshen(at);
         self.pull(at);

@@ -18,13 +18,12 @@
 
 use super::advice::Rows;
 use super::open::{Open, Passable, SIDE};
+use super::queue::{Pending, Queue};
 use super::{Corners, MAX_COST, Vectors};
 use crate::field::UNREACHED;
 use crate::tolls::{MOST, Tolls};
 use plan_format::Cell;
 use plan_format::grid::{DIAGONAL_STEP as DIAGONAL, STRAIGHT_STEP as STRAIGHT};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// The cost of a cell that is not reached yet, or not passable.
 const UNKNOWN: u32 = MAX_COST + 1;
@@ -32,17 +31,6 @@ const UNKNOWN: u32 = MAX_COST + 1;
 const GAP: usize = 16;
 
 const _: () = assert!(UNKNOWN.checked_add(DIAGONAL * MOST).is_some(), "no step overflows");
-
-/// Why a tile waits for a visit.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pending {
-    /// Rows to relax from the row south of them, one bit each.
-    from_south: u64,
-    /// Rows to relax from the row north of them, one bit each.
-    from_north: u64,
-    /// The lowest waiting cost, if the tile is in the queue.
-    key: Option<u32>,
-}
 
 impl Pending {
     /// Adds a cell that may be lowered to a cost, by its row.
@@ -65,9 +53,7 @@ pub(crate) struct TolledTiles {
     costs: Vec<u32>,
     /// What steps into each cell are multiplied by.
     multipliers: Vec<u16>,
-    pending: Vec<Pending>,
-    /// Tiles by their keys. An entry whose key was lowered later is skipped.
-    queue: BinaryHeap<Reverse<(u32, u32)>>,
+    queue: Queue,
 }
 
 impl TolledTiles {
@@ -90,7 +76,7 @@ impl TolledTiles {
             for row in (y % SIDE).saturating_sub(1)..=(y % SIDE + 1).min(SIDE - 1) {
                 offer.add(row, 0, [true; 2]);
             }
-            self.wake(y / SIDE * self.across + x / SIDE, offer);
+            self.queue.wake(y / SIDE * self.across + x / SIDE, offer);
             // Of a goal on the edge of its tile, the other tiles learn after the first visit.
         }
         vectors.run(Run { tiles: self, open, corners });
@@ -114,9 +100,7 @@ impl TolledTiles {
                 *to = multiplier;
             }
         }
-        self.pending.clear();
-        self.pending.resize(self.across * self.down, Pending::default());
-        self.queue.clear();
+        self.queue.reset(self.across * self.down);
     }
 
     /// Where a cell is stored; one row and one column beyond the tiles are, too.
@@ -125,34 +109,18 @@ impl TolledTiles {
         (GAP + (y + 1) as usize * self.stride).wrapping_add_signed(x)
     }
 
-    /// Puts a tile in the queue or moves it forward.
-    #[inline(always)]
-    fn wake(&mut self, at: usize, offer: Pending) {
-        let pending = &mut self.pending[at];
-        pending.from_south |= offer.from_south;
-        pending.from_north |= offer.from_north;
-        if let Some(key) = offer.key
-            && pending.key.is_none_or(|old| key < old)
-        {
-            pending.key = Some(key);
-            self.queue.push(Reverse((key, at as u32)));
-        }
-    }
-
     #[inline(always)]
     fn visit_all(&mut self, open: &Passable, corners: Corners) {
-        while let Some(Reverse((key, at))) = self.queue.pop() {
-            if self.pending[at as usize].key == Some(key) {
-                self.visit(open, at as usize, corners);
-                self.notify(open, at as usize, corners);
-            }
+        while let Some((at, pending)) = self.queue.next() {
+            self.visit(open, at, pending, corners);
+            self.notify(open, at, corners);
         }
     }
 
     /// Lowers the costs of a tile as far as its cells and those around it allow.
     #[inline(always)]
-    fn visit(&mut self, open: &Passable, at: usize, corners: Corners) {
-        let Pending { mut from_south, mut from_north, .. } = std::mem::take(&mut self.pending[at]);
+    fn visit(&mut self, open: &Passable, at: usize, pending: Pending, corners: Corners) {
+        let Pending { mut from_south, mut from_north, .. } = pending;
         let (word, south) = (at % self.across, at / self.across * SIDE);
         let all = u64::MAX >> (SIDE - (open.rows - south).min(SIDE));
         while (from_south | from_north) & all != 0 {
@@ -243,7 +211,7 @@ impl TolledTiles {
         }
         for (to, offer) in offers.into_iter().take(count) {
             if offer.key.is_some() {
-                self.wake(to, offer);
+                self.queue.wake(to, offer);
             }
         }
     }

@@ -3,6 +3,7 @@
 use maps::names::nearest;
 use maps::problem::{Place, Problem, Source};
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml_edit::Item;
 
@@ -38,6 +39,11 @@ impl Report<'_> {
     /// A place in the file, without a label.
     pub(crate) fn place(&self, span: &Span) -> Place {
         Place { source: Arc::clone(self.source), span: span.clone(), label: String::new() }
+    }
+
+    /// The path of a file that the text names relative to its own folder.
+    pub(crate) fn beside(&self, name: &str) -> PathBuf {
+        Path::new(&self.source.name).parent().unwrap_or(Path::new("")).join(name)
     }
 
     pub(crate) fn error(

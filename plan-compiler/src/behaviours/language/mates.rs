@@ -33,7 +33,7 @@ fn one(report: &mut Report<'_>, team: &Team, text: &Text, how: &str) -> Option<u
     match number {
         Some(number) if number == team.robot => {
             let message = format!("`{}` is the robot itself, not a mate", text.as_str());
-            let help = "what only its mates need belongs in their parts, [robots.NAME.facts] or \
+            let help = "its mates may name it: write this in their parts, [robots.NAME.facts] or \
                         [robots.NAME.inputs]";
             report.error(message, &text.span, "this robot", help);
             return None;

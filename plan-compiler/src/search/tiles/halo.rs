@@ -115,7 +115,7 @@ impl Tiles {
                     self.offer_corner([at, to], [dx, dy], open, corners)
                 };
                 if offer.key.is_some() {
-                    self.wake(to, offer);
+                    self.queue.wake(to, offer);
                 }
             }
         }
