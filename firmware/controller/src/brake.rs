@@ -18,10 +18,11 @@
 //! body's circle and stays allowed. The velocity of a moving obstacle and a boat's drift are
 //! estimates, so the invariant covers neither.
 
+use math::scalar;
 use plan_format::parameters::{Steering, Vehicle};
 
 use crate::closing::FASTEST_MPS;
-use crate::drive::Twist;
+use crate::drive::{Twist, circle_m};
 use crate::obstacles::{Arc, Body, Kind, Obstacles};
 
 /// Speeds tried in one tick. Each try halves the interval that holds the highest safe speed.
@@ -32,9 +33,8 @@ const ASIDE_M: f32 = 0.015;
 /// What this distance grows by for each m/s: a fast robot follows its arc less exactly.
 const ASIDE_PER_SPEED_S: f32 = 0.03;
 
-/// How far a boat drifts to the outside of a turn before its hull stops it: this times speed and
-/// turn rate, s^2. The square of the time constant of a hull's drag, 0.5 s.
-const DRIFT_S2: f32 = 0.25;
+/// Time constant of the drag that ends a boat's drift, seconds.
+const DRIFT_S: f32 = 0.5;
 
 /// The robot counts on braking for this time at least, seconds: its clock may stand.
 const SHORTEST_TICK_S: f32 = 0.05;
@@ -50,20 +50,40 @@ const STEADY_RADPS: f32 = 0.1;
 pub struct Moving {
     /// Present speed and turn rate.
     pub twist: Twist,
+    /// Estimate of the speed at which a boat drifts to the outside of its turns, m/s.
+    pub drift_mps: f32,
     /// Time since the last tick, seconds.
     pub elapsed_s: f32,
     /// Age of the range readings, seconds. It adds to the vehicle's latency.
     pub age_s: f32,
 }
 
+/// Speed at which a boat drifts to the outside of a steady turn, m/s; 0 for other vehicles.
+pub fn steady_drift_mps(vehicle: &Vehicle, twist: &Twist) -> f32 {
+    match vehicle.steering {
+        Steering::Boat => DRIFT_S * (twist.speed_mps * twist.turn_rate_radps).abs(),
+        Steering::Differential | Steering::Ackermann => 0.0,
+    }
+}
+
+/// The drift after `elapsed_s` in a turn, m/s: drag brings it towards the steady drift.
+pub fn next_drift_mps(drift_mps: f32, steady_mps: f32, elapsed_s: f32) -> f32 {
+    drift_mps + (steady_mps - drift_mps) * (elapsed_s / (DRIFT_S + elapsed_s))
+}
+
+/// How far a boat drifts aside while it stops from a speed and until drag has ended the drift,
+/// metres.
+pub fn drift_m(vehicle: &Vehicle, drift_mps: f32, speed_mps: f32) -> f32 {
+    let stopping_s = vehicle.latency_us as f32 * 1e-6 + speed_mps / vehicle.braking_mps2;
+    drift_mps * (DRIFT_S + 0.5 * stopping_s)
+}
+
 /// Readings farther away than this do not limit the speed, metres.
 pub fn within_m(vehicle: &Vehicle, age_s: f32) -> f32 {
     let top_mps = vehicle.max_speed_mps;
     let stopping_m = vehicle.stopping_distance_m(top_mps) + top_mps * age_s;
-    let drift_m = match vehicle.steering {
-        Steering::Boat => DRIFT_S2 * top_mps * vehicle.max_turn_rate_radps,
-        Steering::Differential | Steering::Ackermann => 0.0,
-    };
+    let fastest = Twist { speed_mps: top_mps, turn_rate_radps: vehicle.max_turn_rate_radps };
+    let drift_m = drift_m(vehicle, steady_drift_mps(vehicle, &fastest), top_mps);
     let aside_m = ASIDE_M + ASIDE_PER_SPEED_S * top_mps + drift_m;
     vehicle.radius_m.max(vehicle.stop_distance_m) + aside_m + vehicle.stop_distance_m + stopping_m
 }
@@ -121,13 +141,16 @@ pub fn brake(
         return Some(wanted);
     }
     let bare = Body { radius_m, aside_m: 0.0 };
-    let drift_s2 = if vehicle.steering == Steering::Boat { DRIFT_S2 } else { 0.0 };
+    // A slower vehicle turns no tighter than its circle.
+    let tightest_per_m = 1.0 / circle_m(vehicle).max(SPOT_MPS);
     let is_clear = |speed_mps: f32, turn_rate_radps: f32| {
         let curvature = turn_rate_radps / speed_mps.max(SPOT_MPS);
+        let curvature = scalar::clamp(curvature, -tightest_per_m, tightest_per_m);
         let length_m = stopping_m(speed_mps);
-        // The drift of the present turn goes on into the next.
-        let turn_radps = turn_rate_radps.abs().max(now.turn_rate_radps.abs());
-        let drift_m = drift_s2 * speed_mps.max(least_mps) * turn_radps;
+        // The present drift goes on into the next turn.
+        let turn = Twist { speed_mps: speed_mps.max(least_mps), turn_rate_radps };
+        let drift_mps = steady_drift_mps(vehicle, &turn).max(moving.drift_mps);
+        let drift_m = drift_m(vehicle, drift_mps, speed_mps);
         let body = Body { aside_m: aside_m(speed_mps) + drift_m, ..bare };
         let arc = Arc::new(length_m + vehicle.stop_distance_m, curvature);
         near.leave_free(Kind::Seen, &body, &arc)

@@ -49,6 +49,8 @@ pub enum Rule {
     Swirl,
     /// Along an obstacle on the right or on the left.
     Detour,
+    /// Astern, to turn where there is no room to turn ahead ([`crate::back_out`]).
+    BackOut,
 }
 
 /// The side to which the robot turns away from an obstacle.

@@ -75,6 +75,16 @@ pub fn drive(vehicle: &Vehicle, blended: Vec2, is_repelled: bool) -> Twist {
     Twist { speed_mps, turn_rate_radps }
 }
 
+/// Radius of the tightest circle that the vehicle can drive, metres; 0 if it turns on the spot. A
+/// boat's is at least that of its hull.
+pub fn circle_m(vehicle: &Vehicle) -> f32 {
+    match vehicle.steering {
+        Steering::Differential => 0.0,
+        Steering::Ackermann => vehicle.min_turn_radius_m,
+        Steering::Boat => vehicle.radius_m,
+    }
+}
+
 /// Drives straight ahead until the course over ground gives the heading. An error if the
 /// vehicle may not creep or if creeping cannot give a course.
 pub fn creep(vehicle: &Vehicle, percepts: &Percepts) -> Result<Commands, Reason> {

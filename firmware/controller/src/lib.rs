@@ -136,6 +136,7 @@
 #![no_std]
 
 pub mod arming;
+pub mod back_out;
 pub mod behave;
 pub mod brake;
 pub mod closing;
@@ -183,6 +184,8 @@ pub struct State {
     pub closing: closing::Closing,
     /// Progress towards the goal, and detours.
     pub detours: detour::Detours,
+    /// Legs astern of a vehicle that cannot turn on the spot.
+    pub backing_out: back_out::BackingOut,
     /// What the robot needs before it may drive.
     pub arming: arming::Arming,
     /// Whether the robot gets on.
@@ -206,6 +209,7 @@ impl State {
             commanded: limit::Commanded::default(),
             closing: closing::Closing::default(),
             detours: detour::Detours::default(),
+            backing_out: back_out::BackingOut::default(),
             arming: arming::Arming::default(),
             stuck: stuck::Progress::default(),
             team: team::Team::default(),
@@ -269,14 +273,21 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let intent =
         behave::behave(blob, &mut state.behaviours, &percepts, &sensed, &mates, &mut report);
     let vehicle = intent.constrained(&blob.parameters().vehicle);
-    let now = state.commanded.now(&percepts, sensed.ranges.age_s(), vehicle.braking_mps2);
-    let seen = scan::points(&percepts.ranges);
-    state.closing.update(&percepts, &seen, &now.twist, sensed.elapsed_s);
+    let now = state.commanded.now(&percepts, sensed.ranges.age_s(), &vehicle);
+    let points = scan::points(&percepts.ranges);
+    state.closing.update(&percepts, &points, &now.twist, sensed.elapsed_s);
     let within_m = brake::within_m(&vehicle, sensed.ranges.age_s());
     let coming_m = brake::coming_m(&vehicle, sensed.ranges.age_s());
     let coming = state.closing.compared();
-    let near = Obstacles::near(&percepts.ranges, &seen, within_m, &coming, coming_m);
-    let seen = Seen { percepts: &percepts, sensed: &sensed, near: &near, mates: &mates };
+    let near = Obstacles::near(&percepts.ranges, &points, within_m, &coming, coming_m);
+    let seen = Seen {
+        percepts: &percepts,
+        sensed: &sensed,
+        points: &points,
+        near: &near,
+        now: &now,
+        mates: &mates,
+    };
     let decided = decide(blob, &vehicle, state, &seen, &intent);
     let (wanted, blend) = decided.unwrap_or_else(|reason| (Commands::stop(reason), None));
     let wanted = intent.with_outputs(wanted);
@@ -299,7 +310,9 @@ fn is_lost(blob: &Blob<'_>, position: Vec2) -> bool {
 struct Seen<'s> {
     percepts: &'s Percepts,
     sensed: &'s sense::Sensed,
+    points: &'s scan::Points,
     near: &'s Obstacles,
+    now: &'s brake::Moving,
     mates: &'s team::Mates,
 }
 
@@ -313,7 +326,7 @@ fn decide(
     intent: &Intent,
 ) -> Result<(Commands, Option<Blend>), Reason> {
     use plan_format::parameters::Blend::{Paper, Route};
-    let &Seen { percepts, sensed, near, mates } = seen;
+    let &Seen { percepts, sensed, points, near, now, mates } = seen;
     let parameters = blob.parameters();
     let schema = &parameters.schemas;
     if sensed.is_clock_stopped {
@@ -383,6 +396,16 @@ fn decide(
     let is_repelled = guidance.gains.reactive * schema.avoid_gain > 0.0 && repulsion.is_saturated;
     let limit_mps = guidance::speed_limit(blob, &state.progress, guidance.layer, position);
     let vehicle = limit::in_speed_zone(vehicle, limit_mps);
-    let commands = drive::drive(&vehicle, ahead, is_repelled).because(guidance.reason);
+    let backing = (parameters.blend == Route)
+        .then(|| {
+            let situation = back_out::Situation { vehicle: &vehicle, near, seen: points, now };
+            state.backing_out.choose(&situation, ahead)
+        })
+        .flatten();
+    let (twist, rule) = match backing {
+        Some(twist) => (twist, detour::Rule::BackOut),
+        None => (drive::drive(&vehicle, ahead, is_repelled), rule),
+    };
+    let commands = twist.because(guidance.reason);
     Ok((commands, Some(Blend { guidance, vectors, sum, rule })))
 }

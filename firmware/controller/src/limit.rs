@@ -1,12 +1,12 @@
 //! The last step of a tick: operator, obstacles and the vehicle's limits.
 
 use math::scalar;
-use plan_format::parameters::{Steering, Vehicle};
+use plan_format::parameters::Vehicle;
 use robot_io::{Commands, Percepts, Reason};
 use serde::{Deserialize, Serialize};
 
-use crate::brake::{Moving, brake};
-use crate::drive::Twist;
+use crate::brake::{Moving, brake, next_drift_mps, steady_drift_mps};
+use crate::drive::{Twist, circle_m};
 use crate::obstacles::Obstacles;
 
 /// Braking counts for at most this time between two ticks, microseconds.
@@ -20,28 +20,33 @@ pub struct Commanded {
     turn_rate_radps: f32,
     /// The speed that the robot had in that tick, m/s.
     had_mps: f32,
+    /// Estimate of the speed at which a boat drifted then, m/s.
+    drift_mps: f32,
 }
 
 impl Commanded {
     /// Present speed and turn rate: measured, or else those of a robot that obeys and whose speed
-    /// changes by at most `braking_mps2`. `age_s` is the age of the range readings, seconds.
-    pub fn now(&self, percepts: &Percepts, age_s: f32, braking_mps2: f32) -> Moving {
+    /// changes by at most its brakes allow. `age_s` is the age of the range readings, seconds.
+    pub fn now(&self, percepts: &Percepts, age_s: f32, vehicle: &Vehicle) -> Moving {
         let elapsed_us = percepts.time_us.saturating_sub(self.time_us).min(LONGEST_STEP_US);
         let elapsed_s = elapsed_us as u32 as f32 * 1e-6;
-        let most_mps = braking_mps2 * elapsed_s;
+        let most_mps = vehicle.braking_mps2 * elapsed_s;
         let obeyed_mps =
             self.had_mps + scalar::clamp(self.speed_mps - self.had_mps, -most_mps, most_mps);
         let twist = Twist {
             speed_mps: percepts.speed_mps.unwrap_or(obeyed_mps),
             turn_rate_radps: percepts.turn_rate_radps.unwrap_or(self.turn_rate_radps),
         };
-        Moving { twist, elapsed_s, age_s }
+        let steady_mps = steady_drift_mps(vehicle, &twist);
+        let drift_mps = next_drift_mps(self.drift_mps, steady_mps, elapsed_s);
+        Moving { twist, drift_mps, elapsed_s, age_s }
     }
 
     /// Remembers the commands that leave a tick, and the motion in that tick.
     pub fn commanded(&mut self, time_us: u64, commands: &Commands, now: &Moving) {
         let Commands { speed_mps, turn_rate_radps, .. } = *commands;
-        *self = Self { time_us, speed_mps, turn_rate_radps, had_mps: now.twist.speed_mps };
+        let (had_mps, drift_mps) = (now.twist.speed_mps, now.drift_mps);
+        *self = Self { time_us, speed_mps, turn_rate_radps, had_mps, drift_mps };
     }
 }
 
@@ -63,7 +68,7 @@ impl Commanded {
 /// let wanted = Commands { speed_mps: 1.0, ..Commands::stop(Reason::Driving) };
 /// let operator = Operator { is_armed: true, ..Operator::default() };
 /// let percepts = Percepts { operator, ..Percepts::default() };
-/// let now = Commanded::default().now(&percepts, 0.0, vehicle.braking_mps2);
+/// let now = Commanded::default().now(&percepts, 0.0, &vehicle);
 /// // The body has a radius of 0.3 m, brakes with 2 m/s^2 and stops 2 cm before an obstacle.
 /// for (distance_m, low, high) in [(0.8, 1.0, 1.0), (0.5, 0.4, 0.8), (0.32, 0.0, 0.0)] {
 ///     let obstacle = RangeReading { bearing_rad: 0.0, distance_m };
@@ -126,12 +131,7 @@ fn bounded(vehicle: &Vehicle, commands: Commands) -> Commands {
         if value.is_finite() { scalar::clamp(value, -most, most) + 0.0 } else { 0.0 }
     };
     let speed_mps = within(commands.speed_mps, vehicle.max_speed_mps);
-    // A boat does not turn on the spot: its circle has at least the radius of its hull.
-    let circle_m = match vehicle.steering {
-        Steering::Differential => 0.0,
-        Steering::Ackermann => vehicle.min_turn_radius_m,
-        Steering::Boat => vehicle.radius_m,
-    };
+    let circle_m = circle_m(vehicle);
     let most_radps = if circle_m > 0.0 {
         vehicle.max_turn_rate_radps.min(speed_mps.abs() / circle_m)
     } else {
@@ -169,7 +169,7 @@ mod tests {
     fn limit(vehicle: &Vehicle, percepts: &Percepts, wanted: Commands) -> Commands {
         let seen = points(&percepts.ranges);
         let near = Obstacles::near(&percepts.ranges, &seen, within_m(vehicle, 0.0), &[], 0.0);
-        let now = Commanded::default().now(percepts, 0.0, vehicle.braking_mps2);
+        let now = Commanded::default().now(percepts, 0.0, vehicle);
         super::limit(vehicle, percepts, &near, &now, wanted)
     }
 

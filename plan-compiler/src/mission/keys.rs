@@ -6,7 +6,7 @@ use super::Mission;
 use super::key::{counted, flag, number, ranged, text, word};
 use crate::search::Corners;
 use plan_format::parameters::{
-    ArmingChecks, Blend, Gains, LayerGains, OnLinkLoss, OnNoProgress, OnTrouble, Selection,
+    ArmingChecks, BackOut, Blend, Gains, LayerGains, OnLinkLoss, OnNoProgress, OnTrouble, Selection,
     Steering,
 };
 use plan_format::{Parameters, limits};
@@ -298,6 +298,17 @@ pub const KEYS: &[Key] = &[
         "true",
         "Whether the robot creeps straight ahead until its heading is known.",
         |m, v| m.parameters.vehicle.may_creep = v,
+    ),
+    word(
+        "vehicle",
+        "back_out",
+        "\"seen\"",
+        "When a car or a boat drives astern to make room for a turn: never; once its range sensors have seen something astern since the start; or always, because they look all around.",
+        &[
+            ("never", |m| m.parameters.vehicle.back_out = BackOut::Never),
+            ("seen", |m| m.parameters.vehicle.back_out = BackOut::Seen),
+            ("always", |m| m.parameters.vehicle.back_out = BackOut::Always),
+        ],
     ),
     number(
         "schemas",

@@ -14,12 +14,13 @@ pub mod worlds;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use plan_compiler::trace::Trace;
 use plan_format::parameters::Steering;
 use serde::{Deserialize, Serialize};
 use sim::scenario::route_m;
 use sim::{
-    Conditions, Difference, Disc, HostPilot, Outcome, Random, Repeat, Scenario, SensorSettings,
-    Start, Stream,
+    Conditions, Difference, Disc, HostPilot, Outcome, Pilot, Random, Recorder, Repeat, Scenario,
+    SensorSettings, Start, Stream,
 };
 
 use crate::mission;
@@ -233,11 +234,39 @@ impl Drives {
 
 /// Drives one course under a setting.
 pub fn drive(row: usize, setting: &Setting, course: &Course) -> Result<Driven, String> {
+    let (scenario, start) = prepared(setting, course)?;
+    let result = run(row, course, &scenario, &start, HostPilot::new(scenario.plan()));
+    let (run, outcome) = result?;
+    Ok(Driven { run, outcome, scenario, start })
+}
+
+/// As [`drive`], with the trace of the run.
+pub fn record(row: usize, setting: &Setting, course: &Course) -> Result<(Driven, Trace), String> {
+    let (scenario, start) = prepared(setting, course)?;
+    let mut recorder = Recorder::new(HostPilot::new(scenario.plan()));
+    let (run, outcome) = run(row, course, &scenario, &start, &mut recorder)?;
+    let percepts = recorder.finish();
+    let trace = Trace { blob: scenario.blob.clone(), percepts, hash: outcome.trace_hash };
+    Ok((Driven { run, outcome, scenario, start }, trace))
+}
+
+/// The world of a course, and where the robot starts.
+fn prepared(setting: &Setting, course: &Course) -> Result<(Scenario, Start), String> {
     let scenario = scenario(setting, course)?;
     let sensors =
         if setting.has_usual_sensors { SensorSettings::SURVEYOR } else { SensorSettings::PERFECT };
     let Course { start, heading_rad, seed, .. } = *course;
-    let start = Start { position: start, heading_rad, seed, sensors };
+    Ok((scenario, Start { position: start, heading_rad, seed, sensors }))
+}
+
+/// Lets a pilot drive a course, if there is a route.
+fn run(
+    row: usize,
+    course: &Course,
+    scenario: &Scenario,
+    start: &Start,
+    pilot: impl Pilot,
+) -> Result<(Run, Outcome), String> {
     let mut run = Run {
         number: 0,
         row,
@@ -247,17 +276,16 @@ pub fn drive(row: usize, setting: &Setting, course: &Course) -> Result<Driven, S
         contacts: 0,
         strikes: 0,
         time_s: 0.0,
-        optimal_s: course.optimal_s.unwrap_or_else(|| optimal_s(&scenario, course)),
+        optimal_s: course.optimal_s.unwrap_or_else(|| optimal_s(scenario, course)),
         distance_m: 0.0,
         turn_rad: 0.0,
         closest_m: None,
         trace_hash: 0,
     };
     if !run.has_route {
-        return Ok(Driven { run, outcome: Outcome::default(), scenario, start });
+        return Ok((run, Outcome::default()));
     }
-    let pilot = HostPilot::new(scenario.plan());
-    let robot = scenario.robot(&start, pilot)?.within_time(course.time_limit_s());
+    let robot = scenario.robot(start, pilot)?.within_time(course.time_limit_s());
     let outcome = scenario.run(robot).map_err(|error| error.to_string())?;
     run.is_reached = outcome.reached();
     run.contacts = outcome.touches;
@@ -267,14 +295,14 @@ pub fn drive(row: usize, setting: &Setting, course: &Course) -> Result<Driven, S
     run.turn_rad = outcome.turn_rad;
     run.closest_m = outcome.closest_m.is_finite().then_some(outcome.closest_m);
     run.trace_hash = outcome.trace_hash;
-    Ok(Driven { run, outcome, scenario, start })
+    Ok((run, outcome))
 }
 
 fn scenario(setting: &Setting, course: &Course) -> Result<Scenario, String> {
     let steering = match setting.vehicle.steering() {
         Steering::Differential => "",
-        Steering::Ackermann => "steering = \"ackermann\"\nmin_turn_radius = 0.5\n",
-        Steering::Boat => "steering = \"boat\"\n",
+        Steering::Ackermann => "steering = \"ackermann\"\nmin_turn_radius = 0.5\nback_out = \"always\"\n",
+        Steering::Boat => "steering = \"boat\"\nback_out = \"always\"\n",
     };
     let Course { radius_m, max_speed_mps, resolution_m, goal: [x, y], .. } = course;
     // What a user gives; everything else follows.

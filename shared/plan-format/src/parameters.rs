@@ -159,6 +159,17 @@ pub enum Steering {
     Boat,
 }
 
+/// When a vehicle that cannot turn on the spot drives astern to make room for a turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum BackOut {
+    /// Never: it waits before the obstacle.
+    Never,
+    /// Once its range sensors have seen something astern since the start.
+    Seen,
+    /// Always: its range sensors look all around.
+    Always,
+}
+
 /// The vehicle's size and limits. SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Vehicle {
@@ -186,6 +197,8 @@ pub struct Vehicle {
     pub stop_distance_m: f32,
     /// Whether to creep straight ahead while the heading is unknown.
     pub may_creep: bool,
+    /// When to back out of a place without room to turn; not for differential steering.
+    pub back_out: BackOut,
 }
 
 /// Settings of the motor schemas.
@@ -387,6 +400,7 @@ impl Default for Vehicle {
             reach_m: 10.0,
             stop_distance_m: 0.0,
             may_creep: true,
+            back_out: BackOut::Seen,
         };
         let derived = Derived::of(&measured);
         Self {

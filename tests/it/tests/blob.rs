@@ -91,7 +91,7 @@ const TINY_BYTES: &[(&str, &str)] = &[
         "turn radius 0, brakes 2 m/s^2 after 0.1 s, reach 10",
         "00 00 00 00 00 00 00 40 a0 8d 06 00 00 20 41",
     ),
-    ("stop distance 0.02, may creep", "0b d7 a3 3c 01"),
+    ("stop distance 0.02, may creep, backs out once it has seen astern", "0b d7 a3 3c 01 01"),
     (
         "schema gains 1 1, sphere 0.8, margin 0.02",
         "00 00 80 3f 00 00 80 3f ce cc 4c 3f 0b d7 a3 3c",

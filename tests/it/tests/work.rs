@@ -12,8 +12,7 @@ use harness::{Build, Machine, QemuPilot, setup};
 use it::own_map;
 use plan_compiler::trace::Trace;
 use plan_compiler::trace::story::{self, Story, Turn};
-use robot_io::{CommandRecord, Percepts, SensorRecord};
-use sim::{Ending, HostPilot, Outcome, Pilot, PilotError, Scenario, SensorSettings, Start};
+use sim::{Ending, HostPilot, Outcome, Pilot, Recorder, Scenario, SensorSettings, Start};
 
 /// The shipped mission, with some of its world's text replaced.
 fn plough(replacements: &[(&str, &str)]) -> Scenario {
@@ -46,17 +45,6 @@ fn run_with(scenario: &Scenario, sensors: SensorSettings, pilot: impl Pilot) -> 
     robot.run(&scenario.truth).expect("the robot answers")
 }
 
-/// A robot in this process, with the percepts of all its ticks.
-struct Recorder<'p>(HostPilot<'p>, Vec<Percepts>);
-
-impl Pilot for Recorder<'_> {
-    fn exchange(&mut self, sensors: &SensorRecord) -> Result<CommandRecord, PilotError> {
-        let answer = self.0.exchange(sensors)?;
-        self.1.extend(self.0.take_percepts());
-        Ok(answer)
-    }
-}
-
 /// Runs on the host to the end.
 fn record(scenario: &Scenario) -> (Outcome, Story, Trace) {
     record_with(scenario, scenario.sensors())
@@ -64,11 +52,11 @@ fn record(scenario: &Scenario) -> (Outcome, Story, Trace) {
 
 /// As [`record`], with these sensors.
 pub(crate) fn record_with(scenario: &Scenario, sensors: SensorSettings) -> (Outcome, Story, Trace) {
-    let mut recorder = Recorder(HostPilot::new(scenario.plan()), Vec::new());
+    let mut recorder = Recorder::new(HostPilot::new(scenario.plan()));
     let outcome = run_with(scenario, sensors, &mut recorder);
-    let story = story::of(&scenario.plan(), &recorder.1);
-    let trace =
-        Trace { blob: scenario.blob.clone(), percepts: recorder.1, hash: outcome.trace_hash };
+    let percepts = recorder.finish();
+    let story = story::of(&scenario.plan(), &percepts);
+    let trace = Trace { blob: scenario.blob.clone(), percepts, hash: outcome.trace_hash };
     (outcome, story, trace)
 }
 

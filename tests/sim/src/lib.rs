@@ -53,7 +53,7 @@ pub use faults::{Actuators, Channel, Fault, Faulty, PlannedFault};
 pub use geometry::{Circle, Point};
 pub use network::{Connection, Links};
 pub use outcome::{Ending, Limits, Outcome};
-pub use pilot::{HostPilot, Pilot, PilotError};
+pub use pilot::{HostPilot, Pilot, PilotError, Recorder};
 pub use placement::Placement;
 pub use radio::{Air, Radio, RadioSettings};
 pub use random::{Random, Stream};

@@ -74,6 +74,33 @@ impl fmt::Debug for HostPilot<'_> {
     }
 }
 
+/// A robot in this process, and the percepts of all its ticks.
+#[derive(Debug)]
+pub struct Recorder<'p> {
+    pilot: HostPilot<'p>,
+    percepts: Vec<Percepts>,
+}
+
+impl<'p> Recorder<'p> {
+    /// Records a robot from now on.
+    pub fn new(pilot: HostPilot<'p>) -> Self {
+        Self { pilot, percepts: Vec::new() }
+    }
+
+    /// The percepts of each tick, in order.
+    pub fn finish(self) -> Vec<Percepts> {
+        self.percepts
+    }
+}
+
+impl Pilot for Recorder<'_> {
+    fn exchange(&mut self, sensors: &SensorRecord) -> Result<CommandRecord, PilotError> {
+        let answer = self.pilot.exchange(sensors)?;
+        self.percepts.extend(self.pilot.take_percepts());
+        Ok(answer)
+    }
+}
+
 /// A mailbox that the robot and its owner share.
 struct Shared(Rc<Mailbox>);
 

@@ -49,7 +49,7 @@ struct Arguments {
     /// Drive nothing: print the table of these files that --json wrote
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["shard", "suites", "only"])]
     merge: Vec<PathBuf>,
-    /// Draw the worst runs to this folder
+    /// Draw the worst runs to this folder, each with a trace for `plan-compiler explain`
     #[arg(long, value_name = "FOLDER")]
     gallery: Option<PathBuf>,
     /// Print one JSON object with every run
@@ -134,7 +134,7 @@ fn merge(paths: &[PathBuf]) -> Result<Vec<Run>, String> {
     Ok(runs)
 }
 
-/// Pictures of the worst runs.
+/// How many of the worst runs are drawn.
 const GALLERY: usize = 12;
 
 fn gallery(folder: &Path, plan: &Drives, runs: &[Run]) -> Result<(), String> {
@@ -147,12 +147,15 @@ fn gallery(folder: &Path, plan: &Drives, runs: &[Run]) -> Result<(), String> {
         let is_it =
             |course: &&drive_bench::Course| course.suite == row.suite && course.name == run.course;
         let Some(course) = plan.courses.iter().find(is_it) else { continue };
-        let driven = drive_bench::drive(run.row, &row.setting, course)?;
-        let file = format!("{:04} {}.png", run.number, run.course).replace([' ', ','], "-");
+        let (driven, trace) = drive_bench::record(run.row, &row.setting, course)?;
+        let name = format!("{:04} {}", run.number, run.course).replace([' ', ','], "-");
+        let path = folder.join(format!("{name}.trace"));
+        let written = std::fs::write(&path, trace.to_bytes());
+        written.map_err(|error| format!("{}: {error}", path.display()))?;
         let route = &driven.outcome.route;
         let (turns, steps) = (Vec::new(), Vec::new());
         let story = Story { turns, steps, engaged: vec![0; route.len()] };
-        let path = folder.join(file);
+        let path = folder.join(format!("{name}.png"));
         picture::draw(&driven.scenario, &driven.start, route, &story, &driven.outcome, &path)?;
     }
     Ok(())

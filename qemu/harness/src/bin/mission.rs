@@ -16,8 +16,7 @@ use plan_compiler::trace::Trace;
 use plan_compiler::trace::fold::{self, Line};
 use plan_compiler::trace::story;
 use plan_format::parameters::Gains;
-use robot_io::{CommandRecord, Percepts, SensorRecord};
-use sim::{Ending, HostPilot, Outcome, Pilot, PilotError, Point, Scenario, Start};
+use sim::{Ending, HostPilot, Outcome, PilotError, Point, Recorder, Scenario, Start};
 
 /// Exit status: the run ended neither at the goal nor with its work done, or it failed.
 const NOT_REACHED: u8 = 1;
@@ -174,7 +173,7 @@ fn on_the_host(
     let outcome = simulation.robots()[0].outcome().clone();
     // Ends the simulation's borrow of the recorder.
     drop(simulation);
-    let percepts = recorder.percepts;
+    let percepts = recorder.finish();
     let story = story::of(&scenario.plan(), &percepts);
     for line in fold::folded(&story.turns) {
         let _ = match line {
@@ -226,26 +225,6 @@ fn json(scenario: &Scenario, outcome: &Outcome) -> String {
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     output::write_file(path, |out| out.write_all(bytes)).map_err(|problem| problem.message)
-}
-
-/// Records the percepts of every tick of a robot in this process.
-struct Recorder<'p> {
-    pilot: HostPilot<'p>,
-    percepts: Vec<Percepts>,
-}
-
-impl<'p> Recorder<'p> {
-    fn new(pilot: HostPilot<'p>) -> Self {
-        Self { pilot, percepts: Vec::new() }
-    }
-}
-
-impl Pilot for Recorder<'_> {
-    fn exchange(&mut self, sensors: &SensorRecord) -> Result<CommandRecord, PilotError> {
-        let answer = self.pilot.exchange(sensors)?;
-        self.percepts.extend(self.pilot.take_percepts());
-        Ok(answer)
-    }
 }
 
 fn write_outcome(
