@@ -5,19 +5,21 @@
 //! stop it for ever. It then drives astern, and turns towards the wanted direction while it does:
 //! the second leg of a three-point turn.
 //!
-//! - It begins when the robot has come almost to rest and its circle is closed ahead.
+//! - It begins when the robot has almost come to rest and cannot begin its circle ahead.
 //! - It ends when the circle is free up to the wanted direction, when nothing is free astern, or
-//!   after the way of a quarter of a turn. The next leg goes ahead again.
+//!   after the way of a quarter of a turn, unless the robot wants to go astern. The next leg goes
+//!   ahead again.
 //! - [`BackOut`] decides who may: a robot whose sensors look ahead only must not drive where it does
 //!   not see.
 //!
-//! The brakes limit this motion as any other.
+//! The brakes limit this motion like any other.
 //!
-//! Source: none; three-point turns are what a driver does. Reeds and Shepp 1990 show that the
-//! shortest ways of a car need them.
+//! Source: Reeds and Shepp 1990, "Optimal paths for a car that goes both forwards and backwards";
+//! only the idea that a car needs both.
 
 use math::{Vec2, scalar, vector};
 use plan_format::parameters::{BackOut, Steering, Vehicle};
+use robot_io::{Commands, Reason};
 use serde::{Deserialize, Serialize};
 
 use crate::brake::{Moving, drift_m, steady_drift_mps};
@@ -27,8 +29,10 @@ use crate::scan::Points;
 
 /// Least distance from what the body passes, metres. A little more than the brakes keep.
 const ASIDE_M: f32 = 0.02;
-/// A way ahead that is shorter than the stop distance and this counts as closed, metres.
-const CLOSED_M: f32 = 0.08;
+/// A way that is shorter than the stop distance and this is not worth beginning, metres.
+const BEGINNING_M: f32 = 0.08;
+/// A leg is at least this long, metres: shorter ones change too little.
+const SHORTEST_M: f32 = 0.15;
 /// A robot that is faster than this has not come to rest yet, m/s.
 const RESTING_MPS: f32 = 0.15;
 
@@ -39,6 +43,8 @@ pub struct BackingOut {
     leg: Option<Leg>,
     /// Whether the sensors have seen something astern.
     sees_astern: bool,
+    /// Whether the brakes left no motion in the last tick.
+    is_blocked: bool,
 }
 
 /// A leg astern.
@@ -69,14 +75,6 @@ fn slow_circle_m(vehicle: &Vehicle) -> Option<f32> {
     (vehicle.steering != Steering::Differential).then(|| circle_m(vehicle).max(slow_m))
 }
 
-impl Situation<'_> {
-    /// Whether the vehicle cannot even begin to turn ahead by `turn_rad`.
-    fn is_closed(&self, turn_rad: f32, circle_m: f32) -> bool {
-        let length_m = self.vehicle.stop_distance_m + CLOSED_M;
-        !is_free(self.vehicle, self.near, length_m, towards(turn_rad, circle_m, length_m))
-    }
-}
-
 impl BackingOut {
     /// The motion astern, if the robot has to back out instead of driving towards `wanted`, a vector
     /// in the robot's axes.
@@ -97,19 +95,31 @@ impl BackingOut {
             None => self.begun(situation, turn_rad, circle_m),
             Some(leg) => leg.continued(situation, turn_rad, circle_m),
         };
-        let leg = self.leg?;
-        let curvature_per_m = leg.open_curvature(situation, circle_m)?;
+        let open = self.leg.and_then(|leg| leg.open_curvature(situation, circle_m));
+        let Some(curvature_per_m) = open else {
+            self.leg = None;
+            return None;
+        };
         let speed_mps = situation.vehicle.cautious_speed_mps;
         Some(Twist { speed_mps: -speed_mps, turn_rate_radps: curvature_per_m * speed_mps })
     }
 
-    /// A new leg, if the robot rests before a circle that is closed.
+    /// A new leg, if the brakes hold the robot and leave a way astern.
     fn begun(&self, situation: &Situation<'_>, turn_rad: f32, circle_m: f32) -> Option<Leg> {
-        if situation.now.twist.speed_mps.abs() > RESTING_MPS {
-            return None;
-        }
         let leg = Leg { is_to_the_left: turn_rad >= 0.0, driven_m: 0.0 };
-        (situation.is_closed(turn_rad, circle_m) && leg.open_curvature(situation, circle_m).is_some()).then_some(leg)
+        let Situation { vehicle, near, now, .. } = situation;
+        let is_held = now.twist.speed_mps.abs() < RESTING_MPS
+            && (self.is_blocked
+                || !can_begin(vehicle, near, towards(turn_rad, circle_m, BEGINNING_M)));
+        (is_held && leg.open_curvature(situation, circle_m).is_some()).then_some(leg)
+    }
+
+    /// Takes over the commands that leave a tick. Whatever else stops the robot ends the leg.
+    pub fn commanded(&mut self, commands: &Commands) {
+        self.is_blocked = commands.reason == Reason::ObstacleStop;
+        if commands.speed_mps >= 0.0 {
+            self.leg = None;
+        }
     }
 }
 
@@ -120,9 +130,12 @@ impl Leg {
         let driven_m = self.driven_m + scalar::larger(-now.twist.speed_mps, 0.0) * now.elapsed_s;
         // Up to the wanted direction, and as far again as the body is wide.
         let length_m = circle_m * turn_rad.abs() + 2.0 * vehicle.radius_m;
-        let is_open = is_free(vehicle, near, length_m, towards(turn_rad, circle_m, length_m))
-            && !situation.is_closed(turn_rad, circle_m);
-        let is_long = driven_m > circle_m * (0.5 * scalar::PI) + vehicle.radius_m;
+        let is_open = driven_m >= SHORTEST_M
+            && can_begin(vehicle, near, towards(turn_rad, circle_m, BEGINNING_M))
+            && is_free(vehicle, near, length_m, towards(turn_rad, circle_m, length_m));
+        // While the wanted direction lies astern, the way there is not wasted.
+        let is_long = turn_rad.abs() < 0.5 * scalar::PI
+            && driven_m > circle_m * (0.5 * scalar::PI) + vehicle.radius_m;
         (!is_open && !is_long).then_some(Self { driven_m, ..self })
     }
 
@@ -130,12 +143,11 @@ impl Leg {
     /// straight, or to the other side.
     fn open_curvature(self, situation: &Situation<'_>, circle_m: f32) -> Option<f32> {
         let Situation { vehicle, near, .. } = situation;
-        let length_m = vehicle.stop_distance_m + CLOSED_M;
         let tightest = if self.is_to_the_left { 1.0 / circle_m } else { -1.0 / circle_m };
         let astern = near.astern();
         [tightest, 0.0, -tightest]
             .into_iter()
-            .find(|&curvature| is_free(vehicle, &astern, length_m, curvature))
+            .find(|&curvature| can_begin(vehicle, &astern, curvature))
     }
 }
 
@@ -146,11 +158,158 @@ fn towards(turn_rad: f32, circle_m: f32, length_m: f32) -> f32 {
     scalar::clamp(turn_rad / length_m.max(ASIDE_M), -most, most)
 }
 
-/// Whether obstacles leave a way free.
+/// Whether what was read leaves a way free at the cautious speed, as the brakes judge it.
 fn is_free(vehicle: &Vehicle, near: &Obstacles, length_m: f32, curvature_per_m: f32) -> bool {
     let speed_mps = vehicle.cautious_speed_mps;
     let turn = Twist { speed_mps, turn_rate_radps: curvature_per_m * speed_mps };
     let drift_m = drift_m(vehicle, steady_drift_mps(vehicle, &turn), speed_mps);
     let body = Body { radius_m: vehicle.radius_m, aside_m: ASIDE_M + drift_m };
     near.leave_free(Kind::Seen, &body, &Arc::new(length_m, curvature_per_m))
+}
+
+/// Whether the vehicle can begin a way: the brakes also count with what the readings may hide.
+fn can_begin(vehicle: &Vehicle, near: &Obstacles, curvature_per_m: f32) -> bool {
+    let body = Body { radius_m: vehicle.radius_m, aside_m: 0.0 };
+    is_free(vehicle, near, vehicle.stop_distance_m + BEGINNING_M, curvature_per_m)
+        && near.leave_free(Kind::Hidden, &body, &Arc::new(BEGINNING_M, curvature_per_m))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan::points;
+    use plan_format::Parameters;
+    use robot_io::RangeReading;
+
+    const NOWHERE: Moving = Moving {
+        twist: Twist { speed_mps: 0.0, turn_rate_radps: 0.0 },
+        drift_mps: 0.0,
+        elapsed_s: 0.05,
+        age_s: 0.0,
+    };
+    /// A wall 4 cm before a body of 0.3 m.
+    const WALL: &[(f32, f32)] = &[(-0.5, 0.39), (0.0, 0.34), (0.5, 0.39)];
+
+    fn car() -> Vehicle {
+        Vehicle {
+            steering: Steering::Ackermann,
+            min_turn_radius_m: 0.5,
+            back_out: BackOut::Always,
+            ..Parameters::default().vehicle
+        }
+    }
+
+    /// The answer to bearings and distances of readings.
+    fn choose(
+        backing: &mut BackingOut,
+        vehicle: &Vehicle,
+        readings: &[(f32, f32)],
+        now: Moving,
+        wanted: Vec2,
+    ) -> Option<Twist> {
+        let reading = |&(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
+        let readings: heapless::Vec<RangeReading, 16> = readings.iter().map(reading).collect();
+        let seen = points(&readings);
+        let near = Obstacles::near(&readings, &seen, 5.0, &[], 0.0);
+        backing.choose(&Situation { vehicle, near: &near, seen: &seen, now: &now }, wanted)
+    }
+
+    fn first(
+        vehicle: &Vehicle,
+        readings: &[(f32, f32)],
+        now: Moving,
+        wanted: Vec2,
+    ) -> Option<Twist> {
+        choose(&mut BackingOut::default(), vehicle, readings, now, wanted)
+    }
+
+    fn left() -> Vec2 {
+        vector::from_angle(1.5)
+    }
+
+    #[test]
+    fn before_a_wall_a_car_backs_out_and_turns_towards_the_wanted_side() {
+        let vehicle = car();
+        let turn_radps = vehicle.cautious_speed_mps / 0.5;
+        for (side, wanted) in [(1.0, left()), (-1.0, Vec2::new(left().x, -left().y))] {
+            let twist = first(&vehicle, WALL, NOWHERE, wanted).expect("it backs out");
+            assert_eq!(twist.speed_mps, -vehicle.cautious_speed_mps);
+            assert!((twist.turn_rate_radps - side * turn_radps).abs() < 1e-6, "{twist:?}");
+        }
+    }
+
+    #[test]
+    fn only_a_vehicle_that_may_and_must_backs_out() {
+        let vehicle = car();
+        let boat = Vehicle { steering: Steering::Boat, ..vehicle };
+        assert!(first(&boat, WALL, NOWHERE, left()).is_some());
+        let rover = Vehicle { steering: Steering::Differential, ..vehicle };
+        let rolling = Moving { twist: Twist { speed_mps: 0.5, turn_rate_radps: 0.0 }, ..NOWHERE };
+        let never = Vehicle { back_out: BackOut::Never, ..vehicle };
+        let beside = [(1.6, 0.6), (-1.6, 0.6)];
+        for (vehicle, readings, now, wanted) in [
+            (&rover, WALL, NOWHERE, left()),
+            (&never, WALL, NOWHERE, left()),
+            (&vehicle, WALL, rolling, left()),
+            (&vehicle, WALL, NOWHERE, Vec2::zeros()),
+            (&vehicle, &beside, NOWHERE, Vec2::new(1.0, 0.0)),
+        ] {
+            assert_eq!(first(vehicle, readings, now, wanted), None, "{vehicle:?} {readings:?}");
+        }
+    }
+
+    /// Once the sensors have seen something astern, the robot knows that they look there.
+    #[test]
+    fn sensors_that_have_seen_astern_are_trusted_from_then_on() {
+        let vehicle = Vehicle { back_out: BackOut::Seen, ..car() };
+        let mut backing = BackingOut::default();
+        assert_eq!(choose(&mut backing, &vehicle, WALL, NOWHERE, left()), None);
+        // Abeam does not count.
+        assert_eq!(choose(&mut backing, &vehicle, &[(2.2, 2.0)], NOWHERE, left()), None);
+        assert_eq!(choose(&mut backing, &vehicle, WALL, NOWHERE, left()), None);
+        assert_eq!(choose(&mut backing, &vehicle, &[(2.6, 2.0)], NOWHERE, left()), None);
+        assert!(choose(&mut backing, &vehicle, WALL, NOWHERE, left()).is_some());
+    }
+
+    /// The wanted direction wavers; the side stays. Free again, the leg ends, but not at once.
+    #[test]
+    fn a_leg_keeps_its_side_and_a_least_length() {
+        let vehicle = car();
+        let mut backing = BackingOut::default();
+        let astern = Moving { twist: Twist { speed_mps: -0.3, turn_rate_radps: 0.0 }, ..NOWHERE };
+        assert!(choose(&mut backing, &vehicle, WALL, NOWHERE, left()).is_some());
+        let right = Vec2::new(left().x, -left().y);
+        let twist = choose(&mut backing, &vehicle, WALL, astern, right).expect("it goes on");
+        assert!(twist.turn_rate_radps > 0.0, "{twist:?}");
+        let mut driven_m = 0.3 * 0.05;
+        while choose(&mut backing, &vehicle, &[], astern, left()).is_some() {
+            driven_m += 0.3 * 0.05;
+            assert!(driven_m < 1.0);
+        }
+        assert!((0.13..0.17).contains(&driven_m), "{driven_m}");
+    }
+
+    /// With something close on one side astern, it turns the other way or not at all.
+    #[test]
+    fn the_way_astern_has_to_be_free_too() {
+        let vehicle = car();
+        let with = |more: &[(f32, f32)]| {
+            let all: heapless::Vec<(f32, f32), 16> = WALL.iter().chain(more).copied().collect();
+            first(&vehicle, &all, NOWHERE, left())
+        };
+        let behind = [(3.1, 0.34), (2.6, 0.39), (-2.6, 0.39)];
+        assert_eq!(with(&behind), None);
+        // On a leg that turns to the left, the body moves to its right.
+        let twist = with(&[(-1.913, 0.345)]).expect("straight or to the right is free");
+        assert!(twist.turn_rate_radps <= 0.0, "{twist:?}");
+    }
+
+    #[test]
+    fn a_stop_of_another_kind_ends_a_leg() {
+        let vehicle = car();
+        let mut backing = BackingOut::default();
+        assert!(choose(&mut backing, &vehicle, WALL, NOWHERE, left()).is_some());
+        backing.commanded(&Commands::stop(Reason::EmergencyStop));
+        assert_eq!(backing, BackingOut::default());
+    }
 }

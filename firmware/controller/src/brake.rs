@@ -141,8 +141,8 @@ pub fn brake(
         return Some(wanted);
     }
     let bare = Body { radius_m, aside_m: 0.0 };
-    // A slower vehicle turns no tighter than its circle.
-    let tightest_per_m = 1.0 / circle_m(vehicle).max(SPOT_MPS);
+    // A slower vehicle turns no tighter than its circle; infinite for one that turns on the spot.
+    let tightest_per_m = 1.0 / circle_m(vehicle);
     let is_clear = |speed_mps: f32, turn_rate_radps: f32| {
         let curvature = turn_rate_radps / speed_mps.max(SPOT_MPS);
         let curvature = scalar::clamp(curvature, -tightest_per_m, tightest_per_m);
@@ -181,4 +181,30 @@ pub fn brake(
     // `present_mps` is above `least_mps`, which is above 0.
     let turn_rate_radps = now.turn_rate_radps * (least_mps / present_mps);
     Some(Twist { speed_mps: sign * safe_mps, turn_rate_radps })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In a steady turn the drift is speed x turn rate x 0.5 s; afterwards drag ends it.
+    #[test]
+    fn drift_follows_a_turn_and_fades_after_it() {
+        let boat =
+            Vehicle { steering: Steering::Boat, ..plan_format::Parameters::default().vehicle };
+        let turn = Twist { speed_mps: -1.0, turn_rate_radps: 0.5 };
+        let steady_mps = steady_drift_mps(&boat, &turn);
+        assert_eq!(steady_mps, 0.25);
+        let after = |mut drift_mps: f32, steady_mps: f32, ticks: u32| {
+            for _ in 0..ticks {
+                drift_mps = next_drift_mps(drift_mps, steady_mps, 0.05);
+            }
+            drift_mps
+        };
+        assert!((after(0.0, steady_mps, 100) - 0.25).abs() < 1e-3);
+        // One time constant: a share of 1/e is left.
+        assert!((after(0.25, 0.0, 10) / 0.25 - 0.37).abs() < 0.03);
+        let rover = Vehicle { steering: Steering::Differential, ..boat };
+        assert_eq!(steady_drift_mps(&rover, &turn), 0.0);
+    }
 }

@@ -295,6 +295,7 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let limited = limit::limit(&vehicle, &percepts, &near, &now, wanted);
     let commands = state.arming.explained(limited, &wanted, &percepts);
     state.track.commanded(&commands);
+    state.backing_out.commanded(&commands);
     state.commanded.commanded(percepts.time_us, &commands, &now);
     state.stuck.update(&sensed, &commands, blob.parameters(), &mut state.detours);
     state.team.speak(&blob.parameters().team, position, &commands);

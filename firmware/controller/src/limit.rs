@@ -149,6 +149,7 @@ mod tests {
     use crate::brake::within_m;
     use crate::scan::points;
     use plan_format::Parameters;
+    use plan_format::parameters::Steering;
     use robot_io::{Manual, Operator, RangeReading};
     use std::format;
 

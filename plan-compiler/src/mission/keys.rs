@@ -6,8 +6,8 @@ use super::Mission;
 use super::key::{counted, flag, number, ranged, text, word};
 use crate::search::Corners;
 use plan_format::parameters::{
-    ArmingChecks, BackOut, Blend, Gains, LayerGains, OnLinkLoss, OnNoProgress, OnTrouble, Selection,
-    Steering,
+    ArmingChecks, BackOut, Blend, Gains, LayerGains, OnLinkLoss, OnNoProgress, OnTrouble,
+    Selection, Steering,
 };
 use plan_format::{Parameters, limits};
 

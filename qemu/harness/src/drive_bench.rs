@@ -301,7 +301,9 @@ fn run(
 fn scenario(setting: &Setting, course: &Course) -> Result<Scenario, String> {
     let steering = match setting.vehicle.steering() {
         Steering::Differential => "",
-        Steering::Ackermann => "steering = \"ackermann\"\nmin_turn_radius = 0.5\nback_out = \"always\"\n",
+        Steering::Ackermann => {
+            "steering = \"ackermann\"\nmin_turn_radius = 0.5\nback_out = \"always\"\n"
+        }
         Steering::Boat => "steering = \"boat\"\nback_out = \"always\"\n",
     };
     let Course { radius_m, max_speed_mps, resolution_m, goal: [x, y], .. } = course;

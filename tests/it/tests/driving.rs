@@ -4,8 +4,10 @@ use harness::drive_bench::table::Numbers;
 use harness::drive_bench::{Drives, Row, Run, Suite, VehicleKind, courses, rows};
 use harness::mission;
 use harness::setup::root;
+use maps::{Extent, Feature, Map, Role, Shape};
 use math::scalar::wide;
-use sim::{Difference, HostPilot, Random, SensorSettings, Start, Stream};
+use robot_io::Reason;
+use sim::{Difference, HostPilot, Outcome, Random, SensorSettings, Start, Stream, World};
 
 /// The runs of the suite's courses under the settings that are wanted.
 fn driven(drives: &Drives, is_wanted: impl Fn(&Row) -> bool) -> Vec<(usize, Vec<Run>)> {
@@ -90,6 +92,79 @@ fn mapped_courtyards_are_left() {
     }
 }
 
+/// A car and a boat turn on circles only: they back out where those are closed.
+#[test]
+fn a_car_and_a_boat_get_out_of_narrow_places() {
+    for (suite, count) in [(Suite::Corridors, 0), (Suite::Courtyards, 8), (Suite::City, 8)] {
+        let is_wanted =
+            |row: &Row| row.suite == suite && row.setting.vehicle != VehicleKind::Differential;
+        let rows_driven = driven(&of_suite(suite, count), is_wanted);
+        assert_eq!(rows_driven.len(), 2);
+        for (row, runs) in rows_driven {
+            let failed: Vec<&Run> = runs.iter().filter(|run| !run.is_success()).collect();
+            assert!(runs.iter().all(|run| run.contacts == 0), "{failed:?}");
+            // A boat may drift off the map.
+            let most = usize::from(suite == Suite::City);
+            assert!(failed.len() <= most, "{:?}: {failed:?}", rows()[row].setting);
+        }
+    }
+}
+
+/// What a vehicle does that faces the closed end of an alley, at its start, and has to leave it.
+/// `behind` are obstacles besides the alley's walls.
+fn leaving_an_alley(steering: &str, width_m: f64, behind: Option<Shape>) -> Outcome {
+    let (left, right) = (4.0, 4.0 + width_m);
+    let alley = Shape::Polyline(vec![[left, 8.0], [left, 2.0], [right, 2.0], [right, 8.0]]);
+    let obstacle = |shape| Feature {
+        shape,
+        role: Role::Obstacle,
+        name: String::new(),
+        height_m: None,
+        span: 0..0,
+    };
+    let map = Map {
+        features: [alley].into_iter().map(obstacle).collect(),
+        ..Map::empty(Extent { corner: [0.0, 0.0], size: [12.0, 12.0] })
+    };
+    let circle = if steering == "ackermann" { "min_turn_radius = 0.5\n" } else { "" };
+    let mission = format!(
+        "resolution = 0.1\n[goals]\ngoal = [8, 10]\n[vehicle]\nradius = 0.25\nmax_speed = 1\n\
+         steering = \"{steering}\"\n{circle}[progress]\nafter = 20\n"
+    );
+    let scenario = mission::of_map(&map, &mission, &Difference::default(), 1);
+    let mut scenario = scenario.unwrap_or_else(|message| panic!("{mission}\n{message}"));
+    let all = map.features.iter().map(|feature| &feature.shape).chain(&behind);
+    scenario.truth = World::new(all);
+    let start = Start {
+        position: [left + 0.5 * width_m, 2.8],
+        heading_rad: -1.5,
+        seed: 1,
+        sensors: SensorSettings::PERFECT,
+    };
+    let pilot = HostPilot::new(scenario.plan());
+    let robot = scenario.robot(&start, pilot).expect("the start is clear").within_time(120.0);
+    scenario.run(robot).expect("the robot answers")
+}
+
+/// As in reports about Nav2 (2739, 3011): the goal lies behind a car that has no room to turn. As in
+/// report 2453: something stands behind it as well.
+#[test]
+fn a_vehicle_that_faces_the_end_of_an_alley_leaves_it() {
+    for steering in ["ackermann", "boat", "differential"] {
+        for width_m in [0.8, 1.0, 1.6, 2.4] {
+            let outcome = leaving_an_alley(steering, width_m, None);
+            assert!(outcome.reached() && outcome.touches == 0, "{steering} {width_m}: {outcome:?}");
+        }
+        let barrier = Shape::Polyline(vec![[4.0, 3.1], [4.8, 3.1]]);
+        let outcome = leaving_an_alley(steering, 0.8, Some(barrier));
+        let last =
+            outcome.reasons.iter().max_by_key(|(_, ticks)| *ticks).map(|(reason, _)| *reason);
+        assert_eq!(outcome.touches, 0, "{steering}: {outcome:?}");
+        let is_true = matches!(last, Some(Reason::ObstacleStop | Reason::NoProgress));
+        assert!(is_true, "{steering}: {outcome:?}");
+    }
+}
+
 /// Discs of 1 m/s that cross the way, in doors of all widths, courtyards and fields of posts. A robot
 /// that could have stopped in time touches none of them; see `sim::sighting`.
 #[test]
@@ -139,8 +214,11 @@ fn whatever_the_body_and_the_gains_nothing_is_touched() {
         let turn = random.between(0.5, 6.0);
         let preset = presets[number % presets.len()];
         let unmapped = [0.0, 0.5, 1.0][number % 3];
-        let steering = if number % 4 == 3 { "ackermann" } else { "differential" };
-        let circle = if number % 4 == 3 { "min_turn_radius = 0.4\n" } else { "" };
+        let (steering, circle) = match number % 4 {
+            2 => ("boat", "back_out = \"always\"\n"),
+            3 => ("ackermann", "min_turn_radius = 0.4\nback_out = \"always\"\n"),
+            _ => ("differential", ""),
+        };
         let mission = format!(
             "resolution = 0.05\nrobot_radius = {radius_m}\n[goals]\ngoal = [3.75, 14]\n\
              [gains]\npreset = \"{preset}\"\n[vehicle]\nsteering = \"{steering}\"\n{circle}\
