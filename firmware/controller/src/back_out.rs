@@ -2,7 +2,7 @@
 //!
 //! Advice and detours name a direction, as if the robot could turn on the spot. A differential
 //! vehicle can. A car or a boat needs a circle, and where an obstacle lies on that circle the brakes
-//! stop it for ever. It then drives astern, and turns towards the wanted direction while it does:
+//! stop it. It then drives astern, and turns towards the wanted direction while it does:
 //! the second leg of a three-point turn.
 //!
 //! - It begins when the robot has almost come to rest and cannot begin its circle ahead.
@@ -299,7 +299,7 @@ mod tests {
         };
         let behind = [(3.1, 0.34), (2.6, 0.39), (-2.6, 0.39)];
         assert_eq!(with(&behind), None);
-        // On a leg that turns to the left, the body moves to its right.
+        // On a leg that turns to the left, the body moves to the right side.
         let twist = with(&[(-1.913, 0.345)]).expect("straight or to the right is free");
         assert!(twist.turn_rate_radps <= 0.0, "{twist:?}");
     }

@@ -12,6 +12,7 @@
 //! | schemas, blend | `schemas` | computes vectors and sums them by their gains |
 //! | detour | [`detour`] | turns the sum away from closed directions and out of dead ends |
 //! | drive | [`drive`] | turns the sum into speed and turn rate |
+//! | back out | [`back_out`] | drives astern where a car or a boat has no room to turn |
 //! | limit | [`limit`], [`brake`] | clamps both by operator, obstacles and vehicle |
 //! | progress | [`stuck`] | notices that the robot does not get on |
 //!

@@ -75,9 +75,9 @@ fn hex(bytes: &[u8]) -> String {
 const TINY_BYTES: &[(&str, &str)] = &[
     ("WAYFIELD", "57 41 59 46 49 45 4c 44"),
     ("version 2, 28 bytes of header", "02 00 1c 00"),
-    ("445 bytes", "bd 01 00 00"),
-    ("schema hash", "58 35 3f 06 c0 9a 18 a0"),
-    ("checksum", "f2 58 d4 4d"),
+    ("446 bytes", "be 01 00 00"),
+    ("schema hash", "20 62 21 06 ca c7 f1 f6"),
+    ("checksum", "f7 9b 4d 20"),
     ("4 columns, 3 rows", "04 03"),
     ("cells of 1 m", "00 00 00 00 00 00 f0 3f"),
     ("corner 0, -0.25", "00 00 00 00 00 00 00 00 00 00 00 00 00 00 d0 bf"),
