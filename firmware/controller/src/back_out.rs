@@ -43,7 +43,7 @@ pub struct BackingOut {
     leg: Option<Leg>,
     /// Whether the sensors have seen something astern.
     sees_astern: bool,
-    /// Whether the brakes left no motion in the last tick.
+    /// Whether obstacles or the edge of the map left no motion in the last tick.
     is_blocked: bool,
 }
 
@@ -116,7 +116,7 @@ impl BackingOut {
 
     /// Takes over the commands that leave a tick. Whatever else stops the robot ends the leg.
     pub fn commanded(&mut self, commands: &Commands) {
-        self.is_blocked = commands.reason == Reason::ObstacleStop;
+        self.is_blocked = matches!(commands.reason, Reason::ObstacleStop | Reason::OffMap);
         if commands.speed_mps >= 0.0 {
             self.leg = None;
         }

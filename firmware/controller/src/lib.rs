@@ -13,6 +13,7 @@
 //! | detour | [`detour`] | turns the sum away from closed directions and out of dead ends |
 //! | drive | [`drive`] | turns the sum into speed and turn rate |
 //! | back out | [`back_out`] | drives astern where a car or a boat has no room to turn |
+//! | edge | [`edge`] | slows down before the edge of the map |
 //! | limit | [`limit`], [`brake`] | clamps both by operator, obstacles and vehicle |
 //! | progress | [`stuck`] | notices that the robot does not get on |
 //!
@@ -144,6 +145,7 @@ pub mod closing;
 mod compass;
 pub mod detour;
 pub mod drive;
+pub mod edge;
 pub mod guidance;
 mod late;
 pub mod limit;
@@ -159,6 +161,7 @@ pub mod team;
 
 use behave::{Approach, Attraction, Intent};
 use behaviour::Behaviours;
+use drive::Twist;
 use math::{Vec2, vector};
 use obstacles::Obstacles;
 use plan_format::Blob;
@@ -308,6 +311,24 @@ fn is_lost(blob: &Blob<'_>, position: Vec2) -> bool {
     blob.parameters().trouble.off_map == OnTrouble::Stop && blob.cell_at(position).is_none()
 }
 
+/// The twist, or a slower one that does not lead off the map. An error if only standing is left.
+fn kept_on_map(
+    blob: &Blob<'_>,
+    vehicle: &Vehicle,
+    position: Vec2,
+    heading_rad: f32,
+    now: &brake::Moving,
+    twist: Twist,
+) -> Result<Twist, Reason> {
+    if blob.parameters().trouble.off_map != OnTrouble::Stop {
+        return Ok(twist);
+    }
+    let kept = edge::stay(blob, vehicle, position, heading_rad, now, twist);
+    let turns = kept.turn_rate_radps != 0.0 && drive::circle_m(vehicle) == 0.0;
+    let stands = twist.speed_mps != 0.0 && kept.speed_mps == 0.0 && !turns;
+    if stands { Err(Reason::OffMap) } else { Ok(kept) }
+}
+
 /// What the robot perceives in a tick, judged.
 struct Seen<'s> {
     percepts: &'s Percepts,
@@ -381,7 +402,13 @@ fn decide(
         noise: state.noise.next(schema.noise_persistence_ticks),
     };
     let sum = schemas::blend(&guidance.gains, schema, &vectors);
-    let ahead = vector::rotated(sum, -heading_rad);
+    let must_stay = parameters.trouble.off_map == OnTrouble::Stop;
+    let on_map = if parameters.blend == Route && must_stay {
+        edge::along(blob, vehicle, position, sum)
+    } else {
+        sum
+    };
+    let ahead = vector::rotated(on_map, -heading_rad);
     let (ahead, rule) = if parameters.blend == Route {
         let situation = detour::Situation {
             time_us: percepts.time_us,
@@ -408,6 +435,7 @@ fn decide(
         Some(twist) => (twist, detour::Rule::BackOut),
         None => (drive::drive(&vehicle, ahead, is_repelled), rule),
     };
+    let twist = kept_on_map(blob, &vehicle, position, heading_rad, now, twist)?;
     let commands = twist.because(guidance.reason);
     Ok((commands, Some(Blend { guidance, vectors, sum, rule })))
 }

@@ -39,7 +39,7 @@ pub enum Reason {
     NoPlan,
     /// No layer has a route from here.
     NoRoute,
-    /// The position is outside the map.
+    /// The position is outside the map, or every way that is left leads off it.
     OffMap,
     /// No fix has arrived yet, and no sign that the receiver sent one.
     NoFix,
