@@ -5,7 +5,7 @@
 //! step: the route leaves dear cells, such as those along a wall, within a few steps, and then goes on
 //! as the root says. So all cells at one distance from a wall have few different corrections. A route
 //! through a wide area of another factor would have a correction that grows with every step; after
-//! [`MAX_CHANGES`] changes of the correction a new root is made instead, with the factor of the area.
+//! a few changes of the correction a new root is made instead, with the factor of the area.
 
 use super::moves::Bordered;
 use super::roots::{NO_ROOT, by_cost, directions};
@@ -16,6 +16,9 @@ use plan_format::layout::{MULTIPLIERS, TolledRoot, first_step, tolled_cost};
 /// Most changes of the correction on the way from a cell to its root. On cities, 1 packs bands around
 /// obstacles and wide areas about equally well; 0 packs areas alone better, and bands much worse.
 const MAX_CHANGES: u8 = 1;
+/// The same where factors change from cell to cell: a gradient has more factors than roots can have
+/// multipliers, and packs best with 3.
+const MAX_CHANGES_OF_GRADIENTS: u8 = 3;
 
 /// A cell to which others refer.
 #[derive(Clone, Copy, Debug)]
@@ -60,17 +63,22 @@ pub(crate) struct Sites {
     /// The multipliers that roots may have.
     pub(crate) multipliers: Vec<u32>,
     changes: Vec<u8>,
+    max_changes: u8,
 }
 
 impl Sites {
     pub(crate) fn new(field: &Field, bordered: &Bordered) -> Self {
         let all = bordered.cost.len();
+        let mut multipliers = by_frequency(&bordered.multiplier, field.unit.unwrap_or(0));
+        let is_gradient = multipliers.len() > MULTIPLIERS;
+        multipliers.truncate(MULTIPLIERS);
         let mut this = Self {
             roots: Vec::new(),
             parents: Vec::new(),
             of_cell: vec![NO_ROOT; all],
-            multipliers: most_frequent(&bordered.multiplier, field.unit.unwrap_or(0)),
+            multipliers,
             changes: vec![0; all],
+            max_changes: if is_gradient { MAX_CHANGES_OF_GRADIENTS } else { MAX_CHANGES },
         };
         let one = 1 << field.unit.unwrap_or(0);
         let cells = crate::field::all_cells(field.columns, field.rows);
@@ -104,7 +112,7 @@ impl Sites {
             let offer = (self.changes[next] + u8::from(!same), number);
             best = Some(best.map_or(offer, |best| best.min(offer)));
         }
-        if let Some((changes, number)) = best.filter(|&(changes, _)| changes <= MAX_CHANGES) {
+        if let Some((changes, number)) = best.filter(|&(changes, _)| changes <= self.max_changes) {
             self.of_cell[index] = number;
             self.changes[index] = changes;
             return;
@@ -138,8 +146,8 @@ fn stepped(cell: Cell, direction: Direction) -> Cell {
     Cell::new(cell.column.wrapping_add_signed(dx), cell.row.wrapping_add_signed(dy))
 }
 
-/// The multipliers of most cells, as many as a header holds; always that of factor 1.
-fn most_frequent(multiplier: &[u32], unit: u8) -> Vec<u32> {
+/// All multipliers, those of most cells first; always that of factor 1 before all.
+fn by_frequency(multiplier: &[u32], unit: u8) -> Vec<u32> {
     let mut counts = [0u32; crate::tolls::MOST as usize + 1];
     for &multiplier in multiplier {
         counts[multiplier as usize] += 1;
@@ -149,6 +157,5 @@ fn most_frequent(multiplier: &[u32], unit: u8) -> Vec<u32> {
     let mut all: Vec<u32> = (1..counts.len() as u32).collect();
     all.retain(|&multiplier| counts[multiplier as usize] > 0);
     all.sort_by_key(|&multiplier| std::cmp::Reverse(counts[multiplier as usize]));
-    all.truncate(MULTIPLIERS);
     all
 }

@@ -33,7 +33,7 @@ const TEXTURES: [Texture; 6] = [
             tolls
         },
     },
-    Texture { name: "gradient", most: 1.45, tolls: City::gradient },
+    Texture { name: "gradient", most: 1.3, tolls: City::gradient },
 ];
 
 struct City {
