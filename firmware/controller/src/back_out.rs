@@ -239,6 +239,13 @@ mod tests {
     }
 
     #[test]
+    fn a_slow_turn_rate_widens_the_circle() {
+        let vehicle = Vehicle { min_turn_radius_m: 0.1, max_turn_rate_radps: 0.5, ..car() };
+        let twist = first(&vehicle, WALL, NOWHERE, left()).expect("it backs out");
+        assert!((twist.turn_rate_radps - 0.5).abs() < 1e-6, "{twist:?}");
+    }
+
+    #[test]
     fn only_a_vehicle_that_may_and_must_backs_out() {
         let vehicle = car();
         let boat = Vehicle { steering: Steering::Boat, ..vehicle };
@@ -287,6 +294,48 @@ mod tests {
             assert!(driven_m < 1.0);
         }
         assert!((0.13..0.17).contains(&driven_m), "{driven_m}");
+    }
+
+    /// The way that a leg takes before a wall that stays where it is in the robot's axes, up to 3 m.
+    fn leg_m(wanted: Vec2) -> f32 {
+        let vehicle = car();
+        let mut backing = BackingOut::default();
+        let astern = Moving { twist: Twist { speed_mps: -0.3, turn_rate_radps: 0.0 }, ..NOWHERE };
+        assert!(choose(&mut backing, &vehicle, WALL, NOWHERE, wanted).is_some());
+        let mut driven_m = 0.0;
+        while driven_m < 3.0 && choose(&mut backing, &vehicle, WALL, astern, wanted).is_some() {
+            driven_m += 0.3 * 0.05;
+        }
+        driven_m
+    }
+
+    /// A quarter of the circle of 0.5 m, and the radius of the body: 1.085 m.
+    #[test]
+    fn a_leg_ends_after_a_quarter_of_a_turn_unless_the_way_lies_astern() {
+        let ahead_m = leg_m(left());
+        assert!((1.06..1.11).contains(&ahead_m), "{ahead_m}");
+        let astern_m = leg_m(vector::from_angle(2.0));
+        assert!(astern_m >= 3.0, "{astern_m}");
+    }
+
+    /// Free up to the wanted direction, and the body's width farther: an arc of 0.5 m x 1.4 rad and
+    /// 0.6 m. The obstacle lies straight beyond its end.
+    #[test]
+    fn a_leg_ends_once_the_turn_ahead_is_free() {
+        let vehicle = car();
+        let wanted = vector::from_angle(1.4);
+        let (length_m, along) = (0.5 * 1.4 + 0.6, wanted);
+        let arc_m = length_m / 1.4;
+        let end = Vec2::new(along.y * arc_m, (1.0 - along.x) * arc_m);
+        let astern = Moving { twist: Twist { speed_mps: -0.3, turn_rate_radps: 0.0 }, ..NOWHERE };
+        for (beyond_m, is_over) in [(0.30, false), (0.34, true)] {
+            let mut backing = BackingOut::default();
+            assert!(choose(&mut backing, &vehicle, WALL, NOWHERE, wanted).is_some());
+            let obstacle = end + along * beyond_m;
+            let seen = [(vector::angle(obstacle), vector::length(obstacle))];
+            let goes_on = |_| choose(&mut backing, &vehicle, &seen, astern, wanted).is_some();
+            assert_eq!((0..20).all(goes_on), !is_over, "{beyond_m}");
+        }
     }
 
     /// With something close on one side astern, it turns the other way or not at all.

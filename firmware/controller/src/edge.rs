@@ -142,6 +142,7 @@ mod tests {
         for (position, sum, expected) in [
             ((5.0, 5.0), (1.0, -1.0), (1.0, -1.0)),
             ((9.9, 5.0), (1.0, -1.0), (0.0, -1.0)),
+            ((9.6, 5.0), (1.0, -1.0), (1.0, -1.0)),
             ((9.9, 5.0), (-1.0, 0.5), (-1.0, 0.5)),
             ((0.1, 0.1), (-0.3, -0.4), (0.0, 0.0)),
             // Off the map, any direction may lead back.
@@ -150,6 +151,61 @@ mod tests {
             let along =
                 along(&blob, &vehicle, Vec2::new(position.0, position.1), Vec2::new(sum.0, sum.1));
             assert_eq!(along, Vec2::new(expected.0, expected.1), "{position:?} {sum:?}");
+        }
+    }
+
+    #[test]
+    fn arcs_end_where_geometry_says() {
+        let quarter_m = 0.25 * scalar::PI;
+        for (length_m, curvature_per_m, x, y) in [
+            (1.0, 0.0, 1.0, 0.0),
+            (1.0, 0.005, 1.0, 0.0),
+            (quarter_m, 2.0, 0.5, 0.5),
+            (quarter_m, -2.0, 0.5, -0.5),
+            (10.0, 2.0, 0.0, 1.0),
+        ] {
+            let end = along_arc(length_m, curvature_per_m);
+            assert!((end - Vec2::new(x, y)).norm() < 3e-3, "{length_m} {curvature_per_m}: {end:?}");
+        }
+    }
+
+    /// The default vehicle stops from 1.6 m/s within 0.8 m, from half of it within 0.24 m, then 0.08
+    /// and 0.03 m. At 1.6 m/s and 2 rad/s its arc has a radius of 0.8 m.
+    #[test]
+    fn the_speed_is_the_first_half_that_stops_on_the_map() {
+        use core::f32::consts::FRAC_PI_2;
+        let bytes = square();
+        let blob = Blob::parse(&bytes).expect("the blob is valid");
+        let rover = Parameters::default().vehicle;
+        let car = Vehicle { steering: Steering::Ackermann, min_turn_radius_m: 0.5, ..rover };
+        let boat = Vehicle { steering: Steering::Boat, ..rover };
+        let drifting = Moving { drift_mps: 0.4, ..RESTING };
+        let north = FRAC_PI_2;
+        for (vehicle, now, (x, y), heading_rad, (speed, turn), expected) in [
+            (&rover, RESTING, (9.0, 5.0), 0.0, (1.6, 0.0), 1.6),
+            (&rover, RESTING, (9.3, 5.0), 0.0, (1.6, 0.0), 0.8),
+            (&rover, RESTING, (9.8, 5.0), 0.0, (1.6, 0.0), 0.4),
+            (&rover, RESTING, (9.95, 5.0), 0.0, (1.6, 0.0), 0.2),
+            (&rover, RESTING, (9.99, 5.0), 0.0, (1.6, 0.0), 0.0),
+            (&rover, RESTING, (0.7, 5.0), 0.0, (-1.6, 0.0), -0.8),
+            (&rover, RESTING, (10.5, 5.0), 0.0, (1.6, 0.0), 1.6),
+            (&rover, RESTING, (9.5, 5.0), north, (1.6, -2.0), 1.6),
+            (&rover, RESTING, (9.7, 5.0), north, (1.6, -2.0), 0.8),
+            (&rover, RESTING, (9.935, 5.0), north, (1.6, -2.0), 0.4),
+            // A car's arc is no tighter than its circle.
+            (&car, RESTING, (9.935, 5.0), north, (1.6, -2.0), 0.8),
+            // Southward and astern, a clockwise turn leads to the east.
+            (&rover, RESTING, (0.3, 5.0), -north, (-1.6, -2.0), -1.6),
+            (&rover, RESTING, (9.7, 5.0), -north, (-1.6, -2.0), -0.8),
+            (&boat, drifting, (5.0, 9.7), 0.0, (0.5, 0.0), 0.5),
+            (&boat, drifting, (5.0, 9.75), 0.0, (0.5, 0.0), 0.25),
+            (&boat, drifting, (5.0, 0.25), 0.0, (0.5, 0.0), 0.25),
+            (&boat, drifting, (5.0, 9.8), 0.0, (0.5, 0.0), 0.0),
+        ] {
+            let wanted = Twist { speed_mps: speed, turn_rate_radps: turn };
+            let kept = stay(&blob, vehicle, Vec2::new(x, y), heading_rad, &now, wanted);
+            let case = std::format!("{:?} {x},{y} {speed} {turn}", vehicle.steering);
+            assert_eq!(kept, Twist { speed_mps: expected, ..wanted }, "{case}");
         }
     }
 

@@ -4,6 +4,7 @@
 use super::{Failure, print_text};
 use crate::cli::Explain;
 use behaviour::{Behaviours, Phase};
+use controller::detour::Rule;
 use controller::ranges::RangeTrust;
 use controller::{Blend, Explanation, State};
 use maps::problem::Problem;
@@ -295,7 +296,14 @@ fn write_blend(text: &mut String, blend: &Blend) -> std::fmt::Result {
     ] {
         writeln!(text, "schema     {name:<6} {gain:.2} x {}", vector(of))?;
     }
-    writeln!(text, "sum        {}", vector(blend.sum))
+    writeln!(text, "sum        {}", vector(blend.sum))?;
+    let rule = match blend.rule {
+        Rule::None => return Ok(()),
+        Rule::Swirl => "swirl: the direction of the sum is closed, so an open one beside it",
+        Rule::Detour => "detour: along an obstacle, after a time without progress",
+        Rule::BackOut => "back out: astern, for want of room to turn ahead",
+    };
+    writeln!(text, "rule       {rule}")
 }
 
 fn vector(of: Vec2) -> String {

@@ -1,9 +1,9 @@
 //! Robots with default parameters in tight worlds: they arrive, and they touch nothing.
 
 use harness::drive_bench::table::Numbers;
-use harness::drive_bench::{Drives, Row, Run, Suite, VehicleKind, courses, rows};
+use harness::drive_bench::{Drives, Row, Run, Suite, VehicleKind, courses, drive, record, rows};
 use harness::mission;
-use harness::setup::root;
+use harness::setup::{self, root};
 use maps::{Extent, Feature, Map, Role, Shape};
 use math::scalar::wide;
 use robot_io::Reason;
@@ -106,6 +106,37 @@ fn a_car_and_a_boat_get_out_of_narrow_places() {
             assert!(failed.is_empty(), "{:?}: {failed:?}", rows()[row].setting);
         }
     }
+}
+
+/// The trace of a benchmark's run explains why a car drives astern.
+#[test]
+fn a_trace_says_that_a_car_backs_out() {
+    let courses = courses(&[Suite::Courtyards], None, 3, 1).expect("seeded courses need no files");
+    let all = rows();
+    let is_wanted =
+        |row: &Row| row.suite == Suite::Courtyards && row.setting.vehicle == VehicleKind::Ackermann;
+    let row = (0..all.len()).find(|&row| is_wanted(&all[row])).expect("there is such a row");
+    let folder = tempfile::tempdir().expect("the system has a folder for temporary files");
+    let path = folder.path().join("court.trace");
+    let mut backed_out = 0;
+    for course in &courses {
+        let (driven, trace) = record(row, &all[row].setting, course).expect("the course is sound");
+        let again = drive(row, &all[row].setting, course).expect("the course is sound");
+        assert_eq!(driven.run, again.run, "recording changes nothing");
+        std::fs::write(&path, trace.to_bytes()).expect("the folder is writable");
+        let speed = |tick: usize| trace.percepts[tick].speed_mps.unwrap_or(0.0);
+        let astern = (1..trace.percepts.len() - 1)
+            .find(|&at| speed(at - 1) < 0.0 && speed(at + 1) < speed(at));
+        let Some(tick) = astern else { continue };
+        let explained = std::process::Command::new(setup::plan_compiler().expect("it builds"))
+            .args(["explain", path.to_str().expect("a plain path"), "--tick", &tick.to_string()])
+            .output()
+            .expect("it runs");
+        let text = String::from_utf8_lossy(&explained.stdout).into_owned();
+        assert!(text.contains("rule       back out: astern"), "{text}");
+        backed_out += 1;
+    }
+    assert!(backed_out > 0, "no car had to back out");
 }
 
 /// Cities where the route lies between a house and the edge of the map: the turns of a car, and houses
