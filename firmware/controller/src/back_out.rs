@@ -353,6 +353,18 @@ mod tests {
         assert!(twist.turn_rate_radps <= 0.0, "{twist:?}");
     }
 
+    /// With 6 cm on either side astern, a car turns; a boat would drift by 9 cm and backs out straight.
+    #[test]
+    fn a_boat_backs_out_straight_where_it_would_drift_against_something() {
+        let beside = [(-1.9, 0.38), (1.9, 0.38)];
+        let all: heapless::Vec<(f32, f32), 16> = WALL.iter().chain(&beside).copied().collect();
+        let turn_radps = |vehicle: &Vehicle| {
+            first(vehicle, &all, NOWHERE, left()).expect("a way is free").turn_rate_radps
+        };
+        assert!(turn_radps(&car()) > 0.0);
+        assert_eq!(turn_radps(&Vehicle { steering: Steering::Boat, ..car() }), 0.0);
+    }
+
     #[test]
     fn a_stop_of_another_kind_ends_a_leg() {
         let vehicle = car();

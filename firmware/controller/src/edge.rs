@@ -192,7 +192,7 @@ mod tests {
             (&rover, RESTING, (9.5, 5.0), north, (1.6, -2.0), 1.6),
             (&rover, RESTING, (9.7, 5.0), north, (1.6, -2.0), 0.8),
             (&rover, RESTING, (9.935, 5.0), north, (1.6, -2.0), 0.4),
-            // A car's arc is no tighter than its circle.
+            // A car's arc has at least the radius of its circle.
             (&car, RESTING, (9.935, 5.0), north, (1.6, -2.0), 0.8),
             // Southward and astern, a clockwise turn leads to the east.
             (&rover, RESTING, (0.3, 5.0), -north, (-1.6, -2.0), -1.6),
