@@ -8,7 +8,7 @@ use plan_format::limits::MAX_BEHAVIOURS;
 use plan_format::mission::{Behaviour, Condition, Description, Facts, Mission, SwitchPoint};
 
 /// The facts that an engaged behaviour may change.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Effects {
     may_add: Facts,
     may_delete: Facts,
@@ -238,5 +238,48 @@ impl Behaviours {
         let forest = &self.plans.forest;
         let owner = |id| forest.get(id).map(|component| usize::from(component.owner));
         forest.running().any(|id| owner(id) == Some(index))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Facts 0 to 3, so that each set has members in common with the other and of its own.
+    #[test]
+    fn effects_are_sets() {
+        let (a, b) = (
+            Effects { may_add: 0b0011, may_delete: 0b0110 },
+            Effects { may_add: 0b0110, may_delete: 0b1100 },
+        );
+        assert_eq!(a.and(b), Effects { may_add: 0b0111, may_delete: 0b1110 });
+        assert_eq!(a.without(b), Effects { may_add: 0b0001, may_delete: 0b0010 });
+        let held = Condition { must: 0b0011, must_not: 0b0101 };
+        assert_eq!(a.spared(held), Condition { must: 0b0001, must_not: 0b0100 });
+        let twice = Effects { may_add: 1, may_delete: 1 };
+        assert!(Effects::default().is_empty() && !twice.is_empty());
+        for (effects, is_danger) in [
+            (Effects { may_add: 0, may_delete: 0b0001 }, true),
+            (Effects { may_add: 0b0100, may_delete: 0 }, true),
+            (Effects { may_add: 0b0010, may_delete: 0b0100 }, false),
+        ] {
+            assert_eq!(effects.endanger(held), is_danger);
+        }
+    }
+
+    /// What a component adds and what its goal says hold after it, in part the same.
+    #[test]
+    fn a_component_changes_what_it_says_and_what_its_goal_says() {
+        let description = Description {
+            add: 0b0011,
+            delete: 0b0100,
+            goal: Condition { must: 0b0110, must_not: 0b1100 },
+            initial: Condition::default(),
+            transient: Condition::default(),
+            max_speed_mps: f32::INFINITY,
+            min_distance_m: 0.0,
+        };
+        let effects = Effects::at_end(description);
+        assert_eq!(effects, Effects { may_add: 0b0111, may_delete: 0b1100 });
     }
 }

@@ -62,6 +62,7 @@ fn every_source_is_heard() {
     let bytes = blob(mission);
     let mut robot = Robot::new(&bytes);
     robot.go("channel=0.3333 at=0,0 tick=2000");
+    assert!(robot.report.criticalities[3] < 0.06, "the output is not on yet");
     robot.go("x1");
     // A third of a tank for 300 m, less the cost of 50 m.
     let expected = [0.3333, 0.5, 0.5, 0.9444, 0.5, 0.5, 0.6667, 0.5];
@@ -69,6 +70,8 @@ fn every_source_is_heard() {
         let found = robot.report.criticalities[behaviour];
         assert!((found - expected).abs() < 0.01, "{behaviour}: {found}, not {expected}");
     }
+    robot.go("at=6,8");
+    assert!((robot.report.criticalities[2] - 0.5).abs() < 0.01, "as far from the other side");
     robot.go("at=?");
     assert!(robot.report.criticalities[2] < 0.06, "a distance needs a position");
     robot.go("at=0,0 channel=?");

@@ -389,6 +389,38 @@ fn an_action_that_would_violate_what_another_one_protects_does_not_begin() {
     );
 }
 
+/// What a start-up protects while it runs excludes others too.
+#[test]
+fn a_start_up_protects_its_interval() {
+    check(
+        "input a
+         input b
+         fact clean symbol
+         action wash hold 100; adds clean
+         action look hold 200
+         action step hold 200
+         action spray hold 100; deletes clean
+         frame prepare
+         = wash look look; protect clean 1 3
+         frame survey
+         = step step
+         frame spraying
+         = step spray
+         behaviour surveyor survey; when a NB NM NS ZO PS PM PB; resources 1; start-up prepare
+         behaviour sprayer spraying; when b NB NM NS ZO PS PM PB; resources 2",
+        "a=0.3333 b=0.5\na=0 x8",
+        "1: sprayer engaged, surveyor prepares, [wash look look], [step spray], wash & step
+         2: look & step
+         3: sprayer waits: surveyor excludes it, look
+         4: sprayer interrupted by surveyor, look
+         5: sprayer waits: surveyor excludes it, look
+         6: surveyor engaged, sprayer resumed, [step step], step & spray
+         7: sprayer finished, sprayer engaged, [step spray], step & step
+         8: step & step
+         9: step & spray",
+    );
+}
+
 /// A sleeper of whose facts one is violated protects the others still.
 #[test]
 fn what_is_not_violated_stays_protected() {

@@ -114,6 +114,15 @@ fn hysteresis_and_dwell_keep_two_behaviours_from_chattering() {
          6: b waits: a is at no point, three
          7: a finished, b engaged, [other], other",
     );
+    // At the vertex of tick 3, the dwell is just over.
+    check(
+        &two("; dwell 200"),
+        "first=0.5 second=0\nsecond=0.6667 x3",
+        "1: a engaged, [one:5 two:2 three], one
+         2: b waits: a has just begun, one
+         3: a interrupted by b losing 5, b engaged, [other], other
+         4: other",
+    );
 }
 
 /// H32: two behaviours with nearly equal criticalities and noisy inputs alternate only as often as
