@@ -139,7 +139,7 @@ mod tests {
         assert_eq!(linked(&MATES), 2.0);
         assert_eq!(oldest_news_s(&MATES, 0b1110), Some(3.0));
         assert_eq!(oldest_news_s(&MATES, 0b1_1110), None, "mate 4 was never heard");
-        assert_eq!(distance_m(&MATES, 0b1110, Some(Vec2::zeros())), Some(3.0));
+        assert_eq!(distance_m(&MATES, 0b1110, Some(Vec2::new(1.0, 0.0))), Some(2.0));
         assert_eq!(distance_m(&MATES, 0b1000, Some(Vec2::zeros())), None, "its link is lost");
         assert_eq!([quality(&MATES, 1), quality(&MATES, 3), quality(&MATES, 4)], [0.5, 0.0, 0.0]);
     }

@@ -112,6 +112,24 @@ fn every_kind_of_fact() {
     }
 }
 
+/// An action that drives begins without the standstill of the one before it.
+#[test]
+fn a_new_drive_is_not_stuck_yet() {
+    check(
+        "input a
+         fact stuck stuck 1 200
+         action first wander 90000; until stuck
+         action second wander 90000; until stuck
+         frame work
+         = first second
+         behaviour a work; when always PS",
+        "at=0,0 x7",
+        "1: a engaged, [first second], first
+         2: first
+         5: second",
+    );
+}
+
 /// A clock that jumps back neither ends nor starts an action.
 #[test]
 fn a_clock_that_jumps_back_stops_nothing() {

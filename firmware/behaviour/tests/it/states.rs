@@ -21,6 +21,30 @@ const ALL: &str = "
     behaviour b work; when second NB NM NS ZO PS PM PB; start-up prepare; shut-down tidy
 ";
 
+#[test]
+fn a_failure_leaves_the_start_up_of_another_alone() {
+    check(
+        "input a
+         action long hold 400
+         action bad hold 90000; timeout 100
+         frame prepare
+         = long
+         frame work
+         = long
+         frame failing
+         = bad
+         behaviour a work; when always PS; resources 1; start-up prepare
+         behaviour b failing; when always PS; resources 2",
+        "x6",
+        "1: a prepares, b engaged, [long], [bad], long & bad
+         2: long & bad
+         3: bad timed out, failing NothingApplicable, b failed, long
+         4: long
+         5: a engaged, [long], long
+         6: long",
+    );
+}
+
 /// Every state of a behaviour, and every transition.
 #[test]
 fn the_states_and_the_ways_between_them() {
