@@ -2,8 +2,8 @@
 //!
 //! Advice and detours name a direction, as if the robot could turn on the spot. A differential
 //! vehicle can. A car or a boat needs a circle, and where an obstacle lies on that circle the brakes
-//! stop it. It then drives astern, and turns towards the wanted direction while it does:
-//! the second leg of a three-point turn.
+//! stop it. The vehicle then drives astern, and turns towards the wanted direction meanwhile: the second
+//! leg of a three-point turn.
 //!
 //! - It begins when the robot has almost come to rest and cannot begin its circle ahead.
 //! - It ends when the circle is free up to the wanted direction, when nothing is free astern, or
@@ -22,7 +22,7 @@ use plan_format::parameters::{BackOut, Steering, Vehicle};
 use robot_io::{Commands, Reason};
 use serde::{Deserialize, Serialize};
 
-use crate::brake::{Moving, drift_m, steady_drift_mps};
+use crate::brake::{Moving, drift_m};
 use crate::drive::{Twist, circle_m};
 use crate::obstacles::{Arc, Body, Kind, Obstacles};
 use crate::scan::Points;
@@ -104,14 +104,14 @@ impl BackingOut {
         Some(Twist { speed_mps: -speed_mps, turn_rate_radps: curvature_per_m * speed_mps })
     }
 
-    /// A new leg, if the brakes hold the robot and leave a way astern.
+    /// A new leg, if the robot cannot begin its way ahead.
     fn begun(&self, situation: &Situation<'_>, turn_rad: f32, circle_m: f32) -> Option<Leg> {
         let leg = Leg { is_to_the_left: turn_rad >= 0.0, driven_m: 0.0 };
-        let Situation { vehicle, near, now, .. } = situation;
+        let &Situation { vehicle, near, now, .. } = situation;
         let is_held = now.twist.speed_mps.abs() < RESTING_MPS
             && (self.is_blocked
                 || !can_begin(vehicle, near, towards(turn_rad, circle_m, BEGINNING_M)));
-        (is_held && leg.open_curvature(situation, circle_m).is_some()).then_some(leg)
+        is_held.then_some(leg)
     }
 
     /// Takes over the commands that leave a tick. Whatever else stops the robot ends the leg.
@@ -162,7 +162,7 @@ fn towards(turn_rad: f32, circle_m: f32, length_m: f32) -> f32 {
 fn is_free(vehicle: &Vehicle, near: &Obstacles, length_m: f32, curvature_per_m: f32) -> bool {
     let speed_mps = vehicle.cautious_speed_mps;
     let turn = Twist { speed_mps, turn_rate_radps: curvature_per_m * speed_mps };
-    let drift_m = drift_m(vehicle, steady_drift_mps(vehicle, &turn), speed_mps);
+    let drift_m = drift_m(vehicle, 0.0, &turn, speed_mps);
     let body = Body { radius_m: vehicle.radius_m, aside_m: ASIDE_M + drift_m };
     near.leave_free(Kind::Seen, &body, &Arc::new(length_m, curvature_per_m))
 }

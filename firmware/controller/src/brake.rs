@@ -72,8 +72,9 @@ pub fn next_drift_mps(drift_mps: f32, steady_mps: f32, elapsed_s: f32) -> f32 {
 }
 
 /// How far a boat drifts aside while it stops from a speed and until drag has ended the drift,
-/// metres.
-pub fn drift_m(vehicle: &Vehicle, drift_mps: f32, speed_mps: f32) -> f32 {
+/// metres. It drifts at `drift_mps` now and makes a `turn`.
+pub fn drift_m(vehicle: &Vehicle, drift_mps: f32, turn: &Twist, speed_mps: f32) -> f32 {
+    let drift_mps = steady_drift_mps(vehicle, turn).max(drift_mps);
     let stopping_s = vehicle.latency_us as f32 * 1e-6 + speed_mps / vehicle.braking_mps2;
     drift_mps * (DRIFT_S + 0.5 * stopping_s)
 }
@@ -83,7 +84,7 @@ pub fn within_m(vehicle: &Vehicle, age_s: f32) -> f32 {
     let top_mps = vehicle.max_speed_mps;
     let stopping_m = vehicle.stopping_distance_m(top_mps) + top_mps * age_s;
     let fastest = Twist { speed_mps: top_mps, turn_rate_radps: vehicle.max_turn_rate_radps };
-    let drift_m = drift_m(vehicle, steady_drift_mps(vehicle, &fastest), top_mps);
+    let drift_m = drift_m(vehicle, 0.0, &fastest, top_mps);
     let aside_m = ASIDE_M + ASIDE_PER_SPEED_S * top_mps + drift_m;
     vehicle.radius_m.max(vehicle.stop_distance_m) + aside_m + vehicle.stop_distance_m + stopping_m
 }
@@ -149,8 +150,7 @@ pub fn brake(
         let length_m = stopping_m(speed_mps);
         // The present drift goes on into the next turn.
         let turn = Twist { speed_mps: speed_mps.max(least_mps), turn_rate_radps };
-        let drift_mps = steady_drift_mps(vehicle, &turn).max(moving.drift_mps);
-        let drift_m = drift_m(vehicle, drift_mps, speed_mps);
+        let drift_m = drift_m(vehicle, moving.drift_mps, &turn, speed_mps);
         let body = Body { aside_m: aside_m(speed_mps) + drift_m, ..bare };
         let arc = Arc::new(length_m + vehicle.stop_distance_m, curvature);
         near.leave_free(Kind::Seen, &body, &arc)

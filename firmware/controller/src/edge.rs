@@ -1,10 +1,9 @@
 //! Keeps the robot from driving off its map.
 //!
-//! The plan ends at the edge of the map, and a robot beyond it stops ([`Reason::OffMap`]). A route
-//! may lie along the edge, where a turn of a car, the drift of a boat or the speed of any robot
-//! would carry it over, and obstacles beside the route repel the robot towards it. So a robot close
-//! to the edge drives along it, and the speed is limited as the brakes limit it before an obstacle:
-//! the robot can stop before the edge, on the arc that it drives.
+//! The plan ends at the edge of the map, and a robot beyond it stops ([`Reason::OffMap`]). Where a
+//! route lies along the edge, obstacles beside it repel the robot towards the edge, and a turn, a
+//! boat's drift or speed may carry it over. So a robot close to the edge drives along it. Its speed
+//! is limited as before an obstacle: it can stop before the edge, on the arc that it drives.
 //!
 //! Only where `trouble.off_map` says that a robot off its map stops. The position is believed as it
 //! is, so a robot may still leave the map by the error of its position.
@@ -13,9 +12,9 @@
 
 use math::{Vec2, scalar, vector};
 use plan_format::Blob;
-use plan_format::parameters::Vehicle;
+use plan_format::parameters::{OnTrouble, Vehicle};
 
-use crate::brake::{self, Moving, steady_drift_mps};
+use crate::brake::{self, Moving};
 use crate::drive::{Twist, circle_m};
 
 /// Speeds that are tried, each half of the one before.
@@ -34,12 +33,11 @@ pub fn stay(
     wanted: Twist,
 ) -> Twist {
     let fastest_mps = wanted.speed_mps.abs().min(vehicle.max_speed_mps);
-    if fastest_mps == 0.0 || blob.cell_at(position).is_none() {
+    if fastest_mps == 0.0 || !must_stay(blob, position) {
         return wanted;
     }
     let fastest = Twist { speed_mps: fastest_mps, ..wanted };
-    let drift_mps = steady_drift_mps(vehicle, &fastest).max(now.drift_mps);
-    let drift_m = brake::drift_m(vehicle, drift_mps, fastest_mps);
+    let drift_m = brake::drift_m(vehicle, now.drift_mps, &fastest, fastest_mps);
     if is_far_from_edge(blob, position, vehicle.stopping_distance_m(fastest_mps) + drift_m) {
         return wanted;
     }
@@ -54,8 +52,7 @@ pub fn stay(
         let curvature = scalar::clamp(turn_radps / speed_mps, -tightest_per_m, tightest_per_m);
         let length_m = vehicle.stopping_distance_m(speed_mps);
         let turn = Twist { speed_mps, turn_rate_radps: curvature * speed_mps };
-        let drift_mps = steady_drift_mps(vehicle, &turn).max(now.drift_mps);
-        let drift_m = brake::drift_m(vehicle, drift_mps, speed_mps);
+        let drift_m = brake::drift_m(vehicle, now.drift_mps, &turn, speed_mps);
         // On the way, at its end, and beside that, where a boat may have drifted.
         [(0.5, 0.0), (1.0, drift_m), (1.0, -drift_m)].into_iter().all(|(share, aside_m)| {
             let way = along_arc(share * length_m, curvature) + Vec2::new(0.0, aside_m);
@@ -77,7 +74,7 @@ pub fn stay(
 /// The blended vector without its part that leads off the map from close to the edge, map axes: the
 /// robot drives along the edge instead.
 pub fn along(blob: &Blob<'_>, vehicle: &Vehicle, position: Vec2, sum: Vec2) -> Vec2 {
-    if blob.cell_at(position).is_none() || is_far_from_edge(blob, position, vehicle.radius_m) {
+    if !must_stay(blob, position) || is_far_from_edge(blob, position, vehicle.radius_m) {
         return sum;
     }
     let leads_off = |step: Vec2| blob.cell_at(position + step * vehicle.radius_m).is_none();
@@ -86,6 +83,11 @@ pub fn along(blob: &Blob<'_>, vehicle: &Vehicle, position: Vec2, sum: Vec2) -> V
         if is_off { 0.0 } else { part }
     };
     Vec2::new(part(sum.x, Vec2::new(1.0, 0.0)), part(sum.y, Vec2::new(0.0, 1.0)))
+}
+
+/// Whether the robot is on its map, and would stop beyond the edge.
+fn must_stay(blob: &Blob<'_>, position: Vec2) -> bool {
+    blob.parameters().trouble.off_map == OnTrouble::Stop && blob.cell_at(position).is_some()
 }
 
 /// Whether the edge of the map is farther than `reach_m` in each direction.

@@ -320,9 +320,6 @@ fn kept_on_map(
     now: &brake::Moving,
     twist: Twist,
 ) -> Result<Twist, Reason> {
-    if blob.parameters().trouble.off_map != OnTrouble::Stop {
-        return Ok(twist);
-    }
     let kept = edge::stay(blob, vehicle, position, heading_rad, now, twist);
     let turns = kept.turn_rate_radps != 0.0 && drive::circle_m(vehicle) == 0.0;
     let stands = twist.speed_mps != 0.0 && kept.speed_mps == 0.0 && !turns;
@@ -402,12 +399,8 @@ fn decide(
         noise: state.noise.next(schema.noise_persistence_ticks),
     };
     let sum = schemas::blend(&guidance.gains, schema, &vectors);
-    let must_stay = parameters.trouble.off_map == OnTrouble::Stop;
-    let on_map = if parameters.blend == Route && must_stay {
-        edge::along(blob, vehicle, position, sum)
-    } else {
-        sum
-    };
+    let on_map =
+        if parameters.blend == Route { edge::along(blob, vehicle, position, sum) } else { sum };
     let ahead = vector::rotated(on_map, -heading_rad);
     let (ahead, rule) = if parameters.blend == Route {
         let situation = detour::Situation {
@@ -425,12 +418,12 @@ fn decide(
     let is_repelled = guidance.gains.reactive * schema.avoid_gain > 0.0 && repulsion.is_saturated;
     let limit_mps = guidance::speed_limit(blob, &state.progress, guidance.layer, position);
     let vehicle = limit::in_speed_zone(vehicle, limit_mps);
-    let backing = (parameters.blend == Route)
-        .then(|| {
-            let situation = back_out::Situation { vehicle: &vehicle, near, seen: points, now };
-            state.backing_out.choose(&situation, ahead)
-        })
-        .flatten();
+    let backing = if parameters.blend == Route {
+        let situation = back_out::Situation { vehicle: &vehicle, near, seen: points, now };
+        state.backing_out.choose(&situation, ahead)
+    } else {
+        None
+    };
     let (twist, rule) = match backing {
         Some(twist) => (twist, detour::Rule::BackOut),
         None => (drive::drive(&vehicle, ahead, is_repelled), rule),
