@@ -1,10 +1,11 @@
 //! Robots with default parameters in tight worlds: they arrive, and they touch nothing.
 
 use harness::drive_bench::table::Numbers;
+use harness::drive_bench::worlds;
 use harness::drive_bench::{Drives, Row, Run, Suite, VehicleKind, courses, drive, record, rows};
 use harness::mission;
 use harness::setup::{self, root};
-use maps::{Extent, Feature, Map, Role, Shape};
+use maps::Shape;
 use math::scalar::wide;
 use robot_io::Reason;
 use sim::{Difference, HostPilot, Outcome, Random, SensorSettings, Start, Stream, World};
@@ -159,17 +160,7 @@ fn a_car_does_not_leave_its_map_along_the_edge() {
 fn leaving_an_alley(steering: &str, width_m: f64, behind: Option<Shape>) -> Outcome {
     let (left, right) = (4.0, 4.0 + width_m);
     let alley = Shape::Polyline(vec![[left, 8.0], [left, 2.0], [right, 2.0], [right, 8.0]]);
-    let obstacle = |shape| Feature {
-        shape,
-        role: Role::Obstacle,
-        name: String::new(),
-        height_m: None,
-        span: 0..0,
-    };
-    let map = Map {
-        features: [alley].into_iter().map(obstacle).collect(),
-        ..Map::empty(Extent { corner: [0.0, 0.0], size: [12.0, 12.0] })
-    };
+    let map = worlds::map([0.0, 0.0], [12.0, 12.0], vec![alley]);
     let circle = if steering == "ackermann" { "min_turn_radius = 0.5\n" } else { "" };
     let mission = format!(
         "resolution = 0.1\n[goals]\ngoal = [8, 10]\n[vehicle]\nradius = 0.25\nmax_speed = 1\n\

@@ -336,7 +336,8 @@ fn rover(
     }
 }
 
-fn map(corner: Point, size: Point, shapes: Vec<Shape>) -> Map {
+/// A map of obstacles: its south-west corner and its size, metres.
+pub fn map(corner: Point, size: Point, shapes: Vec<Shape>) -> Map {
     let feature = |shape| Feature {
         shape,
         role: Role::Obstacle,
