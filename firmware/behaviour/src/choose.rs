@@ -206,7 +206,7 @@ impl Behaviours {
         }
         let is_better_ahead = behaviour.switch_point == SwitchPoint::Best && {
             let mut is_better = false;
-            self.plans.grid.points(mission, index as Owner, &mut |point| {
+            self.plans.grid().points(mission, index as Owner, &mut |point| {
                 is_better |= point.lost_work < status.lost_work && !effects.endanger(point.held);
             });
             is_better
@@ -230,7 +230,7 @@ impl Behaviours {
 
     /// What the protection intervals in force in a plan protect together.
     pub(crate) fn held_by(&self, owner: Owner) -> Condition {
-        self.plans.grid.held(owner).fold(Condition::default(), |all, (_, held)| all.and(held))
+        self.plans.grid().held(owner).fold(Condition::default(), |all, (_, held)| all.and(held))
     }
 
     /// Whether an action of a behaviour's plan runs, so that the plan is between vertices.

@@ -116,12 +116,12 @@ pub use mates::Mate;
 pub use report::{Decision, MAX_DECISIONS, Refusal, Report};
 pub use run::{MAX_RUNNING, Running, RunningAction};
 
-use grammar::Forest;
+use grammar::{Forest, Tell};
 use inputs::Senses;
 use math::Vec2;
-use monitor::{Signal, SituationGrid};
-use parts::bits::{bit16, members};
-use parts::{Event, Id, Owner};
+use monitor::{Assumptions, Signal, SituationGrid};
+use parts::bits::{Slots, bit16, members};
+use parts::{Id, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
 use plan_format::mission::{Condition, FactKind, Facts, Mission};
 
@@ -215,8 +215,8 @@ pub struct Behaviours {
     /// When each running action was started, and each frame that is timed; of a frame whose
     /// behaviour sleeps, how long it had lasted. Microseconds.
     pub(crate) started_us: [u64; MAX_COMPONENTS],
-    /// Slots of decomposed frames that end by a condition or by a time, one bit each.
-    pub(crate) timed: u32,
+    /// Slots of decomposed frames that end by a condition or by a time.
+    pub(crate) timed: Slots,
     /// The component whose doubts were reported last.
     pub(crate) last_doubt: u8,
 }
@@ -228,11 +228,11 @@ pub(crate) struct Context<'a> {
     pub(crate) report: &'a mut Report,
 }
 
-/// The live plans, and the situation grid that follows each change in them.
+/// The live plans, and what they assume.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Plans {
     pub(crate) forest: Forest,
-    pub(crate) grid: SituationGrid,
+    pub(crate) assumptions: Assumptions,
     /// Behaviours that have reached a vertex since they last advanced, one bit each.
     pub(crate) reached: u16,
     /// Behaviours for whose next point another one waits, one bit each.
@@ -305,8 +305,8 @@ impl Behaviours {
     }
 
     /// The situation grid: the components of all plans, and the relations between them.
-    pub fn grid(&self) -> &SituationGrid {
-        &self.plans.grid
+    pub fn grid(&self) -> SituationGrid<'_> {
+        self.plans.grid()
     }
 
     /// Number of components in all plans.
@@ -319,17 +319,21 @@ impl Plans {
     /// A conflict for the report, with what its component is.
     pub(crate) fn conflict(&self, signal: Signal) -> Decision {
         let (Signal::Evident { id, .. } | Signal::Possible { id, .. }) = signal;
-        Decision::Conflict { signal, symbol: self.grid.get(id).map(|part| part.symbol) }
+        Decision::Conflict { signal, symbol: self.grid().get(id).map(|part| part.symbol) }
     }
 
-    /// Changes the plans and applies the events to the situation grid.
+    pub(crate) fn grid(&self) -> SituationGrid<'_> {
+        SituationGrid::new(self.forest.pool(), &self.assumptions)
+    }
+
+    /// Changes the plans, and what they assume with them.
     pub(crate) fn change<T>(
         &mut self,
         mission: &Mission<'_>,
-        act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T,
+        act: impl FnOnce(&mut Forest, &mut Tell<'_>) -> T,
     ) -> T {
-        let Self { forest, grid, .. } = self;
-        act(forest, &mut |event| grid.apply(mission, &event))
+        let Self { forest, assumptions, .. } = self;
+        act(forest, &mut |pool, event| assumptions.apply(mission, pool, event))
     }
 }
 

@@ -6,7 +6,7 @@ use crate::report::{Decision, Refusal};
 use crate::{Behaviours, Context, behaviour_bit, behaviours_in};
 use grammar::Choice;
 use heapless::Vec;
-use parts::bits::bit;
+use parts::bits::slot;
 use parts::{Component, Id, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS, MAX_STEPS};
 use plan_format::mission::{Action, ActionKind, Condition, Mission, PlanFrame, Production, Symbol};
@@ -120,7 +120,7 @@ impl Behaviours {
             {
                 return step > 0;
             }
-            if let Some(signal) = self.plans.grid.initial(context.mission, id, self.facts()) {
+            if let Some(signal) = self.plans.grid().initial(context.mission, id, self.facts()) {
                 context.report.note(self.plans.conflict(signal));
                 self.fail(owner, id, context);
                 continue;
@@ -150,7 +150,7 @@ impl Behaviours {
             return self.complete(owner, id, context);
         }
         if (record.timeout_ms != 0 || !record.until.is_empty()) && self.plans.forest.is_new(id) {
-            self.timed |= bit(id);
+            self.timed |= slot(id);
             if let Some(started_us) = self.started_us.get_mut(usize::from(id)) {
                 *started_us = self.now_us;
             }
@@ -252,10 +252,10 @@ impl Behaviours {
             matches!(entry.life, Life::Planned | Life::Scheduled)
                 && self.running_owner(index) == Some(entry.owner)
         };
-        let mut ahead = turn.filter(|&id| self.plans.grid.get(id).is_some_and(is_ahead));
+        let mut ahead = turn.filter(|&id| self.plans.grid().get(id).is_some_and(is_ahead));
         let Some(id) = ahead.next() else { return };
         self.last_doubt = id;
-        let (plans, grid) = (&self.plans, &self.plans.grid);
+        let (plans, grid) = (&self.plans, self.plans.grid());
         let mut note = |signal| context.report.note(plans.conflict(signal));
         grid.possible(context.mission, id, self.facts(), &mut note);
         grid.choices(context.mission, id, self.foreign(), &mut note);
@@ -277,7 +277,7 @@ impl Behaviours {
             if is_reported(action.kind) && is_drowned {
                 continue;
             }
-            let (max_speed_mps, min_distance_m) = self.plans.grid.constraints(mission, component);
+            let (max_speed_mps, min_distance_m) = self.plans.grid().constraints(mission, component);
             // At most `MAX_RUNNING` actions run.
             let _ = running.push(RunningAction {
                 behaviour,

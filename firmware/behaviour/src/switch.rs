@@ -4,7 +4,7 @@ use crate::choose::{Claim, Effects};
 use crate::report::Decision;
 use crate::{ACTIVITY, Behaviours, Context, Phase, Status, behaviour_bit, behaviours_in};
 use monitor::{Signal, Violation};
-use parts::bits::members;
+use parts::bits::{Slots, slot, slots_in};
 use parts::{Component, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
 use plan_format::mission::{Behaviour, Condition, Mission, Symbol};
@@ -195,7 +195,7 @@ impl Behaviours {
 
     /// Turns the start times of an owner's timed frames into how long they have lasted, or back.
     fn turn_clocks(&mut self, owner: Owner) {
-        for id in members(self.timed) {
+        for id in slots_in(self.timed) {
             let is_own = self.plans.forest.get(id).is_some_and(|frame| frame.owner == owner);
             if let Some(started_us) = self.started_us.get_mut(usize::from(id)).filter(|_| is_own) {
                 *started_us = self.now_us.saturating_sub(*started_us);
@@ -206,11 +206,11 @@ impl Behaviours {
     /// The lost work of the actions that run now and of the frames above them.
     fn work_under_way(&self, mission: &Mission<'_>, owner: Owner) -> u16 {
         let forest = &self.plans.forest;
-        let (mut sum, mut counted) = (0_u16, 0_u32);
+        let (mut sum, mut counted): (u16, Slots) = (0, 0);
         for action in forest.running() {
             let mut next = Some(action);
             while let Some(id) = next {
-                let bit = 1_u32.wrapping_shl(u32::from(id));
+                let bit = slot(id);
                 let component = forest.get(id).filter(|component| component.owner == owner);
                 // Parallel actions share frames, which count once.
                 let Some(component) = component.filter(|_| counted & bit == 0) else { break };
@@ -298,7 +298,7 @@ impl Behaviours {
 
     /// The deviation closest to the root, and the frame that has to start again.
     fn outermost_deviation(&self, mission: &Mission<'_>, owner: Owner) -> Option<(Signal, u8)> {
-        let grid = &self.plans.grid;
+        let grid = self.plans.grid();
         let facts = self.facts();
         let mut found: Option<(usize, Signal, u8)> = None;
         let mut consider = |signal: Signal| {

@@ -8,7 +8,7 @@ use grammar::Ended;
 use heapless::Vec;
 use math::Vec2;
 use monitor::{Signal, Violation};
-use parts::bits::{bit, members};
+use parts::bits::{slot, slots_in};
 use parts::{Component, Id, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
 use plan_format::mission::{Action, ActionKind, Mission, Symbol};
@@ -72,7 +72,7 @@ impl Behaviours {
     /// interval is violated chooses again.
     fn handle_conflicts(&mut self, owner: Owner, context: &mut Context<'_>) {
         // Further conflicts are still there in the next tick.
-        let evident = self.plans.grid.evident(owner, self.facts());
+        let evident = self.plans.grid().evident(owner, self.facts());
         let mut signals: Vec<Signal, MAX_DEPTH> = Vec::new();
         // Collecting has a panic path. Pushing the first that is too many fails and ends the loop.
         let _ = evident.map(|signal| signals.push(signal)).find(Result::is_err);
@@ -93,12 +93,12 @@ impl Behaviours {
 
     /// Completes the frames whose `until` holds, and fails those that exceed their timeout.
     fn end_frames(&mut self, owner: Owner, context: &mut Context<'_>) {
-        for id in members(self.timed) {
+        for id in slots_in(self.timed) {
             let component = self.plans.forest.get(id).copied();
             let Some(Component { symbol: Symbol::PlanFrame(index), owner: own, life, .. }) =
                 component
             else {
-                self.timed &= !bit(id);
+                self.timed &= !slot(id);
                 continue;
             };
             let frame = context.mission.plan_frames().get(usize::from(index));
@@ -206,7 +206,7 @@ impl Behaviours {
             self.symbols = self.symbols & !description.delete | description.add;
             if !description.goal.holds(self.facts()) {
                 self.symbols = before;
-                if let Some(signal) = self.plans.grid.goal(context.mission, id, self.facts()) {
+                if let Some(signal) = self.plans.grid().goal(context.mission, id, self.facts()) {
                     context.report.note(self.plans.conflict(signal));
                 }
                 return self.fail(owner, id, context);

@@ -1,37 +1,29 @@
 //! The pool of components, and the operations on the plans in it.
 
-use parts::bits::{bit, bit16, members};
-use parts::{Component, Event, Id, Life, Owner};
+use parts::bits::{Slots, bit16, slot, slots_in};
+use parts::{Component, Event, Id, Life, Owner, Pool};
 use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
 use plan_format::mission::{Description, Mission, PlanFrame, Production, Symbol};
 
-/// A component, and the state that only this crate needs.
+/// Hears each change, after it: the pool as it is then, and the change.
+pub type Tell<'t> = dyn FnMut(&Pool, &Event) + 't;
+
+/// The state of a component that only this crate needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Slot {
-    component: Component,
+struct Growth {
     /// Productions that it has tried since it was planned, one bit each.
     tried: u16,
-    /// Edges of its production that are finished, one bit each.
-    finished: u16,
-    /// Slots of its parts, one bit each.
-    parts: u32,
+    /// Slots of its parts.
+    parts: Slots,
     /// Whether tail recursion has restarted it.
     has_restarted: bool,
     /// Its life-cycle state before it was suspended.
     life_before: Life,
 }
 
-impl From<Component> for Slot {
-    fn from(component: Component) -> Self {
-        Self {
-            component,
-            tried: 0,
-            finished: 0,
-            parts: 0,
-            has_restarted: false,
-            life_before: Life::Planned,
-        }
-    }
+impl Growth {
+    const NONE: Self =
+        Self { tried: 0, parts: 0, has_restarted: false, life_before: Life::Planned };
 }
 
 /// The result of decomposing a plan frame.
@@ -69,25 +61,26 @@ pub enum Ended {
 /// The live plans of all behaviours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forest {
-    slots: [Option<Slot>; MAX_COMPONENTS],
-    /// Slots in use, one bit each. These sets spare the tick many searches.
-    taken: u32,
-    /// Slots of scheduled components, one bit each.
-    scheduled: u32,
-    /// Slots of actions that run, one bit each.
-    running: u32,
+    pool: Pool,
+    /// By slot; of a free slot, what its last component had.
+    growths: [Growth; MAX_COMPONENTS],
+    /// Slots of scheduled components. These sets spare the tick many searches.
+    scheduled: Slots,
+    /// Slots of actions that run.
+    running: Slots,
 }
 
 impl Default for Forest {
     fn default() -> Self {
-        Self { slots: [None; MAX_COMPONENTS], taken: 0, scheduled: 0, running: 0 }
+        let growths = [Growth::NONE; MAX_COMPONENTS];
+        Self { pool: Pool::default(), growths, scheduled: 0, running: 0 }
     }
 }
 
 impl Forest {
     /// Plants a plan with one component, its root frame; `None` if the pool is full.
-    pub fn plant(&mut self, owner: Owner, root: u16, tell: &mut dyn FnMut(Event)) -> Option<Id> {
-        let id = self.free_slot()?;
+    pub fn plant(&mut self, owner: Owner, root: u16, tell: &mut Tell<'_>) -> Option<Id> {
+        let id = self.pool.free_slot()?;
         let component = Component {
             symbol: Symbol::PlanFrame(root),
             owner,
@@ -98,40 +91,41 @@ impl Forest {
             life: Life::Planned,
             depth: 0,
             production: None,
+            finished: 0,
         };
         self.add(id, component, tell);
         self.set_life(id, Life::Scheduled, tell);
         Some(id)
     }
 
+    /// The store of the plans.
+    pub fn pool(&self) -> &Pool {
+        &self.pool
+    }
+
     /// A component.
     pub fn get(&self, id: Id) -> Option<&Component> {
-        Some(&self.slot(id)?.component)
+        self.pool.get(id)
     }
 
     /// All components, in the order of their slots.
     pub fn iter(&self) -> impl Iterator<Item = (Id, &Component)> {
-        self.ids().filter_map(|id| Some((id, self.get(id)?)))
-    }
-
-    /// The slots in use, in order; later changes to the pool do not affect the iterator.
-    pub fn ids(&self) -> impl Iterator<Item = Id> + use<> {
-        members(self.taken)
+        self.pool.iter()
     }
 
     /// Number of components.
     pub fn len(&self) -> usize {
-        self.taken.count_ones() as usize
+        self.pool.len()
     }
 
-    /// Whether the pool has no component.
+    /// Whether there is no plan.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.pool.is_empty()
     }
 
     /// Whether a frame has not been decomposed since it was planned or began anew.
     pub fn is_new(&self, id: Id) -> bool {
-        self.slot(id).is_some_and(|slot| slot.tried == 0 && !slot.has_restarted)
+        self.growth(id).is_some_and(|growth| growth.tried == 0 && !growth.has_restarted)
     }
 
     /// The root of an owner's plan.
@@ -143,16 +137,16 @@ impl Forest {
 
     /// The next scheduled component of an owner's plan, a frame or an action.
     pub fn scheduled(&self, owner: Owner) -> Option<Id> {
-        members(self.scheduled).find(|&id| self.get(id).is_some_and(|part| part.owner == owner))
+        slots_in(self.scheduled).find(|&id| self.get(id).is_some_and(|part| part.owner == owner))
     }
 
     /// The slots of all atomic actions that run, in order.
     pub fn running(&self) -> impl Iterator<Item = Id> + use<> {
-        members(self.running)
+        slots_in(self.running)
     }
 
     /// Starts a scheduled atomic action.
-    pub fn start(&mut self, id: Id, tell: &mut dyn FnMut(Event)) {
+    pub fn start(&mut self, id: Id, tell: &mut Tell<'_>) {
         let is_action =
             self.get(id).is_some_and(|component| matches!(component.symbol, Symbol::Action(_)));
         if is_action {
@@ -170,14 +164,17 @@ impl Forest {
         mission: &Mission<'_>,
         id: Id,
         applicability: &mut dyn FnMut(u16, &Production) -> f32,
-        tell: &mut dyn FnMut(Event),
+        tell: &mut Tell<'_>,
     ) -> (Id, Choice) {
         let Some(frame) = self.waiting_frame(mission, id) else {
             return (id, Choice::NotScheduled);
         };
         let id = self.restart(mission, id, tell);
-        let Some(slot) = self.slot(id) else { return (id, Choice::NotScheduled) };
-        let (component, tried, has_restarted) = (slot.component, slot.tried, slot.has_restarted);
+        let (Some(&component), Some(&Growth { tried, has_restarted, .. })) =
+            (self.get(id), self.growth(id))
+        else {
+            return (id, Choice::NotScheduled);
+        };
         let Some((number, production)) = choose(mission, &frame, tried, applicability) else {
             let is_over = has_restarted && tried == 0;
             return (id, if is_over { Choice::LoopEnded } else { Choice::NothingApplicable });
@@ -189,16 +186,14 @@ impl Forest {
             return (id, Choice::NoRoom);
         }
         let chosen = frame.first.saturating_add(u16::from(number));
-        if let Some(slot) = self.slot_mut(id) {
-            slot.component.production = Some(chosen);
-            slot.tried |= bit16(number);
-            slot.finished = 0;
+        if let Some(growth) = self.growth_mut(id) {
+            growth.tried |= bit16(number);
         }
         self.set_life(id, Life::Started, tell);
-        tell(Event::Decomposed { id, production: chosen });
+        self.change(Event::Decomposed { id, production: chosen }, tell);
         let edges = mission.edges_of(&production);
         for (number, edge) in (0..).zip(edges) {
-            let Some(slot) = self.free_slot() else { break };
+            let Some(slot) = self.pool.free_slot() else { break };
             let part = Component {
                 symbol: edge.symbol,
                 owner: component.owner,
@@ -209,6 +204,7 @@ impl Forest {
                 life: Life::Planned,
                 depth: component.depth.saturating_add(1),
                 production: None,
+                finished: 0,
             };
             self.add(slot, part, tell);
         }
@@ -218,16 +214,14 @@ impl Forest {
 
     /// Finishes a component, which leaves the plan. Components that waited only for it are
     /// scheduled; if its parent waits for nothing else, the caller has to finish the parent next.
-    pub fn finish(&mut self, mission: &Mission<'_>, id: Id, tell: &mut dyn FnMut(Event)) -> Ended {
+    pub fn finish(&mut self, mission: &Mission<'_>, id: Id, tell: &mut Tell<'_>) -> Ended {
         let Some(component) = self.get(id).copied() else { return Ended::GoesOn };
         self.abandon_below(id, tell);
         self.set_life(id, Life::Finished, tell);
         self.delete(id, tell);
         let Some(parent) = component.parent else { return Ended::RootFinished };
-        let Some(production) = self.finish_edge(mission, parent, component.edge) else {
-            return Ended::GoesOn;
-        };
-        if self.slot(parent).is_some_and(|frame| frame.finished == all_edges(&production)) {
+        let Some(production) = self.production_of(mission, parent) else { return Ended::GoesOn };
+        if self.get(parent).is_some_and(|frame| frame.finished == all_edges(&production)) {
             return Ended::Completes(parent);
         }
         self.schedule_at(parent, component.to, tell);
@@ -240,13 +234,13 @@ impl Forest {
         let parent = component.parent?;
         let production = self.production_of(mission, parent)?;
         let all = all_edges(&production);
-        let finished = self.slot(parent)?.finished | bit16(component.edge);
+        let finished = self.get(parent)?.finished | bit16(component.edge);
         (finished & all == all).then_some(parent)
     }
 
     /// Fails a component. Its parent's production is given up, and the parent chooses again; if a
     /// root fails, its plan is gone.
-    pub fn fail(&mut self, id: Id, tell: &mut dyn FnMut(Event)) -> Ended {
+    pub fn fail(&mut self, id: Id, tell: &mut Tell<'_>) -> Ended {
         let Some(component) = self.get(id).copied() else { return Ended::GoesOn };
         self.abandon_below(id, tell);
         self.set_life(id, Life::Failed, tell);
@@ -257,56 +251,51 @@ impl Forest {
     }
 
     /// Abandons everything below a frame, which will choose again among its untried productions.
-    pub fn fall_back(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
+    pub fn fall_back(&mut self, frame: Id, tell: &mut Tell<'_>) {
         self.abandon_below(frame, tell);
-        if let Some(slot) = self.slot_mut(frame) {
-            slot.component.production = None;
-            slot.finished = 0;
-        }
         self.set_life(frame, Life::Scheduled, tell);
     }
 
     /// As [`Forest::fall_back`], but every production may be tried again: for a frame whose choice
     /// was right until the world changed.
-    pub fn begin_anew(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
+    pub fn begin_anew(&mut self, frame: Id, tell: &mut Tell<'_>) {
         self.fall_back(frame, tell);
-        if let Some(slot) = self.slot_mut(frame) {
-            slot.tried = 0;
+        if let Some(growth) = self.growth_mut(frame) {
+            growth.tried = 0;
         }
     }
 
     /// Suspends an owner's plan in its present state.
-    pub fn suspend(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
-        for id in self.ids() {
-            let Some(slot) = self.slot_mut(id).filter(|slot| slot.component.owner == owner) else {
-                continue;
-            };
-            if matches!(slot.component.life, Life::Scheduled | Life::Started) {
-                slot.life_before = slot.component.life;
-                self.set_life(id, Life::Suspended, tell);
+    pub fn suspend(&mut self, owner: Owner, tell: &mut Tell<'_>) {
+        for id in self.pool.ids() {
+            let life = self.own(id, owner).map(|component| component.life);
+            let Some(life @ (Life::Scheduled | Life::Started)) = life else { continue };
+            if let Some(growth) = self.growth_mut(id) {
+                growth.life_before = life;
             }
+            self.set_life(id, Life::Suspended, tell);
         }
     }
 
     /// Resumes an owner's plan in the state that [`Forest::suspend`] left. Frames continue; an
     /// interrupted action is scheduled, so that its initial description is checked again.
-    pub fn resume(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
-        for id in self.ids() {
-            let Some(slot) = self.slot(id).filter(|slot| slot.component.owner == owner) else {
+    pub fn resume(&mut self, owner: Owner, tell: &mut Tell<'_>) {
+        for id in self.pool.ids() {
+            let (Some(component), Some(growth)) = (self.own(id, owner), self.growth(id)) else {
                 continue;
             };
-            if slot.component.life == Life::Suspended {
-                let is_action = matches!(slot.component.symbol, Symbol::Action(_));
-                let life = if is_action { Life::Scheduled } else { slot.life_before };
+            if component.life == Life::Suspended {
+                let is_action = matches!(component.symbol, Symbol::Action(_));
+                let life = if is_action { Life::Scheduled } else { growth.life_before };
                 self.set_life(id, life, tell);
             }
         }
     }
 
     /// Abandons an owner's whole plan.
-    pub fn uproot(&mut self, owner: Owner, tell: &mut dyn FnMut(Event)) {
-        for id in self.ids() {
-            if self.get(id).is_some_and(|component| component.owner == owner) {
+    pub fn uproot(&mut self, owner: Owner, tell: &mut Tell<'_>) {
+        for id in self.pool.ids() {
+            if self.own(id, owner).is_some() {
                 self.set_life(id, Life::Abandoned, tell);
                 self.delete(id, tell);
             }
@@ -326,15 +315,13 @@ impl Forest {
 
     /// Tail recursion: if a frame is the last component that an equal frame above it waits for, the
     /// upper frame restarts in its place. Returns the slot of the frame to decompose.
-    fn restart(&mut self, mission: &Mission<'_>, id: Id, tell: &mut dyn FnMut(Event)) -> Id {
+    fn restart(&mut self, mission: &Mission<'_>, id: Id, tell: &mut Tell<'_>) -> Id {
         let Some(head) = self.loop_head(mission, id) else { return id };
         self.abandon_below(head, tell);
-        let Some(slot) = self.slot_mut(head) else { return id };
-        slot.component.production = None;
-        slot.tried = 0;
-        slot.finished = 0;
-        slot.has_restarted = true;
-        tell(Event::Restarted { id: head });
+        let Some(growth) = self.growth_mut(head) else { return id };
+        growth.tried = 0;
+        growth.has_restarted = true;
+        self.change(Event::Restarted { id: head }, tell);
         self.set_life(head, Life::Scheduled, tell);
         head
     }
@@ -378,31 +365,25 @@ impl Forest {
             .any(|interval| interval.from <= edge.from && interval.to >= edge.to)
     }
 
-    fn finish_edge(&mut self, mission: &Mission<'_>, frame: Id, edge: u8) -> Option<Production> {
-        let production = self.production_of(mission, frame)?;
-        self.slot_mut(frame)?.finished |= bit16(edge);
-        Some(production)
-    }
-
     /// Schedules the parts of a frame that leave a vertex, if no part still leads to the vertex.
-    fn schedule_at(&mut self, frame: Id, vertex: u8, tell: &mut dyn FnMut(Event)) {
-        let parts = self.slot(frame).map_or(0, |slot| slot.parts);
-        if members(parts).any(|id| self.get(id).is_some_and(|part| part.to == vertex)) {
+    fn schedule_at(&mut self, frame: Id, vertex: u8, tell: &mut Tell<'_>) {
+        let parts = self.growth(frame).map_or(0, |growth| growth.parts);
+        if slots_in(parts).any(|id| self.get(id).is_some_and(|part| part.to == vertex)) {
             return;
         }
-        for id in members(parts) {
+        for id in slots_in(parts) {
             if self.get(id).is_some_and(|part| part.from == vertex) {
                 self.set_life(id, Life::Scheduled, tell);
             }
         }
     }
 
-    fn abandon_below(&mut self, frame: Id, tell: &mut dyn FnMut(Event)) {
+    fn abandon_below(&mut self, frame: Id, tell: &mut Tell<'_>) {
         let parts_of = |set| {
-            let parts = members(set).filter_map(|id: Id| Some(self.slot(id)?.parts));
+            let parts = slots_in(set).filter_map(|id| Some(self.growth(id)?.parts));
             parts.fold(0, |all, parts| all | parts)
         };
-        let mut level = self.slot(frame).map_or(0, |slot| slot.parts);
+        let mut level = self.growth(frame).map_or(0, |growth| growth.parts);
         let mut doomed = level;
         // No tree is deeper than this.
         for _ in 0..MAX_DEPTH {
@@ -412,65 +393,67 @@ impl Forest {
             level = parts_of(level);
             doomed |= level;
         }
-        for id in members(doomed) {
+        for id in slots_in(doomed) {
             self.set_life(id, Life::Abandoned, tell);
             self.delete(id, tell);
         }
     }
 
-    fn slot(&self, id: Id) -> Option<&Slot> {
-        self.slots.get(usize::from(id))?.as_ref()
+    /// A component, if it belongs to this owner.
+    fn own(&self, id: Id, owner: Owner) -> Option<&Component> {
+        self.get(id).filter(|component| component.owner == owner)
     }
 
-    fn slot_mut(&mut self, id: Id) -> Option<&mut Slot> {
-        self.slots.get_mut(usize::from(id))?.as_mut()
+    fn growth(&self, id: Id) -> Option<&Growth> {
+        self.growths.get(usize::from(id))
     }
 
-    fn free_slot(&self) -> Option<Id> {
-        let id = self.taken.trailing_ones();
-        ((id as usize) < MAX_COMPONENTS).then_some(id as Id)
+    fn growth_mut(&mut self, id: Id) -> Option<&mut Growth> {
+        self.growths.get_mut(usize::from(id))
     }
 
-    fn add(&mut self, id: Id, component: Component, tell: &mut dyn FnMut(Event)) {
-        if let Some(slot) = self.slots.get_mut(usize::from(id)) {
-            *slot = Some(component.into());
-            if let Some(frame) = component.parent.and_then(|parent| self.slot_mut(parent)) {
-                frame.parts |= bit(id);
-            }
-            self.taken |= bit(id);
-            tell(Event::Planned { id, component });
+    /// Changes the pool, and tells it.
+    fn change(&mut self, event: Event, tell: &mut Tell<'_>) {
+        self.pool.apply(&event);
+        tell(&self.pool, &event);
+    }
+
+    fn add(&mut self, id: Id, component: Component, tell: &mut Tell<'_>) {
+        if let Some(frame) = component.parent.and_then(|parent| self.growth_mut(parent)) {
+            frame.parts |= slot(id);
         }
+        self.change(Event::Planned { id, component }, tell);
     }
 
-    fn set_life(&mut self, id: Id, life: Life, tell: &mut dyn FnMut(Event)) {
-        if let Some(Slot { component, .. }) = self.slot_mut(id)
-            && component.life.may_become(life)
-        {
-            component.life = life;
-            let is_running = component.is_running();
-            let slot = bit(id);
-            self.scheduled &= !slot;
-            self.running &= !slot;
-            if life == Life::Scheduled {
-                self.scheduled |= slot;
-            } else if is_running {
-                self.running |= slot;
-            }
-            tell(Event::Became { id, life });
+    fn set_life(&mut self, id: Id, life: Life, tell: &mut Tell<'_>) {
+        let Some(component) = self.get(id).filter(|component| component.life.may_become(life))
+        else {
+            return;
+        };
+        let is_action = matches!(component.symbol, Symbol::Action(_));
+        let slot = slot(id);
+        self.scheduled &= !slot;
+        self.running &= !slot;
+        match life {
+            Life::Scheduled => self.scheduled |= slot,
+            Life::Started if is_action => self.running |= slot,
+            _ => {}
         }
+        self.change(Event::Became { id, life }, tell);
     }
 
-    fn delete(&mut self, id: Id, tell: &mut dyn FnMut(Event)) {
-        if let Some(slot) = self.slots.get_mut(usize::from(id)).and_then(Option::take) {
-            let others = !(bit(id));
-            if let Some(frame) = slot.component.parent.and_then(|parent| self.slot_mut(parent)) {
-                frame.parts &= others;
-            }
-            self.taken &= others;
-            self.scheduled &= others;
-            self.running &= others;
-            tell(Event::Deleted { id });
+    fn delete(&mut self, id: Id, tell: &mut Tell<'_>) {
+        let Some(component) = self.get(id) else { return };
+        let others = !slot(id);
+        if let Some(frame) = component.parent.and_then(|parent| self.growth_mut(parent)) {
+            frame.parts &= others;
         }
+        if let Some(growth) = self.growth_mut(id) {
+            *growth = Growth::NONE;
+        }
+        self.scheduled &= others;
+        self.running &= others;
+        self.change(Event::Deleted { id }, tell);
     }
 }
 

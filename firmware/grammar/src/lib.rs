@@ -19,7 +19,7 @@
 //! let bytes = fixtures::mission(text).write().unwrap();
 //! let mission = Mission::parse(&bytes).unwrap();
 //! let (mut forest, mut events) = (Forest::default(), 0);
-//! let mut tell = |_| events += 1;
+//! let mut tell = |_: &_, _: &_| events += 1;
 //! // Behaviour 0 starts with plan frame 0, which is decomposed into its only production.
 //! let root = forest.plant(0, 0, &mut tell).unwrap();
 //! let (root, choice) = forest.decompose(&mission, root, &mut |_, _| 1.0, &mut tell);
@@ -63,8 +63,8 @@
 
 mod forest;
 
-pub use forest::{Choice, Ended, Forest};
-pub use parts::{Component, Event, Id, Life, Owner};
+pub use forest::{Choice, Ended, Forest, Tell};
+pub use parts::{Component, Event, Id, Life, Owner, Pool};
 
 #[cfg(test)]
 mod tests;

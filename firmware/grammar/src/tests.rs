@@ -70,7 +70,7 @@ struct Run<'g> {
 impl<'g> Run<'g> {
     fn new(grammar: &'g Grammar) -> Self {
         let mut forest = Forest::default();
-        forest.plant(0, 0, &mut |_| {});
+        forest.plant(0, 0, &mut |_, _| {});
         Self { mission: grammar.mission(), forest, log: String::new() }
     }
 
@@ -87,23 +87,23 @@ impl<'g> Run<'g> {
                 Symbol::Action(index) => {
                     let record = self.mission.actions().get(usize::from(index)).expect("it exists");
                     let name = self.mission.name(record.name);
-                    self.forest.start(id, &mut |_| {});
+                    self.forest.start(id, &mut |_, _| {});
                     if action(name) {
                         write!(self.log, " {name}").expect("strings take everything");
-                        finish(&mut self.forest, &self.mission, id, &mut |_| {})
+                        finish(&mut self.forest, &self.mission, id, &mut |_, _| {})
                     } else {
                         write!(self.log, " {name}!").expect("strings take everything");
-                        self.forest.fail(id, &mut |_| {})
+                        self.forest.fail(id, &mut |_, _| {})
                     }
                 }
                 Symbol::PlanFrame(_) => {
                     let mut ask = |index, _: &Production| applicable(index);
-                    match self.forest.decompose(&self.mission, id, &mut ask, &mut |_| {}) {
+                    match self.forest.decompose(&self.mission, id, &mut ask, &mut |_, _| {}) {
                         (_, Choice::Production(_)) => Ended::GoesOn,
                         (id, Choice::LoopEnded) => {
-                            finish(&mut self.forest, &self.mission, id, &mut |_| {})
+                            finish(&mut self.forest, &self.mission, id, &mut |_, _| {})
                         }
-                        (id, _) => self.forest.fail(id, &mut |_| {}),
+                        (id, _) => self.forest.fail(id, &mut |_, _| {}),
                     }
                 }
             };
@@ -118,12 +118,7 @@ impl<'g> Run<'g> {
 }
 
 /// Finishes a component and every frame that it completes.
-fn finish(
-    forest: &mut Forest,
-    mission: &Mission<'_>,
-    id: Id,
-    tell: &mut dyn FnMut(Event),
-) -> Ended {
+fn finish(forest: &mut Forest, mission: &Mission<'_>, id: Id, tell: &mut Tell<'_>) -> Ended {
     let mut ended = forest.finish(mission, id, tell);
     while let Ended::Completes(frame) = ended {
         ended = forest.finish(mission, frame, tell);
@@ -222,17 +217,17 @@ fn h07_a_million_rounds_in_constant_memory() {
         let mut ask = |_, _: &Production| if rounds < 1_000_000 { 1.0 } else { 0.0 };
         match run.forest.get(id).expect("it lives").symbol {
             Symbol::Action(_) => {
-                run.forest.start(id, &mut |_| {});
-                finish(&mut run.forest, &run.mission, id, &mut |_| {});
+                run.forest.start(id, &mut |_, _| {});
+                finish(&mut run.forest, &run.mission, id, &mut |_, _| {});
                 rounds += 1;
             }
             Symbol::PlanFrame(_) => {
-                match run.forest.decompose(&run.mission, id, &mut ask, &mut |_| {}) {
+                match run.forest.decompose(&run.mission, id, &mut ask, &mut |_, _| {}) {
                     (_, Choice::Production(_)) => {}
                     (id, choice) => {
                         assert_eq!(choice, Choice::LoopEnded);
                         assert_eq!(
-                            finish(&mut run.forest, &run.mission, id, &mut |_| {}),
+                            finish(&mut run.forest, &run.mission, id, &mut |_, _| {}),
                             Ended::RootFinished
                         );
                     }
@@ -313,10 +308,10 @@ fn h28_a_plan_sleeps_and_wakes_as_it_was() {
     let mut run = Run::new(&grammar);
     run.go(1, |_| true, |_| 1.0);
     let id = run.forest.scheduled(0).expect("a is scheduled");
-    run.forest.start(id, &mut |_| {});
-    run.forest.suspend(0, &mut |_| {});
+    run.forest.start(id, &mut |_, _| {});
+    run.forest.suspend(0, &mut |_, _| {});
     assert_eq!(run.forest.scheduled(0), None);
-    run.forest.resume(0, &mut |_| {});
+    run.forest.resume(0, &mut |_, _| {});
     assert_eq!(run.forest.get(id).map(|component| component.life), Some(Life::Scheduled));
     assert_eq!(run.go(10, |_| true, |_| 1.0), "a b done");
 }
@@ -343,7 +338,7 @@ fn an_interval_before_the_last_edge_lets_the_loop_come_round() {
 fn owners_do_not_touch_each_other() {
     let grammar = Grammar::new("A = a b");
     let mission = grammar.mission();
-    let (mut forest, mut tell) = (Forest::default(), |_| {});
+    let (mut forest, mut tell) = (Forest::default(), |_: &_, _: &_| {});
     assert!(forest.is_empty());
     let roots = [7, 2].map(|owner| forest.plant(owner, 0, &mut tell).expect("there is room"));
     assert!(!forest.is_empty());
@@ -369,7 +364,7 @@ fn owners_do_not_touch_each_other() {
 fn a_frame_cannot_be_started() {
     let grammar = Grammar::new("A = a");
     let mut run = Run::new(&grammar);
-    run.forest.start(0, &mut |_| {});
+    run.forest.start(0, &mut |_, _| {});
     assert_eq!(run.forest.get(0).map(|component| component.life), Some(Life::Scheduled));
     assert_eq!(run.go(10, |_| true, |_| 1.0), "a done");
 }
@@ -384,12 +379,12 @@ fn beginning_anew_forgets_what_was_tried() {
         run.go(1, |_| true, |_| 1.0);
         assert!(!run.forest.is_new(0));
         let action = run.forest.scheduled(0).expect("a is due");
-        run.forest.start(action, &mut |_| {});
+        run.forest.start(action, &mut |_, _| {});
         run.log.push('a');
         if anew {
-            run.forest.begin_anew(0, &mut |_| {});
+            run.forest.begin_anew(0, &mut |_, _| {});
         } else {
-            run.forest.fall_back(0, &mut |_| {});
+            run.forest.fall_back(0, &mut |_, _| {});
         }
         assert_eq!(run.forest.is_new(0), anew);
         assert_eq!(run.go(10, |name| name != "a", |_| 1.0), expected);
@@ -409,12 +404,13 @@ fn the_pool_can_be_filled_to_the_last_slot() {
         run.go(1, |_| true, |_| 1.0);
         let inner = run.forest.iter().find(|(_, c)| c.symbol == grammar.names["B"]);
         let (inner, _) = inner.expect("B is due");
-        let (_, choice) = run.forest.decompose(&run.mission, inner, &mut |_, _| 1.0, &mut |_| {});
+        let (_, choice) =
+            run.forest.decompose(&run.mission, inner, &mut |_, _| 1.0, &mut |_, _| {});
         assert_eq!((choice, run.forest.len()), expected);
     }
     assert_eq!(MAX_COMPONENTS, 32);
     let mut forest = Forest::default();
-    let planted = (0..40).filter_map(|owner| forest.plant(owner, 0, &mut |_| {}));
+    let planted = (0..40).filter_map(|owner| forest.plant(owner, 0, &mut |_, _| {}));
     assert!(planted.eq(0..32), "a full pool takes no root");
 }
 
@@ -461,7 +457,7 @@ proptest! {
         let mut forest = Forest::default();
         let mut mirror: BTreeMap<Id, Life> = BTreeMap::new();
         let mut wrong = String::new();
-        let mut tell = |event: Event| match event {
+        let mut tell = |_: &Pool, event: &Event| match *event {
             Event::Planned { id, component } => {
                 if mirror.insert(id, component.life).is_some() { wrong.push_str("planned twice;"); }
             }

@@ -86,21 +86,21 @@ pub fn endangers(mission: &Mission<'_>, production: &Production, held: Condition
     })
 }
 
-impl SituationGrid {
+impl SituationGrid<'_> {
     /// The conflict if a component's initial description is violated. Checked once, when it starts.
-    pub fn initial(&self, mission: &Mission<'_>, id: Id, facts: Facts) -> Option<Signal> {
+    pub fn initial(self, mission: &Mission<'_>, id: Id, facts: Facts) -> Option<Signal> {
         self.check(mission, id, facts, Violation::Initial, |description| description.initial)
     }
 
     /// The conflict if a component's goal description is violated. Checked once, when it ends,
     /// after the symbols of its add and delete lists have changed.
-    pub fn goal(&self, mission: &Mission<'_>, id: Id, facts: Facts) -> Option<Signal> {
+    pub fn goal(self, mission: &Mission<'_>, id: Id, facts: Facts) -> Option<Signal> {
         self.check(mission, id, facts, Violation::Goal, |description| description.goal)
     }
 
     /// Every evident conflict of an owner's plan: violated transient descriptions of running
     /// components, and violated protection intervals in force. Checked every tick.
-    pub fn evident(&self, owner: Owner, facts: Facts) -> impl Iterator<Item = Signal> {
+    pub fn evident(self, owner: Owner, facts: Facts) -> impl Iterator<Item = Signal> {
         let transients = self.transients(owner).map(|part| (part, Violation::Transient));
         let held = self.held(owner).map(|frame| (frame, Violation::Interval));
         transients.chain(held).filter_map(move |((id, condition), what)| {
@@ -114,7 +114,7 @@ impl SituationGrid {
     /// component that may run in between may destroy the fact, unless a later one before the start
     /// restores it.
     pub fn possible(
-        &self,
+        self,
         mission: &Mission<'_>,
         id: Id,
         facts: Facts,
@@ -162,7 +162,7 @@ impl SituationGrid {
     /// Doubts about the productions of a frame that is not decomposed yet: those with a part that
     /// may violate what its own plan protects now, or what sleeping behaviours protect (`foreign`).
     pub fn choices(
-        &self,
+        self,
         mission: &Mission<'_>,
         id: Id,
         foreign: Condition,
@@ -183,7 +183,7 @@ impl SituationGrid {
     }
 
     fn check(
-        &self,
+        self,
         mission: &Mission<'_>,
         id: Id,
         facts: Facts,
@@ -197,7 +197,7 @@ impl SituationGrid {
 
     /// The needs of `id` that a component between `clobberer` and `id` restores (the "white
     /// knight").
-    fn restored(&self, mission: &Mission<'_>, clobberer: Id, id: Id, needs: Condition) -> Facts {
+    fn restored(self, mission: &Mission<'_>, clobberer: Id, id: Id, needs: Condition) -> Facts {
         let after = |knight| {
             self.relation(mission, Node::from(clobberer), Node::from(knight)) == Some(Relation::CB)
         };

@@ -1,14 +1,14 @@
 //! The situation grid: what a live plan assumes, and whether it still holds.
 //!
-//! The grid mirrors every component of every behaviour's plan. Through the mission it knows their
+//! The grid shows every component of every behaviour's plan. Through the mission it knows their
 //! initial, transient and goal descriptions, the relation between each two of them, and the
 //! protection intervals in force. From these it signals *evident* conflicts (violated now) and
 //! *possible* ones (nothing provides a later need any more). It only reports; the behaviour control
 //! system acts (Hasemann, "Situation Grid").
 //!
 //! ```
-//! use monitor::{Signal, SituationGrid, Violation};
-//! use parts::{Component, Event, Life};
+//! use monitor::{Assumptions, Signal, SituationGrid, Violation};
+//! use parts::{Component, Event, Life, Pool};
 //! use plan_format::mission::{Mission, Symbol};
 //!
 //! let text = "
@@ -21,7 +21,6 @@
 //! ";
 //! let bytes = fixtures::mission(text).write().unwrap();
 //! let mission = Mission::parse(&bytes).unwrap();
-//! let mut grid = SituationGrid::default();
 //! let component = Component {
 //!     symbol: Symbol::Action(0),
 //!     owner: 0,
@@ -32,16 +31,25 @@
 //!     life: Life::Scheduled,
 //!     depth: 0,
 //!     production: None,
+//!     finished: 0,
 //! };
-//! grid.apply(&mission, &Event::Planned { id: 7, component });
-//! grid.apply(&mission, &Event::Became { id: 7, life: Life::Started });
+//! let (mut pool, mut assumptions) = (Pool::default(), Assumptions::default());
+//! for event in [
+//!     Event::Planned { id: 7, component },
+//!     Event::Became { id: 7, life: Life::Started },
+//! ] {
+//!     pool.apply(&event);
+//!     assumptions.apply(&mission, &pool, &event);
+//! }
+//! let grid = SituationGrid::new(&pool, &assumptions);
 //! // The running action needs the fact of bit 0. It holds, and then it does not.
 //! assert_eq!(grid.evident(0, 1).next(), None);
 //! let conflict = Signal::Evident { id: 7, what: Violation::Transient, facts: 1 };
 //! assert_eq!(grid.evident(0, 0).next(), Some(conflict));
 //! ```
 //!
-//! The grid knows the plans only from their events, so its content can be replayed from a log.
+//! The grid is a view of the pool that holds the plans, and of their [`Assumptions`]. Both change by
+//! events only, so its content can be replayed from a log.
 //!
 //! Relations are decided at the lowest common ancestor of two components, because the paper does
 //! not give its "small rule base". A component inside another is its descendant (DO); the other is
@@ -57,9 +65,8 @@
 //! sleep, and is checked for all others as one foreign condition ([`Signal::foreign`]). This is the
 //! paper's top-level component that is parallel to all.
 //!
-//! Invariant: events keep the conditions that every tick checks up to date, namely the transient
-//! descriptions of running components and the intervals in force of each frame; no tick derives
-//! them again.
+//! Invariant: events keep the assumptions up to date, namely the transient descriptions of running
+//! components and the intervals in force of each frame; no tick derives them again.
 //!
 //! Deliberately absent: repair. The remedy for a conflict is to fall back and choose again.
 #![no_std]
@@ -70,10 +77,10 @@ mod relation;
 mod situation_grid;
 
 pub use conflicts::{Doubt, Signal, Violation, endangers};
-pub use parts::{Component, Id, Life, Owner};
+pub use parts::{Component, Id, Life, Owner, Pool};
 pub use points::Point;
 pub use relation::{Node, Relation};
-pub use situation_grid::SituationGrid;
+pub use situation_grid::{Assumptions, SituationGrid};
 
 #[cfg(test)]
 mod tests;

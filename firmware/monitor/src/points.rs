@@ -1,7 +1,7 @@
 //! Where a behaviour can be interrupted: the vertices ahead, and what is protected there.
 
 use crate::relation::leads;
-use crate::situation_grid::{SituationGrid, ahead};
+use crate::situation_grid::{SituationGrid, ahead, production_of};
 use parts::bits::bit;
 use parts::{Component, Id, Life, Owner};
 use plan_format::mission::{Condition, Mission, Production};
@@ -19,12 +19,12 @@ pub struct Point {
     pub lost_work: u16,
 }
 
-impl SituationGrid {
+impl<'a> SituationGrid<'a> {
     /// The interruption points ahead in an owner's plan, in the order in which they will be
     /// reached: from the innermost frames outwards, within a frame along the graph. A frame's exit
     /// is listed as the vertex of the parent's production to which the frame leads. The root's exit
     /// is the end of the plan and not an interruption point.
-    pub fn points(&self, mission: &Mission<'_>, owner: Owner, tell: &mut dyn FnMut(Point)) {
+    pub fn points(self, mission: &Mission<'_>, owner: Owner, tell: &mut dyn FnMut(Point)) {
         let deepest = self.frames(owner).map(|(id, _)| self.above(id).count()).max().unwrap_or(0);
         for depth in (0..=deepest).rev() {
             for (id, frame) in self.frames(owner) {
@@ -35,7 +35,7 @@ impl SituationGrid {
         }
     }
 
-    fn frames(&self, owner: Owner) -> impl Iterator<Item = (Id, &Component)> {
+    fn frames(self, owner: Owner) -> impl Iterator<Item = (Id, &'a Component)> {
         self.iter().filter(move |(_, entry)| {
             entry.owner == owner
                 && entry.production.is_some()
@@ -44,15 +44,15 @@ impl SituationGrid {
     }
 
     fn points_of(
-        &self,
+        self,
         mission: &Mission<'_>,
         id: Id,
         frame: &Component,
         tell: &mut dyn FnMut(Point),
     ) {
-        let Some(production) = self.production_of(mission, frame) else { return };
+        let Some(production) = production_of(mission, frame) else { return };
         let outer = self.held_above(mission, id);
-        let ahead = ahead(mission, &production, self.finished(id));
+        let ahead = ahead(mission, &production, frame.finished);
         for vertex in 1..production.vertices.saturating_sub(1) {
             if ahead & bit(vertex) == 0 {
                 continue;
@@ -66,11 +66,11 @@ impl SituationGrid {
     }
 
     /// What the frames above protect while this frame runs.
-    fn held_above(&self, mission: &Mission<'_>, id: Id) -> Condition {
+    fn held_above(self, mission: &Mission<'_>, id: Id) -> Condition {
         let mut held = Condition::default();
         let mut part = self.get(id);
         for (_, above) in self.above(id) {
-            if let (Some(production), Some(below)) = (self.production_of(mission, above), part) {
+            if let (Some(production), Some(below)) = (production_of(mission, above), part) {
                 // In force if it begins before this part of the production and ends after it.
                 for interval in intervals(mission, &production) {
                     if leads(mission, &production, interval.from, below.from)

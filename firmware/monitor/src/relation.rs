@@ -1,6 +1,6 @@
 //! The relation between two components.
 
-use crate::situation_grid::SituationGrid;
+use crate::situation_grid::{SituationGrid, production_of};
 use parts::Id;
 use parts::bits::bit;
 use plan_format::mission::{Mission, Production};
@@ -52,10 +52,10 @@ impl From<Id> for Node {
     }
 }
 
-impl SituationGrid {
+impl SituationGrid<'_> {
     /// The relation of `x` to `y`, read as "x is ... y"; `None` if the two are the same or one is
     /// not in the grid.
-    pub fn relation(&self, mission: &Mission<'_>, x: Node, y: Node) -> Option<Relation> {
+    pub fn relation(self, mission: &Mission<'_>, x: Node, y: Node) -> Option<Relation> {
         if x == y {
             return None;
         }
@@ -86,7 +86,7 @@ impl SituationGrid {
     /// The relation of `x` to a `y` below the component of `x`. If `x` is an edge of another
     /// production than the chosen one, it excludes `y`; otherwise the graph that contains `y`
     /// decides.
-    fn to_descendant(&self, mission: &Mission<'_>, x: Node, y: Node) -> Relation {
+    fn to_descendant(self, mission: &Mission<'_>, x: Node, y: Node) -> Relation {
         let Some((production, edge)) = x.option else { return Relation::AO };
         let made = self.get(x.id).and_then(|entry| entry.production);
         let part = core::iter::once(y.id)
@@ -105,7 +105,7 @@ impl SituationGrid {
         }
     }
 
-    fn at_common_ancestor(&self, mission: &Mission<'_>, x: Id, y: Id) -> Option<Relation> {
+    fn at_common_ancestor(self, mission: &Mission<'_>, x: Id, y: Id) -> Option<Relation> {
         for (id, frame) in self.above(x) {
             let child = |of: Id| {
                 core::iter::once(of)
@@ -114,7 +114,7 @@ impl SituationGrid {
                     .find(|entry| entry.parent == Some(id))
             };
             if let (Some(a), Some(b)) = (child(x), child(y)) {
-                let production = self.production_of(mission, frame)?;
+                let production = production_of(mission, frame)?;
                 return Some(by_graph(mission, &production, a.edge, b.edge));
             }
         }

@@ -1,39 +1,34 @@
-//! The store of the situation grid, and the events that update it.
+//! The view of the plans, and what is derived from them whenever they change.
 
-use parts::bits::{bit, bit16, members};
-use parts::{Component, Event, Id, Life, Owner};
-use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
+use parts::bits::{Slots, bit, bit16, slot, slots_in};
+use parts::{Component, Event, Id, Life, Owner, Pool};
+use plan_format::limits::MAX_COMPONENTS;
 use plan_format::mission::{Condition, Mission, Production, Symbol};
 
-/// A component, and which edges of its production are finished, one bit each.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Entry {
-    component: Component,
-    finished: u16,
+/// The situation grids of all behaviours: their plans and what these assume. A view.
+#[derive(Clone, Copy, Debug)]
+pub struct SituationGrid<'a> {
+    pool: &'a Pool,
+    assumptions: &'a Assumptions,
 }
 
-/// The situation grids of all behaviours.
+/// What the plans in a pool assume now, so that no tick derives it again.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SituationGrid {
-    entries: [Option<Entry>; MAX_COMPONENTS],
-    /// Slots in use, one bit each: most are free, and every tick visits all of them often.
-    taken: u32,
-    /// Transient description of the component in each slot; valid if its bit in `watched` is set.
+pub struct Assumptions {
+    /// Transient description of the component in each slot; valid if the slot is in `watched`.
     transient: [Condition; MAX_COMPONENTS],
-    /// Slots of running components with a transient description, one bit each.
-    watched: u32,
+    /// Slots of running components with a transient description.
+    watched: Slots,
     /// What the protection intervals in force of the frame in each slot protect together; valid if
-    /// its bit in `holding` is set.
+    /// the slot is in `holding`.
     held: [Condition; MAX_COMPONENTS],
-    /// Slots of frames with a protection interval in force, one bit each.
-    holding: u32,
+    /// Slots of frames with a protection interval in force.
+    holding: Slots,
 }
 
-impl Default for SituationGrid {
+impl Default for Assumptions {
     fn default() -> Self {
         Self {
-            entries: [None; MAX_COMPONENTS],
-            taken: 0,
             transient: [Condition::default(); MAX_COMPONENTS],
             watched: 0,
             held: [Condition::default(); MAX_COMPONENTS],
@@ -42,168 +37,130 @@ impl Default for SituationGrid {
     }
 }
 
-impl SituationGrid {
-    /// Applies a change in a plan.
-    pub fn apply(&mut self, mission: &Mission<'_>, event: &Event) {
+impl Assumptions {
+    /// Takes over a change in the plans; `pool` is the pool after it.
+    pub fn apply(&mut self, mission: &Mission<'_>, pool: &Pool, event: &Event) {
         match *event {
-            Event::Planned { id, component } => self.planned(id, component),
-            Event::Decomposed { id, production } => self.decomposed(mission, id, production),
-            Event::Restarted { id } => self.restarted(id),
-            Event::Became { id, life } => self.became(mission, id, life),
-            Event::Deleted { id } => self.deleted(id),
+            Event::Planned { .. } => {}
+            Event::Decomposed { id, .. } => self.update_held(mission, pool, id),
+            Event::Restarted { id } => self.holding &= !slot(id),
+            Event::Became { id, life } => self.became(mission, pool, id, life),
+            Event::Deleted { id } => {
+                self.watched &= !slot(id);
+                self.holding &= !slot(id);
+            }
         }
     }
 
-    fn planned(&mut self, id: Id, component: Component) {
-        if let Some(slot) = self.entries.get_mut(usize::from(id)) {
-            *slot = Some(Entry { component, finished: 0 });
-            self.taken |= bit(id);
-        }
-    }
-
-    fn decomposed(&mut self, mission: &Mission<'_>, id: Id, production: u16) {
-        if let Some(entry) = self.get_mut(id) {
-            entry.component.production = Some(production);
-            entry.finished = 0;
-            self.update_held(mission, id);
-        }
-    }
-
-    /// The frame is as new.
-    fn restarted(&mut self, id: Id) {
-        if let Some(entry) = self.get_mut(id) {
-            entry.component.production = None;
-            entry.finished = 0;
-            self.holding &= !bit(id);
-        }
-    }
-
-    fn became(&mut self, mission: &Mission<'_>, id: Id, life: Life) {
-        let Some(entry) = self.get_mut(id) else { return };
-        entry.component.life = life;
-        let Component { symbol, parent, edge, to, .. } = entry.component;
-        self.watched &= !bit(id);
+    fn became(&mut self, mission: &Mission<'_>, pool: &Pool, id: Id, life: Life) {
+        let Some(component) = pool.get(id) else { return };
+        self.watched &= !slot(id);
         match life {
-            Life::Started => self.watch(mission, id, symbol),
+            Life::Started => self.watch(mission, id, component.symbol),
             Life::Finished => {
-                let Some(parent) = parent else { return };
-                if let Some(entry) = self.get_mut(parent) {
-                    entry.finished |= bit16(edge);
-                    self.reached(mission, parent, to);
+                if let Some(parent) = component.parent {
+                    self.reached(mission, pool, parent, component.to);
                 }
             }
             // A frame that falls back has given up its production.
-            Life::Scheduled => self.restarted(id),
+            Life::Scheduled => self.holding &= !slot(id),
             _ => {}
-        }
-    }
-
-    fn deleted(&mut self, id: Id) {
-        if let Some(slot) = self.entries.get_mut(usize::from(id)) {
-            *slot = None;
-            let others = !bit(id);
-            self.taken &= others;
-            self.watched &= others;
-            self.holding &= others;
         }
     }
 
     /// Checks a component's transient description from now on, if it has one.
     fn watch(&mut self, mission: &Mission<'_>, id: Id, symbol: Symbol) {
         let transient = mission.description(symbol).map(|description| description.transient);
-        if let (Some(transient), Some(slot)) = (transient, self.transient.get_mut(usize::from(id)))
+        if let (Some(transient), Some(kept)) = (transient, self.transient.get_mut(usize::from(id)))
             && !transient.is_empty()
         {
-            *slot = transient;
-            self.watched |= bit(id);
+            *kept = transient;
+            self.watched |= slot(id);
         }
     }
 
     /// Updates a frame after an edge into a vertex of its production has finished: protection
     /// intervals may begin or end there.
-    fn reached(&mut self, mission: &Mission<'_>, id: Id, vertex: u8) {
-        let production = self.get(id).and_then(|entry| self.production_of(mission, entry));
+    fn reached(&mut self, mission: &Mission<'_>, pool: &Pool, id: Id, vertex: u8) {
+        let production = pool.get(id).and_then(|frame| production_of(mission, frame));
         let Some(production) = production else { return };
         let mut intervals = mission.intervals_of(&production);
         if intervals.any(|interval| interval.from == vertex || interval.to == vertex) {
-            self.update_held(mission, id);
+            self.update_held(mission, pool, id);
         }
     }
 
     /// Derives what the protection intervals in force of a frame protect.
-    fn update_held(&mut self, mission: &Mission<'_>, id: Id) {
-        self.holding &= !bit(id);
-        let Some((production, finished)) = self.entry(id).and_then(|entry| {
-            Some((self.production_of(mission, &entry.component)?, entry.finished))
-        }) else {
-            return;
-        };
+    fn update_held(&mut self, mission: &Mission<'_>, pool: &Pool, id: Id) {
+        self.holding &= !slot(id);
+        let Some(frame) = pool.get(id) else { return };
+        let Some(production) = production_of(mission, frame) else { return };
         if production.intervals == 0 {
             return;
         }
-        let ahead = ahead(mission, &production, finished);
+        let ahead = ahead(mission, &production, frame.finished);
         let is_ahead = |vertex| ahead & bit(vertex) != 0;
         let in_force = mission
             .intervals_of(&production)
             .filter(|interval| !is_ahead(interval.from) && is_ahead(interval.to));
         let held = in_force.fold(Condition::default(), |held, each| held.and(each.condition));
-        if let Some(slot) = self.held.get_mut(usize::from(id))
+        if let Some(kept) = self.held.get_mut(usize::from(id))
             && !held.is_empty()
         {
-            *slot = held;
-            self.holding |= bit(id);
+            *kept = held;
+            self.holding |= slot(id);
         }
+    }
+}
+
+impl<'a> SituationGrid<'a> {
+    /// The view of the plans in a pool. The assumptions must have heard each event of the pool.
+    pub fn new(pool: &'a Pool, assumptions: &'a Assumptions) -> Self {
+        Self { pool, assumptions }
     }
 
     /// The transient descriptions of an owner's running components.
-    pub(crate) fn transients(&self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
-        members(self.watched)
+    pub(crate) fn transients(self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
+        slots_in(self.assumptions.watched)
             .filter(move |&id| self.owner(id) == Some(owner))
-            .filter_map(|id| Some((id, *self.transient.get(usize::from(id))?)))
+            .filter_map(move |id| Some((id, *self.assumptions.transient.get(usize::from(id))?)))
     }
 
     /// What each frame of an owner's plan protects now: its intervals in force together.
-    pub fn held(&self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
-        members(self.holding)
+    pub fn held(self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
+        slots_in(self.assumptions.holding)
             .filter(move |&id| self.owner(id) == Some(owner))
-            .filter_map(|id| Some((id, *self.held.get(usize::from(id))?)))
+            .filter_map(move |id| Some((id, *self.assumptions.held.get(usize::from(id))?)))
     }
 
-    fn owner(&self, id: Id) -> Option<Owner> {
-        self.get(id).map(|entry| entry.owner)
+    /// The plans.
+    pub fn pool(self) -> &'a Pool {
+        self.pool
+    }
+
+    fn owner(self, id: Id) -> Option<Owner> {
+        self.get(id).map(|component| component.owner)
     }
 
     /// The component in a slot.
-    pub fn get(&self, id: Id) -> Option<&Component> {
-        Some(&self.entry(id)?.component)
-    }
-
-    fn entry(&self, id: Id) -> Option<&Entry> {
-        self.entries.get(usize::from(id))?.as_ref()
-    }
-
-    /// The finished edges of a frame's production, one bit each.
-    pub(crate) fn finished(&self, id: Id) -> u16 {
-        self.entry(id).map_or(0, |entry| entry.finished)
+    pub fn get(self, id: Id) -> Option<&'a Component> {
+        self.pool.get(id)
     }
 
     /// All components, in the order of their slots.
-    pub fn iter(&self) -> impl Iterator<Item = (Id, &Component)> {
-        members(self.taken).filter_map(|id| Some((id, self.get(id)?)))
+    pub fn iter(self) -> impl Iterator<Item = (Id, &'a Component)> {
+        self.pool.iter()
     }
 
     /// The components above one, from its parent to the root.
-    pub fn above(&self, id: Id) -> impl Iterator<Item = (Id, &Component)> {
-        let parent = |id: Id| self.get(id).and_then(|entry| entry.parent);
-        core::iter::successors(parent(id), move |&id| parent(id))
-            .take(MAX_DEPTH)
-            .filter_map(|id| Some((id, self.get(id)?)))
+    pub fn above(self, id: Id) -> impl Iterator<Item = (Id, &'a Component)> {
+        self.pool.above(id)
     }
 
     /// The strictest constraints on a component: its own and those inherited from every frame above
     /// (H: the transient description "is inherited during instantiation"). Maximum speed in m/s,
     /// infinite for none; minimum distance in metres, 0 for none.
-    pub fn constraints(&self, mission: &Mission<'_>, id: Id) -> (f32, f32) {
+    pub fn constraints(self, mission: &Mission<'_>, id: Id) -> (f32, f32) {
         let all = self.get(id).into_iter().chain(self.above(id).map(|(_, entry)| entry));
         all.filter_map(|entry| mission.description(entry.symbol)).fold(
             (f32::INFINITY, 0.0),
@@ -212,19 +169,11 @@ impl SituationGrid {
             },
         )
     }
+}
 
-    /// The production that replaced a frame.
-    pub(crate) fn production_of(
-        &self,
-        mission: &Mission<'_>,
-        frame: &Component,
-    ) -> Option<Production> {
-        mission.productions().get(usize::from(frame.production?))
-    }
-
-    fn get_mut(&mut self, id: Id) -> Option<&mut Entry> {
-        self.entries.get_mut(usize::from(id))?.as_mut()
-    }
+/// The production that replaced a frame.
+pub(crate) fn production_of(mission: &Mission<'_>, frame: &Component) -> Option<Production> {
+    mission.productions().get(usize::from(frame.production?))
 }
 
 /// The vertices that are not reached, one bit each: an edge into each is not finished.

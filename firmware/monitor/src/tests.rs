@@ -46,6 +46,24 @@ fn stages(edges: impl Iterator<Item = (u8, u8, String)>) -> String {
     stages.iter().map(|parts| parts.join("|")).collect::<Vec<_>>().join(" ")
 }
 
+/// A pool, and the assumptions of the plans in it.
+#[derive(Clone, Default)]
+struct Live {
+    pool: Pool,
+    assumptions: Assumptions,
+}
+
+impl Live {
+    fn apply(&mut self, mission: &Mission<'_>, event: &Event) {
+        self.pool.apply(event);
+        self.assumptions.apply(mission, &self.pool, event);
+    }
+
+    fn grid(&self) -> SituationGrid<'_> {
+        SituationGrid::new(&self.pool, &self.assumptions)
+    }
+}
+
 fn component(
     symbol: Symbol,
     owner: Owner,
@@ -56,25 +74,30 @@ fn component(
         Some((parent, edge, number)) => (Some(parent), edge.from, edge.to, number),
         None => (None, 0, 0, 0),
     };
-    Component { symbol, owner, parent, edge, from, to, life, depth: 0, production: None }
+    Component {
+        symbol,
+        owner,
+        parent,
+        edge,
+        from,
+        to,
+        life,
+        depth: 0,
+        production: None,
+        finished: 0,
+    }
 }
 
 /// Applies the events of a frame that chose a production, whose parts take the slots from `first`
 /// on.
-fn decompose(
-    grid: &mut SituationGrid,
-    mission: &Mission<'_>,
-    frame: Id,
-    production: u16,
-    first: Id,
-) {
-    let owner = grid.get(frame).expect("the frame is in the grid").owner;
-    grid.apply(mission, &Event::Became { id: frame, life: Life::Started });
-    grid.apply(mission, &Event::Decomposed { id: frame, production });
+fn decompose(live: &mut Live, mission: &Mission<'_>, frame: Id, production: u16, first: Id) {
+    let owner = live.grid().get(frame).expect("the frame is in the grid").owner;
+    live.apply(mission, &Event::Became { id: frame, life: Life::Started });
+    live.apply(mission, &Event::Decomposed { id: frame, production });
     let record = mission.productions().get(usize::from(production)).expect("it exists");
     for (number, edge) in (0..).zip(mission.edges_of(&record)) {
         let component = component(edge.symbol, owner, Some((frame, &edge, number)), Life::Planned);
-        grid.apply(mission, &Event::Planned { id: first + number, component });
+        live.apply(mission, &Event::Planned { id: first + number, component });
     }
 }
 
@@ -91,18 +114,18 @@ fn h17_the_matrix_of_relations() {
          = a",
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = SituationGrid::default();
-    grid.apply(
+    let mut live = Live::default();
+    live.apply(
         &mission,
         &Event::Planned {
             id: 0,
             component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
         },
     );
-    decompose(&mut grid, &mission, 0, 0, 1);
-    decompose(&mut grid, &mission, 2, 1, 5);
+    decompose(&mut live, &mission, 0, 0, 1);
+    decompose(&mut live, &mission, 2, 1, 5);
     // Another behaviour's plan.
-    grid.apply(
+    live.apply(
         &mission,
         &Event::Planned {
             id: 9,
@@ -111,7 +134,7 @@ fn h17_the_matrix_of_relations() {
     );
     // An edge of the chosen production contains what it has become, and is ordered to its neighbours.
     let chosen = |edge| Node { id: 0, option: Some((0, edge)) };
-    let relation = |x, y| grid.relation(&mission, x, y);
+    let relation = |x, y| live.grid().relation(&mission, x, y);
     assert_eq!(relation(chosen(1), Node::from(5)), Some(Relation::AO));
     assert_eq!(relation(chosen(0), Node::from(5)), Some(Relation::CB));
     assert_eq!(relation(chosen(3), Node::from(5)), Some(Relation::CA));
@@ -134,7 +157,7 @@ fn h17_the_matrix_of_relations() {
     for (x, name) in nodes.iter().zip(names) {
         matrix.push_str(&format!("{name:3}"));
         for y in &nodes {
-            let relation = grid.relation(&mission, *x, *y);
+            let relation = live.grid().relation(&mission, *x, *y);
             matrix.push_str(
                 &relation.map_or(String::from("-- "), |relation| format!("{relation:?} ")),
             );
@@ -162,11 +185,11 @@ S  NE NE NE NE NE NE NE NE --
 fn h17_branches_do_not_order_each_other() {
     let bytes = mission("action a hold 0\nframe R\n= a@1|a@2 a@4 a@3 a@4");
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = SituationGrid::default();
+    let mut live = Live::default();
     let root = component(Symbol::PlanFrame(0), 0, None, Life::Scheduled);
-    grid.apply(&mission, &Event::Planned { id: 0, component: root });
-    decompose(&mut grid, &mission, 0, 0, 1);
-    let relation = |x: Id, y: Id| grid.relation(&mission, Node::from(x), Node::from(y));
+    live.apply(&mission, &Event::Planned { id: 0, component: root });
+    decompose(&mut live, &mission, 0, 0, 1);
+    let relation = |x: Id, y: Id| live.grid().relation(&mission, Node::from(x), Node::from(y));
     assert_eq!(relation(2, 5), Some(Relation::CB));
     assert_eq!(relation(1, 3), Some(Relation::CB));
     assert_eq!([relation(1, 5), relation(3, 4)], [Some(Relation::NE); 2]);
@@ -181,26 +204,26 @@ fn h14_initial_transient_goal_and_inherited_constraints() {
          = a",
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = SituationGrid::default();
-    grid.apply(
+    let mut live = Live::default();
+    live.apply(
         &mission,
         &Event::Planned {
             id: 0,
             component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
         },
     );
-    decompose(&mut grid, &mission, 0, 0, 1);
-    assert_eq!(grid.constraints(&mission, 1), (0.5, 2.0));
+    decompose(&mut live, &mission, 0, 0, 1);
+    assert_eq!(live.grid().constraints(&mission, 1), (0.5, 2.0));
     let evident = |id, what, facts| Some(Signal::Evident { id, what, facts });
-    assert_eq!(grid.initial(&mission, 1, 0), evident(1, Violation::Initial, 1));
-    assert_eq!(grid.initial(&mission, 1, 1), None);
-    assert_eq!(grid.goal(&mission, 1, 1), evident(1, Violation::Goal, 4));
-    assert_eq!(grid.goal(&mission, 1, 4), None);
-    let transients = |grid: &SituationGrid| grid.evident(0, 2).collect::<Vec<_>>();
-    assert_eq!(transients(&grid), [], "a component that does not run is not checked");
-    grid.apply(&mission, &Event::Became { id: 1, life: Life::Started });
+    assert_eq!(live.grid().initial(&mission, 1, 0), evident(1, Violation::Initial, 1));
+    assert_eq!(live.grid().initial(&mission, 1, 1), None);
+    assert_eq!(live.grid().goal(&mission, 1, 1), evident(1, Violation::Goal, 4));
+    assert_eq!(live.grid().goal(&mission, 1, 4), None);
+    let transients = |live: &Live| live.grid().evident(0, 2).collect::<Vec<_>>();
+    assert_eq!(transients(&live), [], "a component that does not run is not checked");
+    live.apply(&mission, &Event::Became { id: 1, life: Life::Started });
     assert_eq!(
-        transients(&grid),
+        transients(&live),
         evident(1, Violation::Transient, 2).into_iter().collect::<Vec<_>>()
     );
 }
@@ -216,37 +239,37 @@ fn h26_intervals_and_the_points_of_figure_4() {
          = a:10 a:20 R; protect f0 0 2",
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = SituationGrid::default();
-    grid.apply(
+    let mut live = Live::default();
+    live.apply(
         &mission,
         &Event::Planned {
             id: 0,
             component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
         },
     );
-    decompose(&mut grid, &mission, 0, 0, 1);
-    let points = |grid: &SituationGrid| {
+    decompose(&mut live, &mission, 0, 0, 1);
+    let points = |live: &Live| {
         let mut all = vec![];
-        grid.points(&mission, 0, &mut |p| all.push((p.vertex, p.held.must, p.lost_work)));
+        live.grid().points(&mission, 0, &mut |p| all.push((p.vertex, p.held.must, p.lost_work)));
         all
     };
-    let violations = |grid: &SituationGrid, owner| grid.evident(owner, 0).collect::<Vec<_>>();
-    assert_eq!(points(&grid), [(1, 1, 10), (2, 0, 20)], "point 1 is protected, point 2 is not");
+    let violations = |live: &Live, owner| live.grid().evident(owner, 0).collect::<Vec<_>>();
+    assert_eq!(points(&live), [(1, 1, 10), (2, 0, 20)], "point 1 is protected, point 2 is not");
     let own = Signal::Evident { id: 0, what: Violation::Interval, facts: 1 };
-    assert_eq!(violations(&grid, 0), [own]);
-    assert_eq!(violations(&grid, 1), [], "in no other view while its behaviour runs");
-    let (frame, held) = grid.held(0).next().expect("it is in force");
+    assert_eq!(violations(&live, 0), [own]);
+    assert_eq!(violations(&live, 1), [], "in no other view while its behaviour runs");
+    let (frame, held) = live.grid().held(0).next().expect("it is in force");
     let foreign = Signal::Evident { id: 0, what: Violation::Foreign, facts: 1 };
     assert_eq!(Signal::foreign(frame, held, 0), Some(foreign));
     assert_eq!(Signal::foreign(frame, held, 1), None);
     for part in [1, 2] {
-        grid.apply(&mission, &Event::Became { id: part, life: Life::Scheduled });
-        grid.apply(&mission, &Event::Became { id: part, life: Life::Started });
-        grid.apply(&mission, &Event::Became { id: part, life: Life::Finished });
-        grid.apply(&mission, &Event::Deleted { id: part });
+        live.apply(&mission, &Event::Became { id: part, life: Life::Scheduled });
+        live.apply(&mission, &Event::Became { id: part, life: Life::Started });
+        live.apply(&mission, &Event::Became { id: part, life: Life::Finished });
+        live.apply(&mission, &Event::Deleted { id: part });
     }
-    assert_eq!(points(&grid), []);
-    assert_eq!(violations(&grid, 0), [], "the interval has ended");
+    assert_eq!(points(&live), []);
+    assert_eq!(violations(&live, 0), [], "the interval has ended");
 }
 
 /// H26: at the points inside a frame, what the frames above protect there counts too. The points of
@@ -261,26 +284,26 @@ fn h26_points_inside_a_frame_know_what_is_protected_around_it() {
          = a a",
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = SituationGrid::default();
+    let mut live = Live::default();
     for (owner, root) in [(0, 0), (1, 16)] {
         let frame = component(Symbol::PlanFrame(0), owner, None, Life::Scheduled);
-        grid.apply(&mission, &Event::Planned { id: root, component: frame });
-        decompose(&mut grid, &mission, root, 0, root + 1);
-        grid.apply(&mission, &Event::Became { id: root + 1, life: Life::Finished });
+        live.apply(&mission, &Event::Planned { id: root, component: frame });
+        decompose(&mut live, &mission, root, 0, root + 1);
+        live.apply(&mission, &Event::Became { id: root + 1, life: Life::Finished });
     }
-    decompose(&mut grid, &mission, 2, 1, 8);
-    let points = |grid: &SituationGrid, owner| {
+    decompose(&mut live, &mission, 2, 1, 8);
+    let points = |live: &Live, owner| {
         let mut all = vec![];
-        grid.points(&mission, owner, &mut |p| all.push((p.frame, p.vertex, p.held.must)));
+        live.grid().points(&mission, owner, &mut |p| all.push((p.frame, p.vertex, p.held.must)));
         all
     };
-    assert_eq!(points(&grid, 0), [(2, 1, 0b1001), (0, 2, 0b100), (0, 3, 0)]);
-    assert_eq!(points(&grid, 1), [(16, 2, 0b100), (16, 3, 0)]);
+    assert_eq!(points(&live, 0), [(2, 1, 0b1001), (0, 2, 0b100), (0, 3, 0)]);
+    assert_eq!(points(&live, 1), [(16, 2, 0b100), (16, 3, 0)]);
     // A frame that will choose again has no points; one that sleeps has.
-    grid.apply(&mission, &Event::Became { id: 16, life: Life::Suspended });
-    assert_eq!(points(&grid, 1).len(), 2);
-    grid.apply(&mission, &Event::Became { id: 16, life: Life::Scheduled });
-    assert_eq!(points(&grid, 1), []);
+    live.apply(&mission, &Event::Became { id: 16, life: Life::Suspended });
+    assert_eq!(points(&live, 1).len(), 2);
+    live.apply(&mission, &Event::Became { id: 16, life: Life::Scheduled });
+    assert_eq!(points(&live, 1), []);
 }
 
 /// A frame that falls back or restarts protects nothing until it has chosen again, and one that is
@@ -289,29 +312,31 @@ fn h26_points_inside_a_frame_know_what_is_protected_around_it() {
 fn a_frame_that_gives_up_its_production_protects_nothing() {
     let bytes = mission("action a hold 0; keeps f1\nframe R\n= a a; protect f0 0 2\n= a");
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = SituationGrid::default();
+    let mut live = Live::default();
     for (owner, root) in [(0, 0), (1, 16)] {
         let frame = component(Symbol::PlanFrame(0), owner, None, Life::Scheduled);
-        grid.apply(&mission, &Event::Planned { id: root, component: frame });
-        decompose(&mut grid, &mission, root, 0, root + 1);
-        grid.apply(&mission, &Event::Became { id: root + 1, life: Life::Started });
+        live.apply(&mission, &Event::Planned { id: root, component: frame });
+        decompose(&mut live, &mission, root, 0, root + 1);
+        live.apply(&mission, &Event::Became { id: root + 1, life: Life::Started });
     }
-    let protects = |grid: &SituationGrid| [0, 1].map(|owner| grid.held(owner).count());
-    let watches = |grid: &SituationGrid| [0, 1].map(|owner| grid.evident(owner, 1).count());
-    assert_eq!((protects(&grid), watches(&grid)), ([1, 1], [1, 1]));
+    let protects = |live: &Live| [0, 1].map(|owner| live.grid().held(owner).count());
+    let watches = |live: &Live| [0, 1].map(|owner| live.grid().evident(owner, 1).count());
+    assert_eq!((protects(&live), watches(&live)), ([1, 1], [1, 1]));
     for gives_up in [
         Event::Restarted { id: 0 },
         Event::Became { id: 0, life: Life::Scheduled },
         Event::Deleted { id: 0 },
     ] {
-        let mut grid = grid.clone();
-        grid.apply(&mission, &gives_up);
-        assert_eq!(protects(&grid), [0, 1], "{gives_up:?}");
-        assert_eq!(grid.get(0).and_then(|frame| frame.production), None);
-        assert_eq!(grid.get(16).and_then(|frame| frame.production), Some(0));
-        grid.apply(&mission, &Event::Deleted { id: 1 });
-        assert_eq!((protects(&grid), watches(&grid)), ([0, 1], [0, 1]));
-        assert!(grid.iter().any(|(id, _)| id == 17) && grid.iter().all(|(id, _)| id != 1));
+        let mut live = live.clone();
+        live.apply(&mission, &gives_up);
+        assert_eq!(protects(&live), [0, 1], "{gives_up:?}");
+        assert_eq!(live.grid().get(0).and_then(|frame| frame.production), None);
+        assert_eq!(live.grid().get(16).and_then(|frame| frame.production), Some(0));
+        live.apply(&mission, &Event::Deleted { id: 1 });
+        assert_eq!((protects(&live), watches(&live)), ([0, 1], [0, 1]));
+        assert!(
+            live.grid().iter().any(|(id, _)| id == 17) && live.grid().iter().all(|(id, _)| id != 1)
+        );
     }
 }
 
@@ -333,18 +358,18 @@ fn h19_a_doubtful_choice_is_named() {
          = open open",
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = SituationGrid::default();
-    grid.apply(
+    let mut live = Live::default();
+    live.apply(
         &mission,
         &Event::Planned {
             id: 0,
             component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
         },
     );
-    decompose(&mut grid, &mission, 0, 0, 1);
+    decompose(&mut live, &mission, 0, 0, 1);
     let mut all = vec![];
     let foreign = Condition { must: 0, must_not: 2 };
-    grid.choices(&mission, 2, foreign, &mut |signal| all.push(signal));
+    live.grid().choices(&mission, 2, foreign, &mut |signal| all.push(signal));
     let doubt =
         |production, facts| Signal::Possible { id: 2, why: Doubt::Choice(production), facts };
     assert_eq!(all, [doubt(2, 1), doubt(3, 3), doubt(5, 2)]);
@@ -360,32 +385,32 @@ fn h21_a_lost_producer_is_flagged_before_the_consumer_starts() {
          = make use",
     );
     let mission = Mission::parse(&bytes).expect("it is sound");
-    let mut grid = SituationGrid::default();
-    grid.apply(
+    let mut live = Live::default();
+    live.apply(
         &mission,
         &Event::Planned {
             id: 0,
             component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled),
         },
     );
-    decompose(&mut grid, &mission, 0, 0, 1);
-    let doubts = |grid: &SituationGrid, facts| {
+    decompose(&mut live, &mission, 0, 0, 1);
+    let doubts = |live: &Live, facts| {
         let mut all = vec![];
-        grid.possible(&mission, 2, facts, &mut |signal| all.push(signal));
+        live.grid().possible(&mission, 2, facts, &mut |signal| all.push(signal));
         all
     };
-    assert_eq!(doubts(&grid, 0), []);
+    assert_eq!(doubts(&live, 0), []);
     let doubt = Signal::Possible { id: 2, why: Doubt::NoProducer, facts: 1 };
     for life in [Life::Finished, Life::Failed, Life::Abandoned] {
-        let mut grid = grid.clone();
-        grid.apply(&mission, &Event::Became { id: 1, life });
-        assert_eq!(doubts(&grid, 0), [doubt], "{life:?}: it produces nothing any more");
-        grid.apply(&mission, &Event::Became { id: 2, life: Life::Started });
-        assert_eq!(doubts(&grid, 0), [], "what has started is not in doubt");
+        let mut live = live.clone();
+        live.apply(&mission, &Event::Became { id: 1, life });
+        assert_eq!(doubts(&live, 0), [doubt], "{life:?}: it produces nothing any more");
+        live.apply(&mission, &Event::Became { id: 2, life: Life::Started });
+        assert_eq!(doubts(&live, 0), [], "what has started is not in doubt");
     }
-    grid.apply(&mission, &Event::Deleted { id: 1 });
-    assert_eq!(doubts(&grid, 0), [doubt]);
-    assert_eq!(doubts(&grid, 1), [], "it holds already");
+    live.apply(&mission, &Event::Deleted { id: 1 });
+    assert_eq!(doubts(&live, 0), [doubt]);
+    assert_eq!(doubts(&live, 1), [], "it holds already");
 }
 
 /// A random production of up to six actions over three facts.
@@ -423,7 +448,7 @@ fn effects(description: &Description) -> (Facts, Facts) {
 
 /// The needs of `consumer` that fail in at least one order of the components allowed by the graph.
 fn may_fail(
-    grid: &SituationGrid,
+    live: &Live,
     mission: &Mission<'_>,
     descriptions: &[Description],
     consumer: usize,
@@ -432,7 +457,7 @@ fn may_fail(
 ) -> Facts {
     let all = descriptions.len();
     let comes_before = |x: usize, y: usize| {
-        grid.relation(mission, Node::from(x as Id + 1), Node::from(y as Id + 1))
+        live.grid().relation(mission, Node::from(x as Id + 1), Node::from(y as Id + 1))
             == Some(Relation::CB)
     };
     let mut failing = 0;
@@ -448,7 +473,7 @@ fn may_fail(
         }
         let (adds, deletes) = effects(&descriptions[next]);
         let after = facts & !deletes | adds;
-        failing |= may_fail(grid, mission, descriptions, consumer, done | 1 << next, after);
+        failing |= may_fail(live, mission, descriptions, consumer, done | 1 << next, after);
     }
     failing
 }
@@ -462,9 +487,9 @@ proptest! {
         let parts = (0..).zip(&edges).map(|(n, &(from, to))| (from, to, format!("a{n}")));
         let bytes = mission(&format!("{actions}frame R\n= {}", stages(parts)));
         let mission = Mission::parse(&bytes).expect("it is sound");
-        let mut grid = SituationGrid::default();
-        grid.apply(&mission, &Event::Planned { id: 0, component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled) });
-        decompose(&mut grid, &mission, 0, 0, 1);
+        let mut live = Live::default();
+        live.apply(&mission, &Event::Planned { id: 0, component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled) });
+        decompose(&mut live, &mission, 0, 0, 1);
         let all = |of: fn(&Description) -> Facts| descriptions.iter().fold(0, |all, d| all | of(d));
         let (added, deleted) = (all(|d| effects(d).0), all(|d| effects(d).1));
         // The compiler refuses an action that adds and deletes a fact.
@@ -472,7 +497,7 @@ proptest! {
         for (consumer, description) in descriptions.iter().enumerate() {
             let (mut doubted, mut lacking, mut destroyed) = (0, 0, 0);
             let mut repeated = false;
-            grid.possible(&mission, consumer as Id + 1, facts, &mut |signal| {
+            live.grid().possible(&mission, consumer as Id + 1, facts, &mut |signal| {
                 if let Signal::Possible { facts, why, .. } = signal {
                     // Each fact is in doubt once for its producer and once for what destroys it.
                     let is_known = why != Doubt::NoProducer && destroyed & facts != 0;
@@ -482,7 +507,7 @@ proptest! {
                     lacking |= if why == Doubt::NoProducer { facts } else { 0 };
                 }
             });
-            let failing = may_fail(&grid, &mission, &descriptions, consumer, 0, facts);
+            let failing = may_fail(&live, &mission, &descriptions, consumer, 0, facts);
             // The grid ignores facts that no component of the plan changes.
             let needs = description.initial;
             let ours = needs.must & (added | deleted & facts)
@@ -506,30 +531,30 @@ proptest! {
         let outer = stages(parts);
         let bytes = mission(&format!("{action}frame R\n= {outer}\nframe B\n= a|a a\n= a"));
         let mission = Mission::parse(&bytes).expect("it is sound");
-        let mut grid = SituationGrid::default();
-        grid.apply(&mission, &Event::Planned { id: 0, component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled) });
-        decompose(&mut grid, &mission, 0, 0, 1);
-        let relations = |grid: &SituationGrid| {
-            let ids: Vec<Id> = grid.iter().map(|(id, _)| id).collect();
+        let mut live = Live::default();
+        live.apply(&mission, &Event::Planned { id: 0, component: component(Symbol::PlanFrame(0), 0, None, Life::Scheduled) });
+        decompose(&mut live, &mission, 0, 0, 1);
+        let relations = |live: &Live| {
+            let ids: Vec<Id> = live.grid().iter().map(|(id, _)| id).collect();
             let mut all = vec![];
             for &x in &ids {
                 for &y in &ids {
-                    all.push(((x, y), grid.relation(&mission, Node::from(x), Node::from(y))));
+                    all.push(((x, y), live.grid().relation(&mission, Node::from(x), Node::from(y))));
                 }
             }
             all
         };
-        let before = relations(&grid);
-        decompose(&mut grid, &mission, 1, 1, 20);
-        let after = relations(&grid);
+        let before = relations(&live);
+        decompose(&mut live, &mission, 1, 1, 20);
+        let after = relations(&live);
         for pair in &before {
             prop_assert!(after.contains(pair), "{:?} changed", pair);
         }
-        let of = |x: Id, y: Id| grid.relation(&mission, Node::from(x), Node::from(y));
+        let of = |x: Id, y: Id| live.grid().relation(&mission, Node::from(x), Node::from(y));
         for &((x, y), relation) in &after {
             prop_assert_eq!(relation.is_none(), x == y);
             prop_assert_eq!(relation.map(Relation::inverse), of(y, x));
-            for (z, _) in grid.iter() {
+            for (z, _) in live.grid().iter() {
                 if relation == Some(Relation::CB) && of(y, z) == Some(Relation::CB) {
                     prop_assert_eq!(of(x, z), Some(Relation::CB));
                 }
@@ -544,13 +569,13 @@ fn h14_a_transient_is_not_watched_after_its_component_has_stopped() {
     let bytes = mission("action a hold 0; keeps f0\nframe R\n= a");
     let mission = Mission::parse(&bytes).expect("the mission is sound");
     for life in [Life::Suspended, Life::Finished, Life::Failed, Life::Abandoned] {
-        let mut grid = SituationGrid::default();
+        let mut live = Live::default();
         let part = component(Symbol::Action(0), 0, None, Life::Scheduled);
-        grid.apply(&mission, &Event::Planned { id: 3, component: part });
-        assert_eq!(grid.evident(0, 0).next(), None);
-        grid.apply(&mission, &Event::Became { id: 3, life: Life::Started });
-        assert!(grid.evident(0, 0).next().is_some());
-        grid.apply(&mission, &Event::Became { id: 3, life });
-        assert_eq!(grid.evident(0, 0).next(), None, "{life:?}");
+        live.apply(&mission, &Event::Planned { id: 3, component: part });
+        assert_eq!(live.grid().evident(0, 0).next(), None);
+        live.apply(&mission, &Event::Became { id: 3, life: Life::Started });
+        assert!(live.grid().evident(0, 0).next().is_some());
+        live.apply(&mission, &Event::Became { id: 3, life });
+        assert_eq!(live.grid().evident(0, 0).next(), None, "{life:?}");
     }
 }

@@ -11,6 +11,7 @@ pub type Owner = u8;
 
 /// A component of a live plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(4))]
 pub struct Component {
     /// The plan frame or atomic action that it stands for.
     pub symbol: Symbol,
@@ -30,6 +31,8 @@ pub struct Component {
     pub depth: u8,
     /// The production that replaced it, if it is a decomposed plan frame: index in the mission.
     pub production: Option<u16>,
+    /// Edges of that production that are finished, one bit each.
+    pub finished: u16,
 }
 
 impl Component {
@@ -40,6 +43,7 @@ impl Component {
     /// use plan_format::mission::Symbol;
     /// let component = |symbol, life| Component {
     ///     symbol, owner: 0, parent: None, edge: 0, from: 0, to: 1, life, depth: 1, production: None,
+    ///     finished: 0,
     /// };
     /// assert!(component(Symbol::Action(0), Life::Started).is_running());
     /// assert!(!component(Symbol::Action(0), Life::Scheduled).is_running());

@@ -1,9 +1,9 @@
-//! The vocabulary of live plans: ids, owner, life cycle, events, bit sets.
+//! The vocabulary of live plans: components, the pool that stores them, life cycle, events, bit sets.
 //!
-//! A live plan is a tree of [`Component`]s in a pool of slots; an [`Id`] is the number of a slot.
-//! `grammar` grows and prunes the trees and reports each change as an [`Event`]. `monitor` follows
-//! the plans by these events alone. Neither crate depends on the other; both use the types of this
-//! one.
+//! A live plan is a tree of [`Component`]s in the slots of a [`Pool`]; an [`Id`] is the number of a
+//! slot. `grammar` owns the pool. It grows and prunes the trees, and each change is an [`Event`].
+//! `monitor` reads the pool and hears each event. Neither crate depends on the other; both use the
+//! types of this one.
 //!
 //! ```
 //! use parts::Life;
@@ -22,6 +22,8 @@
 pub mod bits;
 mod component;
 mod life;
+mod pool;
 
 pub use component::{Component, Event, Id, Owner};
 pub use life::Life;
+pub use pool::Pool;

@@ -2,7 +2,7 @@
 
 use behaviour::{Behaviours, Decision, MAX_RUNNING, Phase, REST_US};
 use controller::{Explanation, State};
-use monitor::{Component, Id, Life, Node, Relation, Signal, SituationGrid, Violation};
+use monitor::{Component, Id, Life, Node, Pool, Relation, Signal, Violation};
 use plan_format::Blob;
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
 use plan_format::mission::{Mission, Symbol};
@@ -18,7 +18,7 @@ pub struct Watch {
     /// Behaviours that run once and have finished.
     is_over: [bool; MAX_BEHAVIOURS],
     /// The plans after the last tick.
-    grid: SituationGrid,
+    plans: Pool,
 }
 
 impl Watch {
@@ -42,7 +42,7 @@ impl Watch {
             self.now_us = self.now_us.saturating_add(passed_us);
             self.no_tick_is_dead(&mission, &state.behaviours, explanation)?;
         }
-        self.grid.clone_from(state.behaviours.grid());
+        self.plans.clone_from(state.behaviours.grid().pool());
         Ok(())
     }
 
@@ -86,7 +86,7 @@ impl Watch {
         };
         let is_explained =
             report.decisions.iter().filter(is_reason).count() > 0 || report.omitted > 0;
-        let has_changed = *behaviours.grid() != self.grid;
+        let has_changed = *behaviours.grid().pool() != self.plans;
         if !is_explained && !has_changed && running(behaviours).count() == 0 {
             for (index, behaviour) in mission.behaviours().iter().enumerate() {
                 let is_engaged = is_engaged(behaviours.phase(index));
@@ -134,9 +134,6 @@ fn is_engaged(phase: Phase) -> bool {
 /// No component outlives its plan.
 fn components_belong_to_live_plans(behaviours: &Behaviours) -> Result<(), String> {
     let grid = behaviours.grid();
-    if grid.iter().count() != behaviours.components() {
-        return Err("the grid has other components than the plans".into());
-    }
     for (id, entry) in grid.iter() {
         let index = usize::from(entry.owner) % MAX_BEHAVIOURS;
         let phase = behaviours.phase(index);

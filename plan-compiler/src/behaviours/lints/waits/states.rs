@@ -1,8 +1,8 @@
 //! All states that a plan can reach, found with the robot's own crates.
 
 use super::Bound;
-use grammar::{Choice, Ended, Event, Forest, Id, Life};
-use monitor::SituationGrid;
+use grammar::{Choice, Ended, Forest, Id, Life, Tell};
+use monitor::{Assumptions, SituationGrid};
 use plan_format::limits::MAX_DEPTH;
 use plan_format::mission::{ActionKind, Condition, Mission, MissionDraft, Production, Symbol};
 use std::collections::HashMap;
@@ -70,7 +70,7 @@ impl Work {
 #[derive(Clone, Default)]
 struct PlanState {
     forest: Forest,
-    situation_grid: SituationGrid,
+    assumptions: Assumptions,
 }
 
 /// FNV-1a over 128 bits.
@@ -187,10 +187,14 @@ impl PlanState {
     fn change<T>(
         &mut self,
         mission: &Mission<'_>,
-        act: impl FnOnce(&mut Forest, &mut dyn FnMut(Event)) -> T,
+        act: impl FnOnce(&mut Forest, &mut Tell<'_>) -> T,
     ) -> T {
-        let Self { forest, situation_grid } = self;
-        act(forest, &mut |event| situation_grid.apply(mission, &event))
+        let Self { forest, assumptions } = self;
+        act(forest, &mut |pool, event| assumptions.apply(mission, pool, event))
+    }
+
+    fn grid(&self) -> SituationGrid<'_> {
+        SituationGrid::new(self.forest.pool(), &self.assumptions)
     }
 
     /// A fingerprint of the plan: equal plans have equal ones, and two of the few thousand different
@@ -256,13 +260,10 @@ impl PlanState {
         if !self.running(mission).is_empty() {
             return None;
         }
-        let held = self
-            .situation_grid
-            .held(OWNER)
-            .fold(Condition::default(), |all, (_, held)| all.and(held));
+        let held =
+            self.grid().held(OWNER).fold(Condition::default(), |all, (_, held)| all.and(held));
         let mut ahead = Vec::new();
-        self.situation_grid
-            .points(mission, OWNER, &mut |point| ahead.push((point.lost_work, point.held)));
+        self.grid().points(mission, OWNER, &mut |point| ahead.push((point.lost_work, point.held)));
         Some(Stop { held, lost_work: work.filter(|_| !has_failed), ahead })
     }
 

@@ -1,0 +1,111 @@
+//! The store of all live plans.
+
+use crate::bits::{Slots, bit16, slot, slots_in};
+use crate::{Component, Event, Id, Life};
+use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
+
+/// The components of all live plans, by slot. `grammar` owns it and changes it by events only;
+/// `monitor` reads it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pool {
+    components: [Option<Component>; MAX_COMPONENTS],
+    /// Slots in use: most are free, and every tick visits all that are used often.
+    taken: Slots,
+}
+
+impl Default for Pool {
+    fn default() -> Self {
+        Self { components: [None; MAX_COMPONENTS], taken: 0 }
+    }
+}
+
+impl Pool {
+    /// The component in a slot.
+    pub fn get(&self, id: Id) -> Option<&Component> {
+        self.components.get(usize::from(id))?.as_ref()
+    }
+
+    /// All components, in the order of their slots.
+    pub fn iter(&self) -> impl Iterator<Item = (Id, &Component)> {
+        self.ids().filter_map(|id| Some((id, self.get(id)?)))
+    }
+
+    /// The slots in use, in order; later changes to the pool do not affect the iterator.
+    pub fn ids(&self) -> impl Iterator<Item = Id> + use<> {
+        slots_in(self.taken)
+    }
+
+    /// Number of components.
+    pub fn len(&self) -> usize {
+        self.taken.count_ones() as usize
+    }
+
+    /// Whether it has no component.
+    pub fn is_empty(&self) -> bool {
+        self.taken == 0
+    }
+
+    /// The first slot that is free.
+    pub fn free_slot(&self) -> Option<Id> {
+        let id = self.taken.trailing_ones();
+        ((id as usize) < MAX_COMPONENTS).then_some(id as Id)
+    }
+
+    /// The components above one, from its parent to the root.
+    pub fn above(&self, id: Id) -> impl Iterator<Item = (Id, &Component)> {
+        let parent = |id: Id| self.get(id).and_then(|component| component.parent);
+        core::iter::successors(parent(id), move |&id| parent(id))
+            .take(MAX_DEPTH)
+            .filter_map(|id| Some((id, self.get(id)?)))
+    }
+
+    /// Takes over a change.
+    #[inline(always)]
+    pub fn apply(&mut self, event: &Event) {
+        match *event {
+            Event::Planned { id, component } => {
+                if let Some(place) = self.components.get_mut(usize::from(id)) {
+                    *place = Some(component);
+                    self.taken |= slot(id);
+                }
+            }
+            Event::Decomposed { id, production } => self.choose(id, Some(production)),
+            Event::Restarted { id } => self.choose(id, None),
+            Event::Became { id, life } => self.set_life(id, life),
+            Event::Deleted { id } => {
+                if let Some(place) = self.components.get_mut(usize::from(id)) {
+                    *place = None;
+                    self.taken &= !slot(id);
+                }
+            }
+        }
+    }
+
+    /// A frame has this production now, of which no edge is finished.
+    fn choose(&mut self, id: Id, production: Option<u16>) {
+        if let Some(frame) = self.get_mut(id) {
+            frame.production = production;
+            frame.finished = 0;
+        }
+    }
+
+    fn set_life(&mut self, id: Id, life: Life) {
+        let Some(component) = self.get_mut(id) else { return };
+        component.life = life;
+        let Component { parent, edge, .. } = *component;
+        match life {
+            // A frame that falls back has given up its production.
+            Life::Scheduled => self.choose(id, None),
+            Life::Finished => {
+                if let Some(frame) = parent.and_then(|parent| self.get_mut(parent)) {
+                    frame.finished |= bit16(edge);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn get_mut(&mut self, id: Id) -> Option<&mut Component> {
+        self.components.get_mut(usize::from(id))?.as_mut()
+    }
+}
