@@ -1,14 +1,14 @@
 //! Backs a car or a boat out of places where it cannot turn.
 //!
 //! Advice and detours name a direction, as if the robot could turn on the spot. A differential
-//! vehicle can. A car or a boat needs a circle, and where an obstacle lies on that circle the brakes
-//! stop it. The vehicle then drives astern, and turns towards the wanted direction meanwhile: the second
-//! leg of a three-point turn.
+//! vehicle can. A car or a boat needs a circle, and where an obstacle or the edge of the map lies on
+//! that circle it stops. The vehicle then drives astern, and turns towards the wanted direction
+//! meanwhile: the second leg of a three-point turn.
 //!
 //! - It begins when the robot has almost come to rest and cannot begin its circle ahead.
-//! - It ends when the circle is free up to the wanted direction, when nothing is free astern, or
-//!   after the way of a quarter of a turn, unless the robot wants to go astern. The next leg goes
-//!   ahead again.
+//! - It ends when the circle is free up to the wanted direction, when no way astern is free and on
+//!   the map, or after the way of a quarter of a turn, unless the robot wants to go astern. The next
+//!   leg goes ahead again.
 //! - [`BackOut`] decides who may: a robot whose sensors look ahead only must not drive where it does
 //!   not see.
 //!
@@ -24,6 +24,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::brake::{Moving, drift_m};
 use crate::drive::{Twist, circle_m};
+use crate::edge::Edge;
 use crate::obstacles::{Arc, Body, Kind, Obstacles};
 use crate::scan::Points;
 
@@ -43,7 +44,7 @@ pub struct BackingOut {
     leg: Option<Leg>,
     /// Whether the sensors have seen something astern.
     sees_astern: bool,
-    /// Whether obstacles or the edge of the map left no motion in the last tick.
+    /// Whether obstacles left no motion in the last tick.
     is_blocked: bool,
 }
 
@@ -64,6 +65,8 @@ pub struct Situation<'s> {
     pub near: &'s Obstacles,
     /// All readings as points in the robot's axes.
     pub seen: &'s Points,
+    /// The edge of the map.
+    pub edge: &'s Edge<'s>,
     /// Present motion.
     pub now: &'s Moving,
 }
@@ -107,16 +110,15 @@ impl BackingOut {
     /// A new leg, if the robot cannot begin its way ahead.
     fn begun(&self, situation: &Situation<'_>, turn_rad: f32, circle_m: f32) -> Option<Leg> {
         let leg = Leg { is_to_the_left: turn_rad >= 0.0, driven_m: 0.0 };
-        let &Situation { vehicle, near, now, .. } = situation;
-        let is_held = now.twist.speed_mps.abs() < RESTING_MPS
+        let is_held = situation.now.twist.speed_mps.abs() < RESTING_MPS
             && (self.is_blocked
-                || !can_begin(vehicle, near, towards(turn_rad, circle_m, BEGINNING_M)));
+                || !situation.can_begin_ahead(towards(turn_rad, circle_m, BEGINNING_M)));
         is_held.then_some(leg)
     }
 
     /// Takes over the commands that leave a tick. Whatever else stops the robot ends the leg.
     pub fn commanded(&mut self, commands: &Commands) {
-        self.is_blocked = matches!(commands.reason, Reason::ObstacleStop | Reason::OffMap);
+        self.is_blocked = commands.reason == Reason::ObstacleStop;
         if commands.speed_mps >= 0.0 {
             self.leg = None;
         }
@@ -126,28 +128,40 @@ impl BackingOut {
 impl Leg {
     /// The same leg, farther; `None` if it is over.
     fn continued(self, situation: &Situation<'_>, turn_rad: f32, circle_m: f32) -> Option<Self> {
-        let Situation { vehicle, near, now, .. } = situation;
+        let &Situation { vehicle, near, edge, now, .. } = situation;
         let driven_m = self.driven_m + scalar::larger(-now.twist.speed_mps, 0.0) * now.elapsed_s;
         // Up to the wanted direction, and as far again as the body is wide.
         let length_m = circle_m * turn_rad.abs() + 2.0 * vehicle.radius_m;
+        let curvature = towards(turn_rad, circle_m, length_m);
         let is_open = driven_m >= SHORTEST_M
-            && can_begin(vehicle, near, towards(turn_rad, circle_m, BEGINNING_M))
-            && is_free(vehicle, near, length_m, towards(turn_rad, circle_m, length_m));
+            && situation.can_begin_ahead(towards(turn_rad, circle_m, BEGINNING_M))
+            && is_free(vehicle, near, length_m, curvature)
+            && edge.holds(vehicle, length_m, curvature, 0.0);
         // While the wanted direction lies astern, the way there is not wasted.
         let is_long = turn_rad.abs() < 0.5 * scalar::PI
             && driven_m > circle_m * (0.5 * scalar::PI) + vehicle.radius_m;
         (!is_open && !is_long).then_some(Self { driven_m, ..self })
     }
 
-    /// Curvature of the first way astern that is free: towards the side to which the robot turns,
-    /// straight, or to the other side.
+    /// Curvature of the first way astern that is free and on the map: towards the side to which the
+    /// robot turns, straight, or to the other side.
     fn open_curvature(self, situation: &Situation<'_>, circle_m: f32) -> Option<f32> {
-        let Situation { vehicle, near, .. } = situation;
+        let &Situation { vehicle, near, edge, now, .. } = situation;
         let tightest = if self.is_to_the_left { 1.0 / circle_m } else { -1.0 / circle_m };
         let astern = near.astern();
-        [tightest, 0.0, -tightest]
-            .into_iter()
-            .find(|&curvature| can_begin(vehicle, &astern, curvature))
+        let drift_m = drift_m(vehicle, now.drift_mps, &now.twist, 0.0);
+        [tightest, 0.0, -tightest].into_iter().find(|&curvature| {
+            can_begin(vehicle, &astern, curvature)
+                && edge.holds(vehicle, -SHORTEST_M, curvature, drift_m)
+        })
+    }
+}
+
+impl Situation<'_> {
+    /// Whether obstacles and the edge of the map let the vehicle begin a way ahead.
+    fn can_begin_ahead(&self, curvature_per_m: f32) -> bool {
+        can_begin(self.vehicle, self.near, curvature_per_m)
+            && self.edge.holds(self.vehicle, BEGINNING_M, curvature_per_m, 0.0)
     }
 }
 
@@ -178,7 +192,7 @@ fn can_begin(vehicle: &Vehicle, near: &Obstacles, curvature_per_m: f32) -> bool 
 mod tests {
     use super::*;
     use crate::scan::points;
-    use plan_format::Parameters;
+    use plan_format::{Blob, Parameters};
     use robot_io::RangeReading;
 
     const NOWHERE: Moving = Moving {
@@ -211,7 +225,11 @@ mod tests {
         let readings: heapless::Vec<RangeReading, 16> = readings.iter().map(reading).collect();
         let seen = points(&readings);
         let near = Obstacles::near(&readings, &seen, 5.0, &[], 0.0);
-        backing.choose(&Situation { vehicle, near: &near, seen: &seen, now: &now }, wanted)
+        // A map without an edge near.
+        let blob = Blob::without_map(Parameters::default(), None, None);
+        let edge = Edge::around(&blob, Vec2::zeros(), 0.0);
+        let situation = Situation { vehicle, near: &near, seen: &seen, edge: &edge, now: &now };
+        backing.choose(&situation, wanted)
     }
 
     fn first(
@@ -372,5 +390,53 @@ mod tests {
         assert!(choose(&mut backing, &vehicle, WALL, NOWHERE, left()).is_some());
         backing.commanded(&Commands::stop(Reason::EmergencyStop));
         assert_eq!(backing, BackingOut::default());
+    }
+
+    /// The answer of a car on a map of 10 m by 10 m, at these metres and this heading, in the sight of
+    /// `readings`.
+    fn on_map(
+        (x_m, y_m, heading_rad): (f32, f32, f32),
+        readings: &[(f32, f32)],
+        wanted: Vec2,
+    ) -> Option<Twist> {
+        let reading = |&(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
+        let readings: heapless::Vec<RangeReading, 16> = readings.iter().map(reading).collect();
+        let seen = points(&readings);
+        let near = Obstacles::near(&readings, &seen, 5.0, &[], 0.0);
+        let bytes = crate::edge::tests::square();
+        let blob = Blob::parse(&bytes).expect("the blob is valid");
+        let edge = Edge::around(&blob, Vec2::new(x_m, y_m), heading_rad);
+        let (vehicle, now) = (&car(), &NOWHERE);
+        let situation = Situation { vehicle, near: &near, seen: &seen, edge: &edge, now };
+        BackingOut::default().choose(&situation, wanted)
+    }
+
+    #[test]
+    fn before_the_edge_of_its_map_a_car_backs_out() {
+        let straight = Vec2::new(1.0, 0.0);
+        for (x_m, backs_out) in [(9.98, true), (9.9, true), (9.7, false), (5.0, false)] {
+            let twist = on_map((x_m, 5.0, 0.0), &[], straight);
+            assert_eq!(twist.is_some(), backs_out, "{x_m}: {twist:?}");
+        }
+        // Along the edge and away from it, it can begin ahead.
+        for heading_rad in [1.6, 3.1, -1.6] {
+            assert_eq!(on_map((9.98, 5.0, heading_rad), &[], straight), None, "{heading_rad}");
+        }
+    }
+
+    /// Before a wall and beside the eastern edge: a turn to the left on the way astern brings the tail
+    /// to the right, off the map.
+    #[test]
+    fn a_leg_astern_keeps_off_the_edge() {
+        let (north, south) = (0.5 * scalar::PI, -0.5 * scalar::PI);
+        for (x_m, heading_rad, sign) in [(9.9, south, 1.0), (5.0, north, 1.0), (9.99, north, 0.0)] {
+            let twist = on_map((x_m, 5.0, heading_rad), WALL, left()).expect("it backs out");
+            assert!(twist.speed_mps < 0.0);
+            assert_eq!(
+                twist.turn_rate_radps.signum() * f32::from(twist.turn_rate_radps != 0.0),
+                sign,
+                "{x_m}"
+            );
+        }
     }
 }

@@ -2,8 +2,10 @@
 //!
 //! The plan ends at the edge of the map, and a robot beyond it stops ([`Reason::OffMap`]). Where a
 //! route lies along the edge, obstacles beside it repel the robot towards the edge, and a turn, a
-//! boat's drift or speed may carry it over. So a robot close to the edge drives along it. Its speed
-//! is limited as before an obstacle: it can stop before the edge, on the arc that it drives.
+//! boat's drift or speed may carry it over. So a robot close to the edge drives along it, and a little
+//! away from it. Its speed is limited as before an obstacle: it can stop before the edge, on the arc
+//! that it drives. A vehicle that needs a circle keeps some room beside the edge, since it could not
+//! turn away without.
 //!
 //! Only where `trouble.off_map` says that a robot off its map stops. The position is believed as it
 //! is, so a robot may still leave the map by the error of its position.
@@ -18,71 +20,131 @@ use crate::brake::{self, Moving};
 use crate::drive::{Twist, circle_m};
 
 /// Speeds that are tried, each half of the one before.
-const TRIES: usize = 4;
+const TRIES: usize = 7;
+/// Share of a vector that leads inward at the very edge.
+const INWARD: f32 = 0.5;
 /// A way that turns by less than this is straight, radians.
 const STRAIGHT_RAD: f32 = 0.01;
 
-/// The wanted twist at the highest of a few speeds from which the robot stops on the map; at speed 0
-/// if it would leave the map at each of them. Position and heading are in the map's axes.
-pub fn stay(
-    blob: &Blob<'_>,
-    vehicle: &Vehicle,
+/// The map around the robot. A way is on the map where the robot need not stay there.
+#[derive(Clone, Copy, Debug)]
+pub struct Edge<'b> {
+    blob: &'b Blob<'b>,
+    /// Position and heading in the map's axes.
     position: Vec2,
     heading_rad: f32,
-    now: &Moving,
-    wanted: Twist,
-) -> Twist {
-    let fastest_mps = wanted.speed_mps.abs().min(vehicle.max_speed_mps);
-    if fastest_mps == 0.0 || !must_stay(blob, position) {
-        return wanted;
+}
+
+impl<'b> Edge<'b> {
+    /// The map around a robot at this position, map metres.
+    pub fn around(blob: &'b Blob<'b>, position: Vec2, heading_rad: f32) -> Self {
+        Self { blob, position, heading_rad }
     }
-    let fastest = Twist { speed_mps: fastest_mps, ..wanted };
-    let drift_m = brake::drift_m(vehicle, now.drift_mps, &fastest, fastest_mps);
-    if is_far_from_edge(blob, position, vehicle.stopping_distance_m(fastest_mps) + drift_m) {
-        return wanted;
-    }
-    let sign = if wanted.speed_mps < 0.0 { -1.0 } else { 1.0 };
-    let turn_radps = scalar::clamp(
-        wanted.turn_rate_radps,
-        -vehicle.max_turn_rate_radps,
-        vehicle.max_turn_rate_radps,
-    );
-    let tightest_per_m = 1.0 / circle_m(vehicle);
-    let stays = |speed_mps: f32| {
-        let curvature = scalar::clamp(turn_radps / speed_mps, -tightest_per_m, tightest_per_m);
-        let length_m = vehicle.stopping_distance_m(speed_mps);
-        let turn = Twist { speed_mps, turn_rate_radps: curvature * speed_mps };
-        let drift_m = brake::drift_m(vehicle, now.drift_mps, &turn, speed_mps);
-        // On the way, at its end, and beside that, where a boat may have drifted.
-        [(0.5, 0.0), (1.0, drift_m), (1.0, -drift_m)].into_iter().all(|(share, aside_m)| {
-            let way = along_arc(share * length_m, curvature) + Vec2::new(0.0, aside_m);
-            // Astern, the axes of the motion are turned by half a turn.
-            let way = vector::rotated(way * sign, heading_rad);
-            blob.cell_at(position + way).is_some()
-        })
-    };
-    let mut speed_mps = fastest_mps;
-    for _ in 0..TRIES {
-        if stays(speed_mps) {
-            return Twist { speed_mps: sign * speed_mps, ..wanted };
+
+    /// The wanted twist at the highest of a few speeds from which the robot stops on the map; at
+    /// speed 0 if it would leave the map at each of them.
+    pub fn stay(&self, vehicle: &Vehicle, now: &Moving, wanted: Twist) -> Twist {
+        let fastest_mps = wanted.speed_mps.abs().min(vehicle.max_speed_mps);
+        if fastest_mps == 0.0 || !must_stay(self.blob, self.position) {
+            return wanted;
         }
-        speed_mps *= 0.5;
+        let fastest = Twist { speed_mps: fastest_mps, ..wanted };
+        let drift_m = brake::drift_m(vehicle, now.drift_mps, &fastest, fastest_mps);
+        let reach_m = vehicle.stopping_distance_m(fastest_mps) + drift_m + vehicle.radius_m;
+        if is_far_from_edge(self.blob, self.position, reach_m) {
+            return wanted;
+        }
+        let sign = if wanted.speed_mps < 0.0 { -1.0 } else { 1.0 };
+        let mut speed_mps = fastest_mps;
+        for _ in 0..TRIES {
+            let slower = Twist { speed_mps: sign * speed_mps, ..wanted };
+            if self.holds_stop(vehicle, now.drift_mps, slower) {
+                return slower;
+            }
+            speed_mps *= 0.5;
+        }
+        Twist { speed_mps: 0.0, ..wanted }
     }
-    Twist { speed_mps: 0.0, ..wanted }
+
+    /// Whether the robot stops on the map from a twist, a boat that drifts at `drift_mps` too. The
+    /// speed is not 0.
+    pub fn holds_stop(&self, vehicle: &Vehicle, drift_mps: f32, twist: Twist) -> bool {
+        let speed_mps = twist.speed_mps.abs();
+        let most_radps = vehicle.max_turn_rate_radps;
+        let turn_radps = scalar::clamp(twist.turn_rate_radps, -most_radps, most_radps);
+        let tightest_per_m = 1.0 / circle_m(vehicle);
+        let curvature = scalar::clamp(turn_radps / speed_mps, -tightest_per_m, tightest_per_m);
+        let turn = Twist { speed_mps, turn_rate_radps: curvature * speed_mps };
+        let drift_m = brake::drift_m(vehicle, drift_mps, &turn, speed_mps);
+        let way_m = vehicle.stopping_distance_m(speed_mps);
+        self.holds(vehicle, if twist.speed_mps < 0.0 { -way_m } else { way_m }, curvature, drift_m)
+    }
+
+    /// Whether an arc is on the map: its middle and its end, and what lies `aside_m` beside that,
+    /// where a boat may have drifted. Its length is negative astern, where the axes of the motion are
+    /// turned by half a turn. A vehicle that needs a circle to turn away keeps some room for that.
+    pub fn holds(
+        &self,
+        vehicle: &Vehicle,
+        length_m: f32,
+        curvature_per_m: f32,
+        aside_m: f32,
+    ) -> bool {
+        if !must_stay(self.blob, self.position) {
+            return true;
+        }
+        let sign = if length_m < 0.0 { -1.0 } else { 1.0 };
+        let needs_room = circle_m(vehicle) > 0.0;
+        // Half of the room that is left, so that some always is.
+        let kept_m =
+            if needs_room { 0.5 * vehicle.radius_m.min(self.room_m(self.position)) } else { 0.0 };
+        [(0.5, 0.0), (1.0, aside_m), (1.0, -aside_m)].into_iter().all(|(share, aside_m)| {
+            let way = along_arc(share * length_m.abs(), curvature_per_m) + Vec2::new(0.0, aside_m);
+            let way = vector::rotated(way * sign, self.heading_rad);
+            self.room_m(self.position + way) >= kept_m
+        })
+    }
+
+    /// The distance from a point to the nearest edge, metres; negative off the map.
+    fn room_m(&self, point: Vec2) -> f32 {
+        let [(west_m, east_m), (south_m, north_m)] = rooms_m(self.blob, point);
+        west_m.min(east_m).min(south_m.min(north_m))
+    }
 }
 
 /// The blended vector without its part that leads off the map from close to the edge, map axes: the
-/// robot drives along the edge instead.
+/// robot drives along the edge instead, and a little away from it.
 pub fn along(blob: &Blob<'_>, vehicle: &Vehicle, position: Vec2, sum: Vec2) -> Vec2 {
     if !must_stay(blob, position) || is_far_from_edge(blob, position, vehicle.radius_m) {
         return sum;
     }
-    let leads_off = |step: Vec2| blob.cell_at(position + step * vehicle.radius_m).is_none();
-    let part = |part: f32, step: Vec2| {
-        let is_off = part != 0.0 && leads_off(if part < 0.0 { -step } else { step });
-        if is_off { 0.0 } else { part }
+    let inward = INWARD * vector::length(sum);
+    let closeness = |room_m: f32| 1.0 - room_m / vehicle.radius_m;
+    let part = |part: f32, (low_m, high_m): (f32, f32)| {
+        let (low, high) = (closeness(low_m), closeness(high_m));
+        match (low > 0.0, high > 0.0) {
+            (true, true) => 0.0,
+            (true, false) => part.max(inward * low),
+            (false, true) => part.min(-inward * high),
+            (false, false) => part,
+        }
     };
-    Vec2::new(part(sum.x, Vec2::new(1.0, 0.0)), part(sum.y, Vec2::new(0.0, 1.0)))
+    let [east, north] = rooms_m(blob, position);
+    Vec2::new(part(sum.x, east), part(sum.y, north))
+}
+
+/// The distances from a point to the western and to the eastern edge, and to the southern and to the
+/// northern one, metres; negative beyond an edge.
+fn rooms_m(blob: &Blob<'_>, point: Vec2) -> [(f32, f32); 2] {
+    let grid = blob.grid();
+    let rooms_m = |at_m: f32, corner_m: f64, cells: u32| {
+        let low_m = at_m - corner_m as f32;
+        (low_m, (f64::from(cells) * grid.resolution_m) as f32 - low_m)
+    };
+    [
+        rooms_m(point.x, grid.corner_m[0], grid.columns),
+        rooms_m(point.y, grid.corner_m[1], grid.rows),
+    ]
 }
 
 /// Whether the robot is on its map, and would stop beyond the edge.
@@ -107,7 +169,7 @@ fn along_arc(length_m: f32, curvature_per_m: f32) -> Vec2 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     extern crate std;
 
     use super::*;
@@ -117,7 +179,7 @@ mod tests {
     use std::vec::Vec;
 
     /// A map of 10 m by 10 m without plans.
-    fn square() -> Vec<u8> {
+    pub(crate) fn square() -> Vec<u8> {
         let grid = Grid { columns: 10, rows: 10, resolution_m: 1.0, corner_m: [0.0, 0.0] };
         write(&Draft {
             grid,
@@ -137,22 +199,27 @@ mod tests {
     };
 
     #[test]
-    fn close_to_the_edge_the_robot_drives_along_it() {
+    fn close_to_the_edge_the_robot_drives_along_it_and_away_from_it() {
         let bytes = square();
         let blob = Blob::parse(&bytes).expect("the blob is valid");
         let vehicle = Parameters::default().vehicle;
         for (position, sum, expected) in [
             ((5.0, 5.0), (1.0, -1.0), (1.0, -1.0)),
-            ((9.9, 5.0), (1.0, -1.0), (0.0, -1.0)),
+            // A third of the radius of 0.3 m from the edge: inward by a third of the length.
+            ((9.9, 5.0), (0.8, -0.6), (-1.0 / 3.0, -0.6)),
+            ((9.97, 5.0), (0.8, -0.6), (-0.45, -0.6)),
             ((9.6, 5.0), (1.0, -1.0), (1.0, -1.0)),
-            ((9.9, 5.0), (-1.0, 0.5), (-1.0, 0.5)),
-            ((0.1, 0.1), (-0.3, -0.4), (0.0, 0.0)),
+            ((9.9, 5.0), (-0.8, 0.6), (-0.8, 0.6)),
+            ((9.9, 5.0), (-0.1, 0.6), (-0.2027588, 0.6)),
+            ((0.1, 0.1), (-0.3, -0.4), (0.5 / 3.0, 0.5 / 3.0)),
+            ((0.1, 9.9), (0.4, -0.3), (0.4, -0.3)),
             // Off the map, any direction may lead back.
             ((10.5, 5.0), (1.0, 0.0), (1.0, 0.0)),
         ] {
             let along =
                 along(&blob, &vehicle, Vec2::new(position.0, position.1), Vec2::new(sum.0, sum.1));
-            assert_eq!(along, Vec2::new(expected.0, expected.1), "{position:?} {sum:?}");
+            let off = along - Vec2::new(expected.0, expected.1);
+            assert!(off.norm() < 1e-5, "{position:?} {sum:?}: {along:?}");
         }
     }
 
@@ -188,24 +255,29 @@ mod tests {
             (&rover, RESTING, (9.3, 5.0), 0.0, (1.6, 0.0), 0.8),
             (&rover, RESTING, (9.8, 5.0), 0.0, (1.6, 0.0), 0.4),
             (&rover, RESTING, (9.95, 5.0), 0.0, (1.6, 0.0), 0.2),
-            (&rover, RESTING, (9.99, 5.0), 0.0, (1.6, 0.0), 0.0),
+            (&rover, RESTING, (9.99, 5.0), 0.0, (1.6, 0.0), 0.05),
+            (&rover, RESTING, (9.999, 5.0), 0.0, (1.6, 0.0), 0.0),
             (&rover, RESTING, (0.7, 5.0), 0.0, (-1.6, 0.0), -0.8),
             (&rover, RESTING, (10.5, 5.0), 0.0, (1.6, 0.0), 1.6),
             (&rover, RESTING, (9.5, 5.0), north, (1.6, -2.0), 1.6),
             (&rover, RESTING, (9.7, 5.0), north, (1.6, -2.0), 0.8),
             (&rover, RESTING, (9.935, 5.0), north, (1.6, -2.0), 0.4),
-            // A car's arc has at least the radius of its circle.
-            (&car, RESTING, (9.935, 5.0), north, (1.6, -2.0), 0.8),
+            // A car's arc has at least the radius of its circle, and it keeps half of its room: 3 cm.
+            (&car, RESTING, (9.935, 5.0), north, (1.6, -2.0), 0.4),
+            (&car, RESTING, (9.9, 5.0), north, (1.6, -2.0), 0.4),
+            (&car, RESTING, (9.88, 5.0), north, (1.6, -2.0), 0.8),
             // Southward and astern, a clockwise turn leads to the east.
             (&rover, RESTING, (0.3, 5.0), -north, (-1.6, -2.0), -1.6),
             (&rover, RESTING, (9.7, 5.0), -north, (-1.6, -2.0), -0.8),
-            (&boat, drifting, (5.0, 9.7), 0.0, (0.5, 0.0), 0.5),
-            (&boat, drifting, (5.0, 9.75), 0.0, (0.5, 0.0), 0.25),
-            (&boat, drifting, (5.0, 0.25), 0.0, (0.5, 0.0), 0.25),
-            (&boat, drifting, (5.0, 9.8), 0.0, (0.5, 0.0), 0.0),
+            // A boat keeps half of its radius, 15 cm.
+            (&boat, drifting, (5.0, 9.55), 0.0, (0.5, 0.0), 0.5),
+            (&boat, drifting, (5.0, 9.6), 0.0, (0.5, 0.0), 0.25),
+            (&boat, drifting, (5.0, 0.4), 0.0, (0.5, 0.0), 0.25),
+            (&boat, drifting, (5.0, 9.7), 0.0, (0.5, 0.0), 0.0),
         ] {
             let wanted = Twist { speed_mps: speed, turn_rate_radps: turn };
-            let kept = stay(&blob, vehicle, Vec2::new(x, y), heading_rad, &now, wanted);
+            let edge = Edge::around(&blob, Vec2::new(x, y), heading_rad);
+            let kept = edge.stay(vehicle, &now, wanted);
             let case = std::format!("{:?} {x},{y} {speed} {turn}", vehicle.steering);
             assert_eq!(kept, Twist { speed_mps: expected, ..wanted }, "{case}");
         }
@@ -225,7 +297,7 @@ mod tests {
                 (vehicle.steering, vehicle.min_turn_radius_m) = (Steering::Ackermann, 0.5);
             }
             let wanted = Twist { speed_mps: speed, turn_rate_radps: turn };
-            let kept = stay(&blob, &vehicle, Vec2::new(x, y), heading, &RESTING, wanted);
+            let kept = Edge::around(&blob, Vec2::new(x, y), heading).stay(&vehicle, &RESTING, wanted);
             prop_assert!(kept.speed_mps * speed >= 0.0 && kept.speed_mps.abs() <= speed.abs());
             prop_assert_eq!(kept.turn_rate_radps, turn);
             // The way until it stands, along the arc that the vehicle can drive.

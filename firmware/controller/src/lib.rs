@@ -162,6 +162,7 @@ pub mod team;
 use behave::{Approach, Attraction, Intent};
 use behaviour::Behaviours;
 use drive::Twist;
+use edge::Edge;
 use math::{Vec2, vector};
 use obstacles::Obstacles;
 use plan_format::Blob;
@@ -313,14 +314,12 @@ fn is_lost(blob: &Blob<'_>, position: Vec2) -> bool {
 
 /// The twist, or a slower one that does not lead off the map. An error if only standing is left.
 fn kept_on_map(
-    blob: &Blob<'_>,
+    edge: &Edge<'_>,
     vehicle: &Vehicle,
-    position: Vec2,
-    heading_rad: f32,
     now: &brake::Moving,
     twist: Twist,
 ) -> Result<Twist, Reason> {
-    let kept = edge::stay(blob, vehicle, position, heading_rad, now, twist);
+    let kept = edge.stay(vehicle, now, twist);
     let turns = kept.turn_rate_radps != 0.0 && drive::circle_m(vehicle) == 0.0;
     let stands = twist.speed_mps != 0.0 && kept.speed_mps == 0.0 && !turns;
     if stands { Err(Reason::OffMap) } else { Ok(kept) }
@@ -418,8 +417,10 @@ fn decide(
     let is_repelled = guidance.gains.reactive * schema.avoid_gain > 0.0 && repulsion.is_saturated;
     let limit_mps = guidance::speed_limit(blob, &state.progress, guidance.layer, position);
     let vehicle = limit::in_speed_zone(vehicle, limit_mps);
+    let edge = Edge::around(blob, position, heading_rad);
     let backing = if parameters.blend == Route {
-        let situation = back_out::Situation { vehicle: &vehicle, near, seen: points, now };
+        let situation =
+            back_out::Situation { vehicle: &vehicle, near, seen: points, edge: &edge, now };
         state.backing_out.choose(&situation, ahead)
     } else {
         None
@@ -428,7 +429,7 @@ fn decide(
         Some(twist) => (twist, detour::Rule::BackOut),
         None => (drive::drive(&vehicle, ahead, is_repelled), rule),
     };
-    let twist = kept_on_map(blob, &vehicle, position, heading_rad, now, twist)?;
+    let twist = kept_on_map(&edge, &vehicle, now, twist)?;
     let commands = twist.because(guidance.reason);
     Ok((commands, Some(Blend { guidance, vectors, sum, rule })))
 }

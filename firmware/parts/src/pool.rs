@@ -81,7 +81,7 @@ impl Pool {
         }
     }
 
-    /// A frame has this production now, of which no edge is finished.
+    /// A frame has this production now, and none of its edges is finished.
     fn choose(&mut self, id: Id, production: Option<u16>) {
         if let Some(frame) = self.get_mut(id) {
             frame.production = production;
