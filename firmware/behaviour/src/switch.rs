@@ -19,7 +19,9 @@ impl Behaviours {
         for claim in &self.claims(context.mission) {
             if claim.is_engaged {
                 taken |= claim.resources;
-                if (self.refused | self.deferring) & behaviour_bit(claim.index) != 0 {
+                let waits = (self.refused | self.deferring) & behaviour_bit(claim.index) != 0;
+                // One that has become urgent since waits no more.
+                if waits && !claim.is_urgent {
                     taken |= self.wait_for_protecting(claim, context);
                 }
             } else if taken & claim.resources == 0 {
@@ -40,7 +42,7 @@ impl Behaviours {
         if let Some(by) =
             by.filter(|_| self.refused & bit != 0 && is_active && !self.is_acting(claim.index))
         {
-            let by = Claim { index: by, is_urgent: false, ..*claim };
+            let by = Claim { index: by, ..*claim };
             self.interrupt(claim.index, &by, context);
         }
         self.resources_of(protecting)

@@ -207,4 +207,54 @@ mod tests {
         let rover = Vehicle { steering: Steering::Differential, ..boat };
         assert_eq!(steady_drift_mps(&rover, &turn), 0.0);
     }
+
+    fn rover() -> Vehicle {
+        plan_format::Parameters::default().vehicle
+    }
+
+    fn assert_close(found: f32, expected: f32) {
+        assert!((found - expected).abs() < 1e-3, "{found} instead of {expected}");
+    }
+
+    /// The default rover has a radius of 0.3 m. From 1.6 m/s it stops within 0.8 m, 2 cm before an
+    /// obstacle, and keeps 6.3 cm from what it passes. In the age of its readings it drives on.
+    #[test]
+    fn readings_count_as_far_as_the_robot_needs_to_stop() {
+        assert_close(within_m(&rover(), 0.0), 0.3 + 0.8 + 0.02 + 0.063);
+        assert_close(within_m(&rover(), 0.5), 1.183 + 0.5 * 1.6);
+        // A steady turn at 1.6 m/s and 2 rad/s drifts at 1.6 m/s. The boat stops after 0.9 s, and its
+        // drift ends after as long as 0.95 s at that speed.
+        let boat = Vehicle { steering: Steering::Boat, max_turn_rate_radps: 2.0, ..rover() };
+        assert_close(within_m(&boat, 0.0), 1.183 + 0.95 * 1.6);
+        // The body is smaller than the distance at which it stops.
+        let small = Vehicle { radius_m: 0.1, stop_distance_m: 0.2, ..rover() };
+        assert_close(within_m(&small, 0.0), 0.2 + 0.8 + 0.2 + 0.063);
+    }
+
+    /// The rover stands after 0.9 s; 0.3 s more count. In that time an obstacle comes 2 m/s x 1.2 s
+    /// closer.
+    #[test]
+    fn what_moves_counts_as_far_as_it_comes_meanwhile() {
+        assert_close(stopping_s(&rover(), 1.6), 1.2);
+        assert_close(coming_m(&rover(), 0.0), 1.183 + 2.4);
+        assert_close(coming_m(&rover(), 0.5), 1.983 + 3.4);
+    }
+
+    /// At 1.6 m/s, with brakes of 2 m/s^2, the robot has 1.5 m/s a tick later, whatever it does.
+    #[test]
+    fn a_robot_that_is_too_fast_brakes_and_stays_on_its_arc() {
+        let reading = robot_io::RangeReading { bearing_rad: 0.0, distance_m: 0.6 };
+        let seen = crate::scan::points(&[reading]);
+        let ahead = Obstacles::near(&[reading], &seen, 5.0, &[], 0.0);
+        let twist = Twist { speed_mps: 1.6, turn_rate_radps: 0.8 };
+        let moving = Moving { twist, drift_mps: 0.0, elapsed_s: 0.05, age_s: 0.0 };
+        let wanted = Twist { speed_mps: 1.6, turn_rate_radps: 0.0 };
+        let braked = brake(&rover(), &ahead, &moving, wanted).expect("it is driving");
+        assert!((0.4..1.0).contains(&braked.speed_mps), "{braked:?}");
+        assert_close(braked.turn_rate_radps, 0.8 * 1.5 / 1.6);
+        // After a longer tick it can have less.
+        let moving = Moving { elapsed_s: 0.2, ..moving };
+        let braked = brake(&rover(), &ahead, &moving, wanted).expect("it is driving");
+        assert_close(braked.turn_rate_radps, 0.8 * 1.2 / 1.6);
+    }
 }

@@ -248,4 +248,51 @@ mod tests {
         let commands = limit(&vehicle, &facing(&[], armed()), wanted(-0.0, -0.0));
         assert_eq!((commands.speed_mps.to_bits(), commands.turn_rate_radps.to_bits()), (0, 0));
     }
+
+    /// Without odometry, the robot counts with the speed that it had, and with what its brakes of
+    /// 2 m/s^2 have changed since, in at most 0.2 s.
+    #[test]
+    fn without_odometry_the_speed_changes_as_the_brakes_allow() {
+        let vehicle = Parameters::default().vehicle;
+        let resting = Commanded::default().now(&Percepts::default(), 0.0, &vehicle);
+        for (elapsed_us, commanded_mps, expected_mps) in
+            [(50_000, 0.0, 0.9), (100_000, 2.0, 1.2), (3_000_000, 0.0, 0.6), (100_000, 0.9, 0.9)]
+        {
+            let had = Moving { twist: Twist { speed_mps: 1.0, turn_rate_radps: 0.3 }, ..resting };
+            let mut last = Commanded::default();
+            last.commanded(1_000_000, &wanted(commanded_mps, 0.4), &had);
+            let percepts = Percepts { time_us: 1_000_000 + elapsed_us, ..Percepts::default() };
+            let Twist { speed_mps, turn_rate_radps } = last.now(&percepts, 0.0, &vehicle).twist;
+            assert!((speed_mps - expected_mps).abs() < 1e-5, "{elapsed_us} us: {speed_mps}");
+            assert_eq!(turn_rate_radps, 0.4);
+        }
+    }
+
+    /// At 1.6 m/s the robot is too fast for the arc that it wants, and stays on its own.
+    #[test]
+    fn a_robot_that_brakes_hard_turns_as_the_brakes_say() {
+        let vehicle = Parameters::default().vehicle;
+        let percepts = Percepts {
+            speed_mps: Some(1.6),
+            turn_rate_radps: Some(0.8),
+            ..facing(&[(0.0, 0.6)], armed())
+        };
+        let seen = points(&percepts.ranges);
+        let near = Obstacles::near(&percepts.ranges, &seen, 5.0, &[], 0.0);
+        let now = Commanded::default().now(&percepts, 0.0, &vehicle);
+        let limited = super::limit(&vehicle, &percepts, &near, &now, wanted(1.6, 0.0));
+        assert!(limited.turn_rate_radps > 0.4 && limited.reason == Reason::Driving, "{limited:?}");
+    }
+
+    #[test]
+    fn a_speed_zone_limits_every_speed_of_the_vehicle() {
+        let vehicle = Vehicle { cautious_speed_mps: 0.7, ..Parameters::default().vehicle };
+        let speeds = |vehicle: Vehicle| {
+            [vehicle.max_speed_mps, vehicle.base_speed_mps, vehicle.cautious_speed_mps]
+        };
+        assert_eq!(speeds(in_speed_zone(&vehicle, 0.5)), [0.5; 3]);
+        assert_eq!(in_speed_zone(&vehicle, f32::INFINITY), vehicle);
+        let limited = in_speed_zone(&vehicle, 0.5);
+        assert_eq!((limited.radius_m, limited.braking_mps2), (0.3, 2.0));
+    }
 }

@@ -411,4 +411,86 @@ mod tests {
         let corridor = [(0.4, 2.5), (0.8, 1.4), (1.6, 1.0), (-0.4, 2.5), (-0.8, 1.4), (-1.6, 1.0)];
         assert_eq!(after_silence(&corridor, &corridor, 0.6, 0.0), fresh);
     }
+
+    /// A range finder with two readings, and the robot that carries it.
+    struct Rover {
+        track: RangeTrack,
+        time_us: u64,
+    }
+
+    impl Rover {
+        fn new() -> Self {
+            Self { track: RangeTrack::default(), time_us: 0 }
+        }
+
+        /// Judges a scan of an obstacle at this distance `after_us` the last one.
+        fn hear(&mut self, distance_m: f32, after_us: u64, step: (f32, f32)) -> RangeTrust {
+            self.judge(distance_m, after_us, step, 0)
+        }
+
+        fn judge(
+            &mut self,
+            distance_m: f32,
+            after_us: u64,
+            (moved_m, turned_rad): (f32, f32),
+            garbled_ranges: u8,
+        ) -> RangeTrust {
+            self.time_us += after_us;
+            let ranges = [(0.0, distance_m), (1.0, distance_m + 0.5)];
+            let reading = |(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
+            let percepts = Percepts {
+                time_us: self.time_us,
+                scan_us: Some(self.time_us),
+                ranges: ranges.into_iter().map(reading).collect(),
+                garbled_ranges,
+                operator: Operator { is_armed: true, ..Operator::default() },
+                ..Percepts::default()
+            };
+            self.track.judge(&percepts, &Parameters::default().ranges, moved_m, turned_rad)
+        }
+    }
+
+    const FRESH: RangeTrust = RangeTrust::Fresh { age_us: 0 };
+
+    /// Scans that stay the same on a turn of 0.5 rad to either side are frozen.
+    #[test]
+    fn scans_that_stay_the_same_on_a_turn_are_frozen() {
+        for turned_rad in [0.049, -0.049] {
+            let mut rover = Rover::new();
+            assert_eq!(rover.hear(4.0, 50_000, (0.0, 0.0)), FRESH);
+            for step in 1..=10 {
+                assert_eq!(rover.hear(4.0, 50_000, (0.0, turned_rad)), FRESH, "{step}");
+            }
+            assert_eq!(rover.hear(4.0, 50_000, (0.0, turned_rad)), RangeTrust::Faulty);
+        }
+    }
+
+    /// Without noise, 30 cm with the same scan prove nothing; with noise, a single repetition proves
+    /// nothing, but its readings are as old as the first.
+    #[test]
+    fn only_repetitions_of_a_range_finder_with_noise_prove_much() {
+        let mut smooth = Rover::new();
+        for step in 0..6 {
+            assert_eq!(smooth.hear(4.0, 50_000, (0.05, 0.0)), FRESH, "{step}");
+        }
+        let mut noisy = Rover::new();
+        for step in 0..25 {
+            let noise_m = if step % 2 == 0 { 0.01 } else { 0.02 };
+            assert_eq!(noisy.hear(4.0 + noise_m, 50_000, (0.0, 0.0)), FRESH, "{step}");
+        }
+        let once = noisy.hear(4.01, 50_000, (0.25, 0.0));
+        assert_eq!(once, RangeTrust::Fresh { age_us: 50_000 });
+    }
+
+    /// The readings are those of the last sound scan, which is too old after half a second.
+    #[test]
+    fn garbled_scans_do_not_keep_a_sound_one_fresh() {
+        let mut rover = Rover::new();
+        assert_eq!(rover.hear(4.0, 400_000, (0.0, 0.0)), FRESH);
+        let first = rover.judge(4.0, 300_000, (0.0, 0.0), 1);
+        assert_eq!(first, RangeTrust::Fresh { age_us: 300_000 });
+        assert_eq!(first.age_s(), 0.3);
+        let second = rover.judge(4.0, 300_000, (0.0, 0.0), 1);
+        assert_eq!((second, second.age_s()), (RangeTrust::Faulty, 0.0));
+    }
 }

@@ -512,3 +512,164 @@ fn what_must_not_hold_is_protected_too() {
     );
     assert!(log.contains("taker waits: surveyor excludes it"), "{log}");
 }
+
+/// The mission of the next tests: the sprayer soils at the end what the surveyor keeps clean. `more`
+/// are further behaviours.
+fn spraying(plan: &str, more: &str) -> String {
+    format!(
+        "input a
+         input b
+         input c
+         fact clean symbol
+         action wash hold 100; adds clean
+         action look hold 100
+         action step hold 200
+         action long hold 600
+         action haul hold 100
+         action spray hold 100; deletes clean
+         frame survey
+         = wash look look look look; protect clean 1 5
+         frame spraying
+         = {plan}
+         frame hauling
+         = haul haul haul
+         behaviour surveyor survey; when a NB NM NS ZO PS PM PB; resources 1
+         behaviour sprayer spraying; when b NB NM NS ZO PS PM PB; resources 2
+         {more}"
+    )
+}
+
+/// The surveyor goes first only while the sprayer waits for it. Before that, any more critical
+/// behaviour takes its place.
+#[test]
+fn who_protects_goes_first_only_while_another_one_waits_for_it() {
+    let hauler = "behaviour hauler hauling; when c NB NM NS ZO PS PM PB; resources 1";
+    check(
+        &spraying("long spray", hauler),
+        "a=0.3333 b=0.6667 c=0 x2\nc=0.5 x3",
+        "1: sprayer engaged, surveyor engaged, [wash look look look look], [long spray], wash & long
+         2: look & long
+         3: surveyor interrupted by hauler, hauler engaged, [haul haul haul], long & haul
+         4: long & haul",
+    );
+    check(
+        &spraying("step spray", hauler),
+        "a=0.3333 b=0.6667 c=0 x3\nc=0.5 x3",
+        "1: sprayer engaged, surveyor engaged, [wash look look look look], [step spray], wash & step
+         2: look & step
+         3: sprayer waits: surveyor excludes it, look
+         4: sprayer interrupted by surveyor, look
+         5: sprayer waits: surveyor excludes it, look
+         6: surveyor finished, sprayer resumed, hauler engaged, [haul haul haul], spray & haul",
+    );
+}
+
+/// A behaviour that waits with an action running keeps its resources.
+#[test]
+fn a_behaviour_that_waits_keeps_its_resources() {
+    check(
+        &spraying(
+            "long|branch\n         frame branch\n         = step spray",
+            "behaviour hauler hauling; when c NB NM NS ZO PS PM PB; resources 2",
+        ),
+        "a=0.3333 b=0.6667 c=0.5 x6",
+        "1: sprayer engaged, surveyor engaged, [wash look look look look], [long|branch], [step spray], wash & long & step
+         2: look & long & step
+         3: sprayer waits: surveyor excludes it, look & long
+         6: surveyor finished, surveyor engaged, [wash look look look look], wash & long & spray",
+    );
+}
+
+/// One that waits and becomes urgent overrules what the other one protects, and is not put to sleep.
+#[test]
+fn a_behaviour_that_waits_goes_on_when_it_becomes_urgent() {
+    check(&spraying("step spray", ""), "a=0.3333 b=0.5 x3\nb=1 x2",
+        "1: sprayer engaged, surveyor engaged, [wash look look look look], [step spray], wash & step
+         2: look & step
+         3: sprayer waits: surveyor excludes it, look
+         4: look & spray
+         5: sprayer finished, surveyor overruled by sprayer, sprayer engaged, [step spray], look & step");
+}
+
+/// A behaviour that waits for a sleeper does not hold up those that have nothing to do with either:
+/// their actions that take no time follow each other in one tick.
+#[test]
+fn who_waits_does_not_delay_others() {
+    check(
+        "input a
+         input b
+         input c
+         fact clean set
+         action look hold 100
+         action haul hold 300
+         action blink set 3 on
+         action rest hold 100
+         action spray hold 100; deletes clean
+         frame survey
+         = look look look; protect clean 0 3
+         frame hauling
+         = haul
+         frame blinking
+         = blink blink blink rest
+         frame spraying
+         = spray
+         behaviour surveyor survey; when a NB NM NS ZO PS PM PB; resources 1
+         behaviour hauler hauling; when b NB NM NS ZO PS PM PB; resources 1
+         behaviour sprayer spraying; when c NB NM NS ZO PS PM PB; resources 2
+         behaviour blinker blinking; when always PS; resources 4",
+        "a=0.3333 b=0 c=0 x1
+         b=0.5 x2
+         c=0.4 x3",
+        "1: blinker engaged, surveyor engaged, [look look look], [blink blink blink rest], look & rest
+         2: blinker finished, blinker engaged, surveyor interrupted by hauler, hauler engaged, [haul], [blink blink blink rest], haul & rest
+         3: blinker finished, blinker engaged, [blink blink blink rest], haul & rest
+         4: blinker finished, blinker engaged, sprayer waits: surveyor excludes it, [blink blink blink rest], haul & rest
+         5: hauler finished, blinker finished, blinker engaged, hauler engaged, sprayer waits: surveyor excludes it, [haul], [blink blink blink rest], haul & rest
+         6: blinker finished, blinker engaged, sprayer waits: surveyor excludes it, [blink blink blink rest], haul & rest",
+    );
+}
+
+/// The sprayer waits for a sleeping surveyor, which in turn would wet what the keeper keeps dry. So the
+/// keeper goes first, at the sprayer's priority, and the sprayer overrules neither.
+#[test]
+fn a_chain_of_behaviours_that_wait_ends_at_one_that_goes_on() {
+    check(
+        "input a
+         input b
+         input c
+         input d
+         input e
+         fact clean set
+         fact dry set
+         action look hold 100
+         action mop hold 100; deletes dry
+         action haul hold 900
+         action keep hold 100
+         action spray hold 100; deletes clean
+         frame survey
+         = look look mop; protect clean 0 3
+         frame hauling
+         = haul
+         frame keeping
+         = keep keep keep keep keep; protect dry 0 5
+         frame spraying
+         = spray
+         behaviour surveyor survey; when a NB NM NS ZO PS PM PB; resources 1
+         behaviour hauler hauling; when b NB NM NS ZO PS PM PB; resources 1
+         behaviour keeper keeping; when c NB NM NS ZO PS PM PB; resources 4
+         behaviour sprayer spraying; when d NB NM NS ZO PS PM PB; resources 2
+         behaviour rival hauling; when e NB NM NS ZO PS PM PB; resources 4",
+        "a=0.3333 b=0 c=0 d=0 e=0 x1
+         b=0.5 x1
+         b=0 c=0.3333 x1
+         d=0.6667 e=0.5 x9",
+        "1: surveyor engaged, [look look mop], look
+         2: surveyor interrupted by hauler, hauler engaged, [haul], haul
+         3: surveyor waits: hauler is at no point, keeper engaged, [keep keep keep keep keep], haul & keep
+         4: sprayer waits: surveyor excludes it, surveyor waits: keeper excludes it, surveyor waits: keeper excludes it, haul & keep
+         8: keeper finished, sprayer waits: surveyor excludes it, surveyor waits: hauler is at no point, rival engaged, [haul], haul & haul
+         9: sprayer waits: surveyor excludes it, surveyor waits: hauler is at no point, haul & haul
+         11: hauler finished, sprayer waits: surveyor excludes it, surveyor resumed, look & haul
+         12: sprayer waits: surveyor excludes it, mop & haul",
+    );
+}
