@@ -50,7 +50,7 @@ impl<'b> Edge<'b> {
         }
         let fastest = Twist { speed_mps: fastest_mps, ..wanted };
         let drift_m = brake::drift_m(vehicle, now.drift_mps, &fastest, fastest_mps);
-        let reach_m = vehicle.stopping_distance_m(fastest_mps) + drift_m + vehicle.radius_m;
+        let reach_m = vehicle.stopping_distance_m(fastest_mps) + drift_m + most_room_m(vehicle);
         if is_far_from_edge(self.blob, self.position, reach_m) {
             return wanted;
         }
@@ -94,10 +94,8 @@ impl<'b> Edge<'b> {
             return true;
         }
         let sign = if length_m < 0.0 { -1.0 } else { 1.0 };
-        let needs_room = circle_m(vehicle) > 0.0;
         // Half of the room that is left, so that some always is.
-        let kept_m =
-            if needs_room { 0.5 * vehicle.radius_m.min(self.room_m(self.position)) } else { 0.0 };
+        let kept_m = most_room_m(vehicle).min(0.5 * self.room_m(self.position));
         [(0.5, 0.0), (1.0, aside_m), (1.0, -aside_m)].into_iter().all(|(share, aside_m)| {
             let way = along_arc(share * length_m.abs(), curvature_per_m) + Vec2::new(0.0, aside_m);
             let way = vector::rotated(way * sign, self.heading_rad);
@@ -137,14 +135,21 @@ pub fn along(blob: &Blob<'_>, vehicle: &Vehicle, position: Vec2, sum: Vec2) -> V
 /// northern one, metres; negative beyond an edge.
 fn rooms_m(blob: &Blob<'_>, point: Vec2) -> [(f32, f32); 2] {
     let grid = blob.grid();
+    // Single precision, like that of the position, is good to a millimetre.
+    let resolution_m = grid.resolution_m as f32;
     let rooms_m = |at_m: f32, corner_m: f64, cells: u32| {
         let low_m = at_m - corner_m as f32;
-        (low_m, (f64::from(cells) * grid.resolution_m) as f32 - low_m)
+        (low_m, cells as f32 * resolution_m - low_m)
     };
     [
         rooms_m(point.x, grid.corner_m[0], grid.columns),
         rooms_m(point.y, grid.corner_m[1], grid.rows),
     ]
+}
+
+/// The room that a vehicle keeps beside the edge where it can, metres: 0 if it turns on the spot.
+fn most_room_m(vehicle: &Vehicle) -> f32 {
+    if circle_m(vehicle) > 0.0 { 0.5 * vehicle.radius_m } else { 0.0 }
 }
 
 /// Whether the robot is on its map, and would stop beyond the edge.

@@ -564,6 +564,26 @@ fn who_protects_goes_first_only_while_another_one_waits_for_it() {
     );
 }
 
+/// One branch is done and waits with its end, the other waits with its beginning: who protects goes
+/// first all the same.
+#[test]
+fn who_protects_goes_first_for_one_that_waits_twice() {
+    let mission = spraying(
+        "slow|branch\n         frame branch\n         = step spray",
+        "behaviour hauler hauling; when c NB NM NS ZO PS PM PB; resources 1",
+    );
+    check(
+        &mission
+            .replace("action haul", "action slow hold 200; deletes clean\n         action haul"),
+        "a=0.3333 b=0.6667 c=0 x3\nc=0.5 x4",
+        "1: sprayer engaged, surveyor engaged, [wash look look look look], [slow|branch], [step spray], wash & slow & step
+         2: look & slow & step
+         3: sprayer waits: surveyor excludes it, sprayer waits: surveyor excludes it, look & slow
+         6: surveyor finished, hauler engaged, [haul haul haul], spray & haul
+         7: sprayer finished, sprayer engaged, [slow|branch], [step spray], slow & step & haul",
+    );
+}
+
 /// A behaviour that waits with an action running keeps its resources.
 #[test]
 fn a_behaviour_that_waits_keeps_its_resources() {
