@@ -291,4 +291,72 @@ mod tests {
             fastest(STANDING, 0.0, |s| [([if s < 0.7 { 3.8 } else { 2.2 }, 0.0], 0.3), FAR, FAR]);
         assert_eq!(velocity, Vec2::zeros());
     }
+
+    /// Times in milliseconds of the scans that come, and of those that are kept, the oldest first.
+    #[test]
+    fn a_scan_is_kept_every_tenth_of_a_second() {
+        for (come_ms, kept_ms) in [
+            (&[0, 50, 100, 150, 200][..], &[0, 100, 200][..]),
+            (&[30, 129, 130, 229, 231], &[30, 130, 231]),
+            // Only five are kept.
+            (&[0, 100, 200, 300, 400, 450, 500, 550, 600], &[200, 300, 400, 500, 600]),
+            // The clock was set back: the new times say nothing about the old ones.
+            (&[500, 100, 150, 200], &[500, 100, 200]),
+            (&[100, 150, 100], &[100, 100]),
+            // The same scan again is not a new one.
+            (&[100, 100], &[100]),
+        ] {
+            let mut closing = Closing::default();
+            for come_ms in come_ms {
+                let percepts = Percepts { scan_us: Some(come_ms * 1_000), ..Percepts::default() };
+                closing.update(&percepts, &Points::new(), &STANDING, 0.05);
+            }
+            let from_oldest = closing.scans.iter().cycle().skip(closing.next.into()).take(SCANS);
+            let kept_us = from_oldest.filter_map(|scan| scan.time_us);
+            assert!(kept_us.eq(kept_ms.iter().map(|ms| ms * 1_000)), "{come_ms:?}: {closing:?}");
+        }
+    }
+
+    /// The robot drives 1 m ahead and turns to the left on the spot. There a scan is kept. Then it
+    /// drives a quarter of a circle within a second: at 1 m/s the circle has a circumference of 4 m
+    /// and a radius of 0.637 m, so it is this far ahead and to the left of where it was.
+    #[test]
+    fn an_earlier_scan_is_compared_from_where_the_robot_was() {
+        let quarter_rad = 0.5 * scalar::PI;
+        let ahead = Twist { speed_mps: 1.0, turn_rate_radps: 0.0 };
+        let turning = Twist { speed_mps: 0.0, turn_rate_radps: quarter_rad };
+        let arc = Twist { speed_mps: 1.0, turn_rate_radps: quarter_rad };
+        let mut closing = Closing::default();
+        for (twist, scan_us) in [(ahead, None), (turning, Some(2_000_000)), (arc, Some(3_000_000))]
+        {
+            for tick in 1..=20 {
+                let percepts =
+                    Percepts { scan_us: scan_us.filter(|_| tick == 20), ..<_>::default() };
+                closing.update(&percepts, &Points::new(), &twist, 0.05);
+            }
+        }
+        for compared in closing.compared() {
+            let compared = compared.expect("the scan is a second old");
+            assert!((compared.age_s - 1.0).abs() < 1e-6, "{compared:?}");
+            assert!((compared.moved - Vec2::new(0.637, 0.637)).norm() < 3e-3, "{compared:?}");
+            assert!((compared.turned - Vec2::new(0.0, 1.0)).norm() < 3e-3, "{compared:?}");
+        }
+    }
+
+    /// Before a reading, 6 cm are blurred and 3 percent of the rest: at 1 m, 0.913 m are free, at
+    /// 3 m 2.854 m.
+    #[test]
+    fn the_nearest_reading_of_a_sector_counts() {
+        for (near_m, far_m, expected_m) in [(1.0, 1.2, 0.913), (1.0, 3.0, 0.913), (3.0, 4.0, 2.854)]
+        {
+            let near = RangeReading { bearing_rad: 0.1, distance_m: near_m };
+            let far = RangeReading { bearing_rad: -0.1, distance_m: far_m };
+            for readings in [[near, far], [far, near]] {
+                let scan = Scan::default().with(&readings, &points(&readings));
+                assert!(scan.seen().eq(points(&[near])), "{scan:?}");
+                let free_m = scalar::sqrt(scan.free_m2(Vec2::new(2.0, 0.0)));
+                assert!((free_m - expected_m).abs() < 1e-3, "{near_m} {far_m}: {free_m}");
+            }
+        }
+    }
 }

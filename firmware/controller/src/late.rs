@@ -122,3 +122,157 @@ fn compare(now: &[RangeReading], before: &[RangeReading], moved: &Moved) -> Verd
         Verdict::Open
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use crate::scan::SECTOR_RAD;
+    use math::scalar;
+    use std::vec::Vec;
+
+    /// A sector without a reading.
+    const NONE: f32 = 0.0;
+    /// The robot drives 0.3 m. All obstacles were at 2 m: those ahead are at 1.7 m then, those
+    /// astern at 2.3 m, and those beside the robot where they were. In the sectors next to straight
+    /// ahead and astern it is 1.73 and 2.28 m, which is the same.
+    const DRIVEN: Moved = Moved { by_m: [0.3, 0.0], turned_rad: 0.0 };
+    const AHEAD: [u8; 3] = [15, 0, 1];
+    const ASTERN: [u8; 3] = [7, 8, 9];
+    const BESIDE: [u8; 4] = [3, 4, 12, 13];
+
+    /// Readings in the middle of their sectors.
+    fn scan(readings: impl IntoIterator<Item = (u8, f32)>) -> Vec<RangeReading> {
+        let readings = readings.into_iter().filter(|(_, distance_m)| *distance_m != NONE);
+        let reading = |(sector, distance_m)| RangeReading {
+            bearing_rad: scalar::wrap_angle(f32::from(sector) * SECTOR_RAD),
+            distance_m,
+        };
+        readings.map(reading).collect()
+    }
+
+    /// A scan with these distances ahead, astern and beside the robot.
+    fn around(ahead_m: [f32; 3], astern_m: [f32; 3], beside_m: [f32; 4]) -> Vec<RangeReading> {
+        let sectors = AHEAD.into_iter().chain(ASTERN).chain(BESIDE);
+        scan(sectors.zip(ahead_m.into_iter().chain(astern_m).chain(beside_m)))
+    }
+
+    /// The scan before the drive.
+    fn before() -> Vec<RangeReading> {
+        around([2.0; 3], [2.0; 3], [2.0; 4])
+    }
+
+    /// The trial of a robot that has moved since that scan.
+    fn trial(moved: Moved) -> Trial {
+        let mut kept = Scan::default();
+        kept.take(&before());
+        let mut trial = Trial::default();
+        trial.begin(&kept, moved);
+        trial
+    }
+
+    /// What is still 2 m ahead has gone from 1.7 m, and so has what is at 4 m.
+    #[test]
+    fn obstacles_that_have_gone_show_late_scans_and_those_in_place_scans_in_time() {
+        for (ahead_m, astern_m, beside_m, expected) in [
+            ([NONE; 3], [NONE; 3], [NONE; 4], Verdict::Open),
+            // Two have gone: enough if 6 of 10 are as before, not if 5 are.
+            ([2.0, 2.0, NONE], [NONE; 3], [2.0; 4], Verdict::Late),
+            ([2.0, 2.0, NONE], [NONE; 3], [2.0, 2.0, 2.0, NONE], Verdict::Open),
+            // Three have gone: enough if three are as before, wherever these are.
+            ([2.0; 3], [NONE; 3], [NONE; 4], Verdict::Late),
+            ([4.0; 3], [NONE; 3], [2.0, 2.0, 2.0, NONE], Verdict::Late),
+            ([4.0; 3], [NONE; 3], [2.0, 2.0, NONE, NONE], Verdict::Open),
+            // More than twice as many must have gone as are in place.
+            ([2.0; 3], [2.3, NONE, NONE], [NONE; 4], Verdict::Late),
+            ([2.0, 2.0, NONE], [2.3, NONE, NONE], [2.0; 4], Verdict::Open),
+            ([2.0; 3], [2.3, 2.3, NONE], [NONE; 4], Verdict::Open),
+            // Three in place are enough, if fewer have gone.
+            ([1.7; 3], [NONE; 3], [NONE; 4], Verdict::InTime),
+            ([1.7, 1.7, NONE], [NONE; 3], [NONE; 4], Verdict::Open),
+            ([4.0, 4.0, NONE], [2.3; 3], [NONE; 4], Verdict::InTime),
+            ([4.0; 3], [2.3; 3], [NONE; 4], Verdict::Open),
+            // What the robot passes looks the same from both places.
+            ([NONE; 3], [NONE; 3], [2.0; 4], Verdict::Open),
+        ] {
+            let now = around(ahead_m, astern_m, beside_m);
+            let verdict = compare(&now, &before(), &DRIVEN);
+            assert_eq!(verdict, expected, "{ahead_m:?} {astern_m:?} {beside_m:?}");
+        }
+    }
+
+    /// Three obstacles at 1.7 m now, each at the edge of two sectors. The scan shows it in one.
+    /// Their old places are 0.3 m farther ahead.
+    #[test]
+    fn an_obstacle_at_the_edge_of_two_sectors_is_in_place_if_one_of_them_shows_it() {
+        let before = [(0.167, 1.995), (-0.167, 1.995), (2.903, 1.406)]
+            .map(|(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m });
+        let now = scan([(1, 1.7), (15, 1.7), (7, 1.7)]);
+        assert_eq!(compare(&now, &before, &DRIVEN), Verdict::InTime);
+    }
+
+    /// A robot that turns by less than 0.35 rad may see a wall as before.
+    #[test]
+    fn a_scan_as_before_is_late_if_the_robot_has_turned() {
+        for (turned_rad, expected) in
+            [(0.3, Verdict::Open), (0.4, Verdict::Late), (-0.4, Verdict::Late)]
+        {
+            let turned = Moved { by_m: [0.0, 0.0], turned_rad };
+            assert_eq!(compare(&before(), &before(), &turned), expected, "{turned_rad}");
+        }
+    }
+
+    /// Without a reading, a sector holds 0, which is nearer than 12 cm to 0.1 m.
+    #[test]
+    fn a_sector_without_a_reading_is_not_as_before() {
+        let turned = Moved { by_m: [0.0, 0.0], turned_rad: 0.4 };
+        let close = scan(AHEAD.map(|sector| (sector, 0.1)));
+        for (now, before, expected) in [
+            (close.as_slice(), close.as_slice(), Verdict::Late),
+            (&close, &[], Verdict::Open),
+            (&[], &close, Verdict::Open),
+            (&[], &[], Verdict::Open),
+        ] {
+            assert_eq!(compare(now, before, &turned), expected, "{now:?} {before:?}");
+        }
+    }
+
+    /// At first the robot stands, and a scan as before says nothing.
+    #[test]
+    fn a_trial_goes_on_until_the_motion_of_the_robot_shows_a_late_scan() {
+        let mut trial = trial(Moved::default());
+        assert_eq!(trial.hear(&before()), Verdict::Open);
+        for _ in 0..3 {
+            trial.advance(0.1, 0.0);
+        }
+        assert_eq!(trial.hear(&before()), Verdict::Late);
+        // The verdict is given once.
+        assert_eq!(trial.hear(&before()), Verdict::Open);
+    }
+
+    #[test]
+    fn a_trial_that_was_ended_gives_no_verdict() {
+        let mut trial = trial(DRIVEN);
+        trial.end();
+        assert_eq!(trial.hear(&before()), Verdict::Open);
+    }
+
+    /// Up to 0.6 m and 0.8 rad, distances are comparable.
+    #[test]
+    fn a_trial_without_a_verdict_ends_once_the_robot_has_moved_far() {
+        for (by_m, turned_rad, goes_on) in [
+            ([0.0, 0.0], 0.0, true),
+            ([0.59, 0.0], 0.79, true),
+            ([-0.41, 0.41], -0.79, true),
+            ([0.61, 0.0], 0.0, false),
+            ([-0.43, 0.43], 0.0, false),
+            ([0.0, 0.0], 0.81, false),
+            ([0.0, 0.0], -0.81, false),
+        ] {
+            let mut trial = trial(Moved { by_m, turned_rad });
+            assert_eq!(trial.hear(&[]), Verdict::Open);
+            assert_eq!(trial.is_open, goes_on, "{by_m:?} {turned_rad}");
+        }
+    }
+}
