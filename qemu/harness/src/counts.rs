@@ -29,6 +29,7 @@ pub const LIMITS: &[(&str, u64)] = &[
     ("control-state-bytes", 8_192),
     ("plan-view-bytes", 640),
     ("behaviours-tick-worst", 38_000),
+    ("behaviours-tick-crowded-worst", 54_000),
     ("behaviours-tick-stack-bytes", 8_192),
     ("worst-map-blob-validation", 30_000_000),
     ("worst-map-look-up-worst", 400),

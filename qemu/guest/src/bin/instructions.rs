@@ -60,6 +60,7 @@ mod counts {
         if !blob.mission().behaviours().is_empty() {
             let (worst, tick) = count(BEHAVING_TICKS, sparse);
             println!("behaviours-tick-worst {worst}");
+            println!("behaviours-tick-crowded-worst {}", count(BEHAVING_TICKS, crowded).0);
             println!("behaviours-tick-stack-bytes {}", tick_stack(&blob, start, tick));
         }
     }
