@@ -163,6 +163,30 @@ fn a_route_along_the_edge_of_the_map_is_driven() {
     cities(VehicleKind::Differential, &[182, 369, 406, 408]);
 }
 
+/// A dock often stands at the edge of the map: goals closer to it than the vehicle's radius.
+#[test]
+fn a_goal_beside_the_edge_of_the_map_is_reached() {
+    let map = worlds::map([0.0, 0.0], [12.0, 12.0], vec![]);
+    for steering in ["differential", "ackermann", "boat"] {
+        for goal in [[0.1, 6.0], [6.0, 11.9], [11.85, 0.15]] {
+            let circle = if steering == "ackermann" { "min_turn_radius = 0.5\n" } else { "" };
+            let mission = format!(
+                "resolution = 0.1\n[goals]\ngoal = {goal:?}\n[vehicle]\nradius = 0.25\n\
+                 max_speed = 1\nsteering = \"{steering}\"\n{circle}\
+                 [schemas]\ngoal_tolerance = 0.1\n[progress]\nafter = 20\n"
+            );
+            let scenario = mission::of_map(&map, &mission, &Difference::default(), 1);
+            let scenario = scenario.unwrap_or_else(|message| panic!("{mission}\n{message}"));
+            let sensors = SensorSettings::PERFECT;
+            let start = Start { position: [6.0, 6.0], heading_rad: 0.5, seed: 1, sensors };
+            let pilot = HostPilot::new(scenario.plan());
+            let robot = scenario.robot(&start, pilot).expect("the start is clear");
+            let outcome = scenario.run(robot.within_time(120.0)).expect("the robot answers");
+            assert!(outcome.reached(), "{steering} {goal:?}: {outcome:?}");
+        }
+    }
+}
+
 /// What a vehicle does that faces the closed end of an alley, at its start, and has to leave it.
 /// `behind` are obstacles besides the alley's walls.
 fn leaving_an_alley(steering: &str, width_m: f64, behind: Option<Shape>) -> Outcome {
