@@ -5,7 +5,7 @@
 //! silence: what it saw then is elsewhere now. A scan that shows free space there, and distances as
 //! before, is late; and so is one that shows most sectors as before although the robot has turned. A
 //! scan that shows the obstacles where they must be now is in time. Walls that the robot passes look
-//! the same from both places and say nothing.
+//! the same from both places and say nothing, and neither does a turn in a round room.
 //!
 //! The robot may have stood meanwhile. So the trial goes on until sectors enough have spoken, or
 //! until the robot has moved too far for a comparison.
@@ -30,7 +30,7 @@ const FEW_VOTES: u8 = 2;
 const LATE_MAJORITY: u8 = 2;
 /// Obstacles that must be where they must be for scans in time.
 const IN_TIME_VOTES: u8 = 3;
-/// A robot that has turned this far sees nothing as before, radians: not even walls that it passes.
+/// A robot that has turned this far sees most things elsewhere, radians: also walls that it passes.
 const TURNED_RAD: f32 = 0.35;
 /// Most sectors are as before if this share of them is at its old distance: three of five.
 const SAME_SHARE: (usize, usize) = (3, 5);
@@ -93,9 +93,9 @@ fn compare(now: &[RangeReading], before: &[RangeReading], moved: &Moved) -> Verd
     let as_before = now_m.iter().zip(&before_m).filter(|(now, before)| is_same(**now, **before));
     let as_before = as_before.count();
     let (part, whole) = SAME_SHARE;
-    let is_most_as_before = whole * as_before >= part * before.len();
+    let is_most = |count: usize| whole * count >= part * before.len();
     let has_turned = moved.turned_rad.abs() >= TURNED_RAD;
-    let (mut gone, mut there) = (0_u8, 0_u8);
+    let (mut gone, mut there, mut in_place) = (0_u8, 0_u8, 0);
     for reading in before {
         let carried = moved.carried(reading);
         let direction = vector::from_angle(carried.bearing_rad);
@@ -103,18 +103,19 @@ fn compare(now: &[RangeReading], before: &[RangeReading], moved: &Moved) -> Verd
         let distance_m = carried.distance_m;
         gone += u8::from(nearest_m > 0.0 && distance_m + GONE_M < free_m(nearest_m));
         let has_changed = !is_same(distance_m, reading.distance_m);
+        let of = |by_sector: &[f32], sector: usize| by_sector.get(sector).copied().unwrap_or(0.0);
+        let shows = |sector: usize| is_same(of(&now_m, sector), distance_m);
         // A sector that is as before says nothing.
-        let speaks = |sector: usize| {
-            let (now, before) = (now_m.get(sector), before_m.get(sector));
-            let (Some(now_m), Some(before_m)) = (now, before) else { return false };
-            is_same(*now_m, distance_m) && !is_same(*now_m, *before_m)
-        };
+        let speaks =
+            |sector: usize| shows(sector) && !is_same(of(&now_m, sector), of(&before_m, sector));
         let (one, other) = covering(direction);
         there += u8::from(has_changed && (speaks(one) || speaks(other)));
+        in_place += usize::from(shows(one) || shows(other));
     }
-    let least = if is_most_as_before { FEW_VOTES } else { LATE_VOTES };
+    let least = if is_most(as_before) { FEW_VOTES } else { LATE_VOTES };
     let have_gone = gone >= least && gone > LATE_MAJORITY * there;
-    if as_before >= usize::from(LATE_VOTES) && (have_gone || has_turned && is_most_as_before) {
+    let is_turned_back = has_turned && is_most(as_before) && !is_most(in_place);
+    if as_before >= usize::from(LATE_VOTES) && (have_gone || is_turned_back) {
         Verdict::Late
     } else if there >= IN_TIME_VOTES && there > gone {
         Verdict::InTime
@@ -212,21 +213,40 @@ mod tests {
         assert_eq!(compare(&now, &before, &DRIVEN), Verdict::InTime);
     }
 
-    /// A robot that turns by less than 0.35 rad may see a wall as before.
+    /// Distances differ from sector to sector, but by too little to show that something has gone. A
+    /// robot that turns by less than 0.35 rad may see a wall as before.
     #[test]
     fn a_scan_as_before_is_late_if_the_robot_has_turned() {
+        let uneven = scan((0..16).map(|sector| (sector, 1.0 + 0.15 * f32::from(sector % 2))));
         for (turned_rad, expected) in
             [(0.3, Verdict::Open), (0.4, Verdict::Late), (-0.4, Verdict::Late)]
         {
             let turned = Moved { by_m: [0.0, 0.0], turned_rad };
-            assert_eq!(compare(&before(), &before(), &turned), expected, "{turned_rad}");
+            assert_eq!(compare(&uneven, &uneven, &turned), expected, "{turned_rad}");
+        }
+    }
+
+    /// In the middle of a round room, everything looks the same after a turn, and likewise among posts
+    /// at the same distances. Between them, it does not.
+    #[test]
+    fn a_turn_among_the_same_all_around_says_nothing() {
+        let round = scan((0..16).map(|sector| (sector, 2.0)));
+        let posts = scan((0..16).map(|sector| (sector, if sector % 2 == 0 { 1.0 } else { 2.0 })));
+        for (room, turned_rad, expected) in [
+            (&round, 0.4, Verdict::Open),
+            (&round, -0.7, Verdict::Open),
+            (&posts, 2.0 * SECTOR_RAD, Verdict::Open),
+            (&posts, SECTOR_RAD, Verdict::Late),
+        ] {
+            let turned = Moved { by_m: [0.0, 0.0], turned_rad };
+            assert_eq!(compare(room, room, &turned), expected, "{turned_rad}");
         }
     }
 
     /// Without a reading, a sector holds 0, which is nearer than 12 cm to 0.1 m.
     #[test]
     fn a_sector_without_a_reading_is_not_as_before() {
-        let turned = Moved { by_m: [0.0, 0.0], turned_rad: 0.4 };
+        let turned = Moved { by_m: [0.0, 0.0], turned_rad: 2.0 * SECTOR_RAD };
         let close = scan(AHEAD.map(|sector| (sector, 0.1)));
         for (now, before, expected) in [
             (close.as_slice(), close.as_slice(), Verdict::Late),
