@@ -185,7 +185,11 @@ pub(crate) mod tests {
 
     /// A map of 10 m by 10 m without plans.
     pub(crate) fn square() -> Vec<u8> {
-        let grid = Grid { columns: 10, rows: 10, resolution_m: 1.0, corner_m: [0.0, 0.0] };
+        map(Grid { columns: 10, rows: 10, resolution_m: 1.0, corner_m: [0.0, 0.0] })
+    }
+
+    /// A map without plans.
+    fn map(grid: Grid) -> Vec<u8> {
         write(&Draft {
             grid,
             origin: None,
@@ -226,6 +230,16 @@ pub(crate) mod tests {
             let off = along - Vec2::new(expected.0, expected.1);
             assert!(off.norm() < 1e-5, "{position:?} {sum:?}: {along:?}");
         }
+    }
+
+    /// The map reaches from -3 m to 7 m and from 2 m to 6 m.
+    #[test]
+    fn the_room_is_counted_from_the_corner_of_the_map() {
+        let grid = Grid { columns: 40, rows: 16, resolution_m: 0.25, corner_m: [-3.0, 2.0] };
+        let bytes = map(grid);
+        let blob = Blob::parse(&bytes).expect("the blob is valid");
+        assert_eq!(rooms_m(&blob, Vec2::new(-2.0, 3.5)), [(1.0, 9.0), (1.5, 2.5)]);
+        assert_eq!(rooms_m(&blob, Vec2::new(7.5, 1.0)), [(10.5, -0.5), (-1.0, 5.0)]);
     }
 
     #[test]
@@ -279,6 +293,9 @@ pub(crate) mod tests {
             (&boat, drifting, (5.0, 9.6), 0.0, (0.5, 0.0), 0.25),
             (&boat, drifting, (5.0, 0.4), 0.0, (0.5, 0.0), 0.25),
             (&boat, drifting, (5.0, 9.7), 0.0, (0.5, 0.0), 0.0),
+            // At 0.5 m/s and 1 rad/s it drifts by 17 cm, at half of that by 6 cm.
+            (&boat, RESTING, (5.0, 0.34), 0.0, (0.5, 1.0), 0.5),
+            (&boat, RESTING, (5.0, 0.29), 0.0, (0.5, 1.0), 0.25),
         ] {
             let wanted = Twist { speed_mps: speed, turn_rate_radps: turn };
             let edge = Edge::around(&blob, Vec2::new(x, y), heading_rad);
