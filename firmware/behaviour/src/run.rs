@@ -6,7 +6,7 @@ use crate::report::{Decision, Refusal};
 use crate::{Behaviours, Context, behaviour_bit, behaviours_in};
 use grammar::Choice;
 use heapless::Vec;
-use parts::bits::slot;
+use parts::bits::bit;
 use parts::{Component, Id, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS, MAX_STEPS};
 use plan_format::mission::{Action, ActionKind, Condition, Mission, PlanFrame, Production, Symbol};
@@ -150,7 +150,7 @@ impl Behaviours {
             return self.complete(owner, id, context);
         }
         if (record.timeout_ms != 0 || !record.until.is_empty()) && self.plans.forest.is_new(id) {
-            self.timed |= slot(id);
+            self.timed |= bit(id);
             if let Some(started_us) = self.started_us.get_mut(usize::from(id)) {
                 *started_us = self.now_us;
             }

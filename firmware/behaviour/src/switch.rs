@@ -4,7 +4,7 @@ use crate::choose::{Claim, Effects};
 use crate::report::Decision;
 use crate::{ACTIVITY, Behaviours, Context, Phase, Status, behaviour_bit, behaviours_in};
 use monitor::{Signal, Violation};
-use parts::bits::{Slots, slot, slots_in};
+use parts::bits::{Slots, bit, members};
 use parts::{Component, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
 use plan_format::mission::{Behaviour, Condition, Mission, Symbol};
@@ -197,7 +197,7 @@ impl Behaviours {
 
     /// Turns the start times of an owner's timed frames into how long they have lasted, or back.
     fn turn_clocks(&mut self, owner: Owner) {
-        for id in slots_in(self.timed) {
+        for id in members(self.timed) {
             let is_own = self.plans.forest.get(id).is_some_and(|frame| frame.owner == owner);
             if let Some(started_us) = self.started_us.get_mut(usize::from(id)).filter(|_| is_own) {
                 *started_us = self.now_us.saturating_sub(*started_us);
@@ -212,7 +212,7 @@ impl Behaviours {
         for action in forest.running() {
             let mut next = Some(action);
             while let Some(id) = next {
-                let bit = slot(id);
+                let bit = bit(id);
                 let component = forest.get(id).filter(|component| component.owner == owner);
                 // Parallel actions share frames, which count once.
                 let Some(component) = component.filter(|_| counted & bit == 0) else { break };

@@ -8,7 +8,7 @@ use grammar::Ended;
 use heapless::Vec;
 use math::Vec2;
 use monitor::{Signal, Violation};
-use parts::bits::{slot, slots_in};
+use parts::bits::{bit, members};
 use parts::{Component, Id, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
 use plan_format::mission::{Action, ActionKind, Mission, Symbol};
@@ -93,12 +93,12 @@ impl Behaviours {
 
     /// Completes the frames whose `until` holds, and fails those that exceed their timeout.
     fn end_frames(&mut self, owner: Owner, context: &mut Context<'_>) {
-        for id in slots_in(self.timed) {
+        for id in members(self.timed) {
             let component = self.plans.forest.get(id).copied();
             let Some(Component { symbol: Symbol::PlanFrame(index), owner: own, life, .. }) =
                 component
             else {
-                self.timed &= !slot(id);
+                self.timed &= !bit(id);
                 continue;
             };
             let frame = context.mission.plan_frames().get(usize::from(index));

@@ -214,7 +214,8 @@ mod tests {
     }
 
     /// The answer to bearings and distances of readings.
-    fn choose(
+    fn choose_at(
+        edge: &Edge<'_>,
         backing: &mut BackingOut,
         vehicle: &Vehicle,
         readings: &[(f32, f32)],
@@ -225,11 +226,20 @@ mod tests {
         let readings: heapless::Vec<RangeReading, 16> = readings.iter().map(reading).collect();
         let seen = points(&readings);
         let near = Obstacles::near(&readings, &seen, 5.0, &[], 0.0);
-        // A map without an edge near.
+        backing.choose(&Situation { vehicle, near: &near, seen: &seen, edge, now: &now }, wanted)
+    }
+
+    /// The same without a map.
+    fn choose(
+        backing: &mut BackingOut,
+        vehicle: &Vehicle,
+        readings: &[(f32, f32)],
+        now: Moving,
+        wanted: Vec2,
+    ) -> Option<Twist> {
         let blob = Blob::without_map(Parameters::default(), None, None);
         let edge = Edge::around(&blob, Vec2::zeros(), 0.0);
-        let situation = Situation { vehicle, near: &near, seen: &seen, edge: &edge, now: &now };
-        backing.choose(&situation, wanted)
+        choose_at(&edge, backing, vehicle, readings, now, wanted)
     }
 
     fn first(
@@ -392,23 +402,16 @@ mod tests {
         assert_eq!(backing, BackingOut::default());
     }
 
-    /// The answer of a car on a map of 10 m by 10 m, at these metres and this heading, in the sight of
-    /// `readings`.
+    /// The answer of a car on a map of 10 m by 10 m, at these metres and this heading.
     fn on_map(
         (x_m, y_m, heading_rad): (f32, f32, f32),
         readings: &[(f32, f32)],
         wanted: Vec2,
     ) -> Option<Twist> {
-        let reading = |&(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
-        let readings: heapless::Vec<RangeReading, 16> = readings.iter().map(reading).collect();
-        let seen = points(&readings);
-        let near = Obstacles::near(&readings, &seen, 5.0, &[], 0.0);
         let bytes = crate::edge::tests::square();
         let blob = Blob::parse(&bytes).expect("the blob is valid");
         let edge = Edge::around(&blob, Vec2::new(x_m, y_m), heading_rad);
-        let (vehicle, now) = (&car(), &NOWHERE);
-        let situation = Situation { vehicle, near: &near, seen: &seen, edge: &edge, now };
-        BackingOut::default().choose(&situation, wanted)
+        choose_at(&edge, &mut BackingOut::default(), &car(), readings, NOWHERE, wanted)
     }
 
     #[test]

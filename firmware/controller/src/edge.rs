@@ -26,7 +26,7 @@ const INWARD: f32 = 0.5;
 /// A way that turns by less than this is straight, radians.
 const STRAIGHT_RAD: f32 = 0.01;
 
-/// The map around the robot. A way is on the map where the robot need not stay there.
+/// The map around the robot. Where the robot may leave its map, every way counts as on it.
 #[derive(Clone, Copy, Debug)]
 pub struct Edge<'b> {
     blob: &'b Blob<'b>,

@@ -1,6 +1,6 @@
 //! The pool of components, and the operations on the plans in it.
 
-use parts::bits::{Slots, bit16, slot, slots_in};
+use parts::bits::{Slots, bit, bit16, members};
 use parts::{Component, Event, Id, Life, Owner, Pool};
 use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
 use plan_format::mission::{Description, Mission, PlanFrame, Production, Symbol};
@@ -137,12 +137,12 @@ impl Forest {
 
     /// The next scheduled component of an owner's plan, a frame or an action.
     pub fn scheduled(&self, owner: Owner) -> Option<Id> {
-        slots_in(self.scheduled).find(|&id| self.get(id).is_some_and(|part| part.owner == owner))
+        members(self.scheduled).find(|&id| self.get(id).is_some_and(|part| part.owner == owner))
     }
 
     /// The slots of all atomic actions that run, in order.
     pub fn running(&self) -> impl Iterator<Item = Id> + use<> {
-        slots_in(self.running)
+        members(self.running)
     }
 
     /// Starts a scheduled atomic action.
@@ -368,10 +368,10 @@ impl Forest {
     /// Schedules the parts of a frame that leave a vertex, if no part still leads to the vertex.
     fn schedule_at(&mut self, frame: Id, vertex: u8, tell: &mut Tell<'_>) {
         let parts = self.growth(frame).map_or(0, |growth| growth.parts);
-        if slots_in(parts).any(|id| self.get(id).is_some_and(|part| part.to == vertex)) {
+        if members(parts).any(|id| self.get(id).is_some_and(|part| part.to == vertex)) {
             return;
         }
-        for id in slots_in(parts) {
+        for id in members(parts) {
             if self.get(id).is_some_and(|part| part.from == vertex) {
                 self.set_life(id, Life::Scheduled, tell);
             }
@@ -380,7 +380,7 @@ impl Forest {
 
     fn abandon_below(&mut self, frame: Id, tell: &mut Tell<'_>) {
         let parts_of = |set| {
-            let parts = slots_in(set).filter_map(|id| Some(self.growth(id)?.parts));
+            let parts = members(set).filter_map(|id| Some(self.growth(id)?.parts));
             parts.fold(0, |all, parts| all | parts)
         };
         let mut level = self.growth(frame).map_or(0, |growth| growth.parts);
@@ -393,7 +393,7 @@ impl Forest {
             level = parts_of(level);
             doomed |= level;
         }
-        for id in slots_in(doomed) {
+        for id in members(doomed) {
             self.set_life(id, Life::Abandoned, tell);
             self.delete(id, tell);
         }
@@ -420,7 +420,7 @@ impl Forest {
 
     fn add(&mut self, id: Id, component: Component, tell: &mut Tell<'_>) {
         if let Some(frame) = component.parent.and_then(|parent| self.growth_mut(parent)) {
-            frame.parts |= slot(id);
+            frame.parts |= bit(id);
         }
         self.change(Event::Planned { id, component }, tell);
     }
@@ -431,7 +431,7 @@ impl Forest {
             return;
         };
         let is_action = matches!(component.symbol, Symbol::Action(_));
-        let slot = slot(id);
+        let slot = bit(id);
         self.scheduled &= !slot;
         self.running &= !slot;
         match life {
@@ -444,7 +444,7 @@ impl Forest {
 
     fn delete(&mut self, id: Id, tell: &mut Tell<'_>) {
         let Some(component) = self.get(id) else { return };
-        let others = !slot(id);
+        let others = !bit(id);
         if let Some(frame) = component.parent.and_then(|parent| self.growth_mut(parent)) {
             frame.parts &= others;
         }

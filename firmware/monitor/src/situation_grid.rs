@@ -1,6 +1,6 @@
 //! The view of the plans, and what is derived from them whenever they change.
 
-use parts::bits::{Slots, bit, bit16, slot, slots_in};
+use parts::bits::{Slots, bit, bit16, members};
 use parts::{Component, Event, Id, Life, Owner, Pool};
 use plan_format::limits::MAX_COMPONENTS;
 use plan_format::mission::{Condition, Mission, Production, Symbol};
@@ -43,18 +43,18 @@ impl Assumptions {
         match *event {
             Event::Planned { .. } => {}
             Event::Decomposed { id, .. } => self.update_held(mission, pool, id),
-            Event::Restarted { id } => self.holding &= !slot(id),
+            Event::Restarted { id } => self.holding &= !bit(id),
             Event::Became { id, life } => self.became(mission, pool, id, life),
             Event::Deleted { id } => {
-                self.watched &= !slot(id);
-                self.holding &= !slot(id);
+                self.watched &= !bit(id);
+                self.holding &= !bit(id);
             }
         }
     }
 
     fn became(&mut self, mission: &Mission<'_>, pool: &Pool, id: Id, life: Life) {
         let Some(component) = pool.get(id) else { return };
-        self.watched &= !slot(id);
+        self.watched &= !bit(id);
         match life {
             Life::Started => self.watch(mission, id, component.symbol),
             Life::Finished => {
@@ -63,7 +63,7 @@ impl Assumptions {
                 }
             }
             // A frame that falls back has given up its production.
-            Life::Scheduled => self.holding &= !slot(id),
+            Life::Scheduled => self.holding &= !bit(id),
             _ => {}
         }
     }
@@ -75,7 +75,7 @@ impl Assumptions {
             && !transient.is_empty()
         {
             *kept = transient;
-            self.watched |= slot(id);
+            self.watched |= bit(id);
         }
     }
 
@@ -92,7 +92,7 @@ impl Assumptions {
 
     /// Derives what the protection intervals in force of a frame protect.
     fn update_held(&mut self, mission: &Mission<'_>, pool: &Pool, id: Id) {
-        self.holding &= !slot(id);
+        self.holding &= !bit(id);
         let Some(frame) = pool.get(id) else { return };
         let Some(production) = production_of(mission, frame) else { return };
         if production.intervals == 0 {
@@ -108,7 +108,7 @@ impl Assumptions {
             && !held.is_empty()
         {
             *kept = held;
-            self.holding |= slot(id);
+            self.holding |= bit(id);
         }
     }
 }
@@ -121,14 +121,14 @@ impl<'a> SituationGrid<'a> {
 
     /// The transient descriptions of an owner's running components.
     pub(crate) fn transients(self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
-        slots_in(self.assumptions.watched)
+        members(self.assumptions.watched)
             .filter(move |&id| self.owner(id) == Some(owner))
             .filter_map(move |id| Some((id, *self.assumptions.transient.get(usize::from(id))?)))
     }
 
     /// What each frame of an owner's plan protects now: its intervals in force together.
     pub fn held(self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
-        slots_in(self.assumptions.holding)
+        members(self.assumptions.holding)
             .filter(move |&id| self.owner(id) == Some(owner))
             .filter_map(move |id| Some((id, *self.assumptions.held.get(usize::from(id))?)))
     }

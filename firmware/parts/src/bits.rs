@@ -1,10 +1,9 @@
 //! Sets of small numbers, one bit each.
 //!
-//! Sets of slots are [`Slots`], sets of vertices `u32`. Sets of behaviours, of resources, and of the
+//! Sets of slots ([`Slots`]) and of vertices are `u32`. Sets of behaviours, of resources, and of the
 //! edges or productions of one plan frame are `u16`. The limits of the blob keep all members below
 //! the width of their set.
 
-use crate::Id;
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS};
 
 /// A set of slots of the pool.
@@ -46,32 +45,5 @@ pub fn members(mut set: u32) -> impl Iterator<Item = u8> {
         let number = set.trailing_zeros();
         set &= set.wrapping_sub(1);
         (number < u32::BITS).then_some(number as u8)
-    })
-}
-
-/// The set of one slot; empty if its number is larger than that of any slot.
-///
-/// ```
-/// assert_eq!(parts::bits::slot(3), 0b1000);
-/// assert_eq!(parts::bits::slot(200), 0);
-/// ```
-pub const fn slot(id: Id) -> Slots {
-    let one: Slots = 1;
-    match one.checked_shl(id as u32) {
-        Some(slot) => slot,
-        None => 0,
-    }
-}
-
-/// The slots in a set, in ascending order.
-///
-/// ```
-/// assert!(parts::bits::slots_in(0b1011).eq([0, 1, 3]));
-/// ```
-pub fn slots_in(mut set: Slots) -> impl Iterator<Item = Id> {
-    core::iter::from_fn(move || {
-        let number = set.trailing_zeros();
-        set &= set.wrapping_sub(1);
-        (number < Slots::BITS).then_some(number as Id)
     })
 }

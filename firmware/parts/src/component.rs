@@ -11,6 +11,7 @@ pub type Owner = u8;
 
 /// A component of a live plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
+// Whole words are copied faster, and components are copied often.
 #[repr(align(4))]
 pub struct Component {
     /// The plan frame or atomic action that it stands for.

@@ -1,6 +1,6 @@
 //! The store of all live plans.
 
-use crate::bits::{Slots, bit16, slot, slots_in};
+use crate::bits::{Slots, bit, bit16, members};
 use crate::{Component, Event, Id, Life};
 use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
 
@@ -32,7 +32,7 @@ impl Pool {
 
     /// The slots in use, in order; later changes to the pool do not affect the iterator.
     pub fn ids(&self) -> impl Iterator<Item = Id> + use<> {
-        slots_in(self.taken)
+        members(self.taken)
     }
 
     /// Number of components.
@@ -60,13 +60,14 @@ impl Pool {
     }
 
     /// Takes over a change.
+    // Each caller knows the kind of change, so most of this falls away.
     #[inline(always)]
     pub fn apply(&mut self, event: &Event) {
         match *event {
             Event::Planned { id, component } => {
                 if let Some(place) = self.components.get_mut(usize::from(id)) {
                     *place = Some(component);
-                    self.taken |= slot(id);
+                    self.taken |= bit(id);
                 }
             }
             Event::Decomposed { id, production } => self.choose(id, Some(production)),
@@ -75,7 +76,7 @@ impl Pool {
             Event::Deleted { id } => {
                 if let Some(place) = self.components.get_mut(usize::from(id)) {
                     *place = None;
-                    self.taken &= !slot(id);
+                    self.taken &= !bit(id);
                 }
             }
         }
