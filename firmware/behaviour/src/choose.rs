@@ -235,9 +235,7 @@ impl Behaviours {
 
     /// Whether an action of a behaviour's plan runs, so that the plan is between vertices.
     pub(crate) fn is_acting(&self, index: usize) -> bool {
-        let forest = &self.plans.forest;
-        let owner = |id| forest.get(id).map(|component| usize::from(component.owner));
-        forest.running().any(|id| owner(id) == Some(index))
+        self.plans.forest.running_of(index as Owner).next().is_some()
     }
 }
 

@@ -262,7 +262,7 @@ impl Behaviours {
             is_driving: false,
             signal: None,
             started_us: [0; MAX_COMPONENTS],
-            timed: 0,
+            timed: Slots::NONE,
             last_doubt: 0,
         }
     }

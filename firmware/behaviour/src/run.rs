@@ -6,7 +6,6 @@ use crate::report::{Decision, Refusal};
 use crate::{Behaviours, Context, behaviour_bit, behaviours_in};
 use grammar::Choice;
 use heapless::Vec;
-use parts::bits::bit;
 use parts::{Component, Id, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_COMPONENTS, MAX_STEPS};
 use plan_format::mission::{Action, ActionKind, Condition, Mission, PlanFrame, Production, Symbol};
@@ -150,7 +149,7 @@ impl Behaviours {
             return self.complete(owner, id, context);
         }
         if (record.timeout_ms != 0 || !record.until.is_empty()) && self.plans.forest.is_new(id) {
-            self.timed |= bit(id);
+            self.timed.insert(id);
             if let Some(started_us) = self.started_us.get_mut(usize::from(id)) {
                 *started_us = self.now_us;
             }
@@ -268,7 +267,7 @@ impl Behaviours {
     }
 
     fn collect(&self, mission: &Mission<'_>, behaviour: u8, owner: Owner, running: &mut Running) {
-        for component in self.plans.forest.running() {
+        for component in self.plans.forest.running_of(owner) {
             let Some((index, action)) = self.running_action(mission, owner, component) else {
                 continue;
             };

@@ -4,7 +4,7 @@ use crate::choose::{Claim, Effects};
 use crate::report::Decision;
 use crate::{ACTIVITY, Behaviours, Context, Phase, Status, behaviour_bit, behaviours_in};
 use monitor::{Signal, Violation};
-use parts::bits::{Slots, bit, members};
+use parts::bits::Slots;
 use parts::{Component, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
 use plan_format::mission::{Behaviour, Condition, Mission, Symbol};
@@ -197,7 +197,7 @@ impl Behaviours {
 
     /// Turns the start times of an owner's timed frames into how long they have lasted, or back.
     fn turn_clocks(&mut self, owner: Owner) {
-        for id in members(self.timed) {
+        for id in self.timed.iter() {
             let is_own = self.plans.forest.get(id).is_some_and(|frame| frame.owner == owner);
             if let Some(started_us) = self.started_us.get_mut(usize::from(id)).filter(|_| is_own) {
                 *started_us = self.now_us.saturating_sub(*started_us);
@@ -208,15 +208,14 @@ impl Behaviours {
     /// The lost work of the actions that run now and of the frames above them.
     fn work_under_way(&self, mission: &Mission<'_>, owner: Owner) -> u16 {
         let forest = &self.plans.forest;
-        let (mut sum, mut counted): (u16, Slots) = (0, 0);
-        for action in forest.running() {
+        let (mut sum, mut counted) = (0_u16, Slots::NONE);
+        for action in forest.running_of(owner) {
             let mut next = Some(action);
             while let Some(id) = next {
-                let bit = bit(id);
                 let component = forest.get(id).filter(|component| component.owner == owner);
                 // Parallel actions share frames, which count once.
-                let Some(component) = component.filter(|_| counted & bit == 0) else { break };
-                counted |= bit;
+                let Some(component) = component.filter(|_| !counted.contains(id)) else { break };
+                counted.insert(id);
                 sum = sum.saturating_add(self.work_of(mission, component));
                 next = component.parent;
             }
@@ -315,9 +314,9 @@ impl Behaviours {
             }
         };
         grid.evident(owner, facts).for_each(&mut consider);
-        for (id, entry) in grid.iter() {
+        for (id, entry) in grid.of(owner) {
             let is_action = matches!(entry.symbol, Symbol::Action(_));
-            if entry.owner == owner && entry.life == Life::Scheduled && is_action {
+            if entry.life == Life::Scheduled && is_action {
                 grid.initial(mission, id, facts).into_iter().for_each(&mut consider);
             }
         }

@@ -8,7 +8,6 @@ use grammar::Ended;
 use heapless::Vec;
 use math::Vec2;
 use monitor::{Signal, Violation};
-use parts::bits::{bit, members};
 use parts::{Component, Id, Life, Owner};
 use plan_format::limits::{MAX_BEHAVIOURS, MAX_DEPTH};
 use plan_format::mission::{Action, ActionKind, Mission, Symbol};
@@ -93,12 +92,12 @@ impl Behaviours {
 
     /// Completes the frames whose `until` holds, and fails those that exceed their timeout.
     fn end_frames(&mut self, owner: Owner, context: &mut Context<'_>) {
-        for id in members(self.timed) {
+        for id in self.timed.iter() {
             let component = self.plans.forest.get(id).copied();
             let Some(Component { symbol: Symbol::PlanFrame(index), owner: own, life, .. }) =
                 component
             else {
-                self.timed &= !bit(id);
+                self.timed.remove(id);
                 continue;
             };
             let frame = context.mission.plan_frames().get(usize::from(index));
@@ -119,7 +118,7 @@ impl Behaviours {
 
     /// Completes the actions that are done, and fails those that exceed their timeout.
     fn end_actions(&mut self, owner: Owner, context: &mut Context<'_>) {
-        for id in self.plans.forest.running() {
+        for id in self.plans.forest.running_of(owner) {
             let Some((index, action)) = self.running_action(context.mission, owner, id) else {
                 continue;
             };

@@ -1,7 +1,7 @@
 //! The pool of components, and the operations on the plans in it.
 
-use parts::bits::{Slots, bit, bit16, members};
-use parts::{Component, Event, Id, Life, Owner, Pool};
+use parts::bits::{Slots, bit16};
+use parts::{Component, Event, Id, Life, OWNERS, Owner, Pool, ProductionIndex};
 use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
 use plan_format::mission::{Description, Mission, PlanFrame, Production, Symbol};
 
@@ -13,8 +13,6 @@ pub type Tell<'t> = dyn FnMut(&Pool, &Event) + 't;
 struct Growth {
     /// Productions that it has tried since it was planned, one bit each.
     tried: u16,
-    /// Slots of its parts.
-    parts: Slots,
     /// Whether tail recursion has restarted it.
     has_restarted: bool,
     /// Its life-cycle state before it was suspended.
@@ -22,8 +20,7 @@ struct Growth {
 }
 
 impl Growth {
-    const NONE: Self =
-        Self { tried: 0, parts: 0, has_restarted: false, life_before: Life::Planned };
+    const NONE: Self = Self { tried: 0, has_restarted: false, life_before: Life::Planned };
 }
 
 /// The result of decomposing a plan frame.
@@ -73,14 +70,15 @@ pub struct Forest {
 impl Default for Forest {
     fn default() -> Self {
         let growths = [Growth::NONE; MAX_COMPONENTS];
-        Self { pool: Pool::default(), growths, scheduled: 0, running: 0 }
+        Self { pool: Pool::default(), growths, scheduled: Slots::NONE, running: Slots::NONE }
     }
 }
 
 impl Forest {
-    /// Plants a plan with one component, its root frame; `None` if the pool is full.
+    /// Plants a plan with one component, its root frame; `None` if the pool is full, or the owner is
+    /// not below [`OWNERS`].
     pub fn plant(&mut self, owner: Owner, root: u16, tell: &mut Tell<'_>) -> Option<Id> {
-        let id = self.pool.free_slot()?;
+        let id = self.pool.free_slot().filter(|_| usize::from(owner) < OWNERS)?;
         let component = Component {
             symbol: Symbol::PlanFrame(root),
             owner,
@@ -93,7 +91,7 @@ impl Forest {
             production: None,
             finished: 0,
         };
-        self.add(id, component, tell);
+        self.change(Event::Planned { id, component }, tell);
         self.set_life(id, Life::Scheduled, tell);
         Some(id)
     }
@@ -130,19 +128,23 @@ impl Forest {
 
     /// The root of an owner's plan.
     pub fn root(&self, owner: Owner) -> Option<Id> {
-        let mut all = self.iter();
-        all.find(|(_, component)| component.owner == owner && component.parent.is_none())
-            .map(|(id, _)| id)
+        let is_root = |id: &Id| self.get(*id).is_some_and(|component| component.parent.is_none());
+        self.pool.owned(owner).iter().find(is_root)
     }
 
     /// The next scheduled component of an owner's plan, a frame or an action.
     pub fn scheduled(&self, owner: Owner) -> Option<Id> {
-        members(self.scheduled).find(|&id| self.get(id).is_some_and(|part| part.owner == owner))
+        (self.scheduled & self.pool.owned(owner)).iter().next()
     }
 
     /// The slots of all atomic actions that run, in order.
     pub fn running(&self) -> impl Iterator<Item = Id> + use<> {
-        members(self.running)
+        self.running.iter()
+    }
+
+    /// The slots of the actions of an owner's plan that run, in order.
+    pub fn running_of(&self, owner: Owner) -> impl Iterator<Item = Id> + use<> {
+        (self.running & self.pool.owned(owner)).iter()
     }
 
     /// Starts a scheduled atomic action.
@@ -190,7 +192,9 @@ impl Forest {
             growth.tried |= bit16(number);
         }
         self.set_life(id, Life::Started, tell);
-        self.change(Event::Decomposed { id, production: chosen }, tell);
+        // An index of a production fits: see its type.
+        let production_index = chosen as ProductionIndex;
+        self.change(Event::Decomposed { id, production: production_index }, tell);
         let edges = mission.edges_of(&production);
         for (number, edge) in (0..).zip(edges) {
             let Some(slot) = self.pool.free_slot() else { break };
@@ -206,7 +210,7 @@ impl Forest {
                 production: None,
                 finished: 0,
             };
-            self.add(slot, part, tell);
+            self.change(Event::Planned { id: slot, component: part }, tell);
         }
         self.schedule_at(id, 0, tell);
         (id, Choice::Production(chosen))
@@ -267,8 +271,8 @@ impl Forest {
 
     /// Suspends an owner's plan in its present state.
     pub fn suspend(&mut self, owner: Owner, tell: &mut Tell<'_>) {
-        for id in self.pool.ids() {
-            let life = self.own(id, owner).map(|component| component.life);
+        for id in self.pool.owned(owner).iter() {
+            let life = self.get(id).map(|component| component.life);
             let Some(life @ (Life::Scheduled | Life::Started)) = life else { continue };
             if let Some(growth) = self.growth_mut(id) {
                 growth.life_before = life;
@@ -280,8 +284,8 @@ impl Forest {
     /// Resumes an owner's plan in the state that [`Forest::suspend`] left. Frames continue; an
     /// interrupted action is scheduled, so that its initial description is checked again.
     pub fn resume(&mut self, owner: Owner, tell: &mut Tell<'_>) {
-        for id in self.pool.ids() {
-            let (Some(component), Some(growth)) = (self.own(id, owner), self.growth(id)) else {
+        for id in self.pool.owned(owner).iter() {
+            let (Some(component), Some(growth)) = (self.get(id), self.growth(id)) else {
                 continue;
             };
             if component.life == Life::Suspended {
@@ -294,11 +298,9 @@ impl Forest {
 
     /// Abandons an owner's whole plan.
     pub fn uproot(&mut self, owner: Owner, tell: &mut Tell<'_>) {
-        for id in self.pool.ids() {
-            if self.own(id, owner).is_some() {
-                self.set_life(id, Life::Abandoned, tell);
-                self.delete(id, tell);
-            }
+        for id in self.pool.owned(owner).iter() {
+            self.set_life(id, Life::Abandoned, tell);
+            self.delete(id, tell);
         }
     }
 
@@ -367,41 +369,34 @@ impl Forest {
 
     /// Schedules the parts of a frame that leave a vertex, if no part still leads to the vertex.
     fn schedule_at(&mut self, frame: Id, vertex: u8, tell: &mut Tell<'_>) {
-        let parts = self.growth(frame).map_or(0, |growth| growth.parts);
-        if members(parts).any(|id| self.get(id).is_some_and(|part| part.to == vertex)) {
-            return;
-        }
-        for id in members(parts) {
-            if self.get(id).is_some_and(|part| part.from == vertex) {
-                self.set_life(id, Life::Scheduled, tell);
+        let mut due = Slots::NONE;
+        for id in self.pool.parts(frame) {
+            let Some(part) = self.get(id) else { continue };
+            if part.to == vertex {
+                return;
             }
+            if part.from == vertex {
+                due.insert(id);
+            }
+        }
+        for id in due.iter() {
+            self.set_life(id, Life::Scheduled, tell);
         }
     }
 
     fn abandon_below(&mut self, frame: Id, tell: &mut Tell<'_>) {
-        let parts_of = |set| {
-            let parts = members(set).filter_map(|id| Some(self.growth(id)?.parts));
-            parts.fold(0, |all, parts| all | parts)
-        };
-        let mut level = self.growth(frame).map_or(0, |growth| growth.parts);
-        let mut doomed = level;
-        // No tree is deeper than this.
-        for _ in 0..MAX_DEPTH {
-            if level == 0 {
-                break;
+        // Only a decomposed frame has anything below it.
+        let Some(&Component { owner, production: Some(_), .. }) = self.get(frame) else { return };
+        let mut doomed = Slots::NONE;
+        for id in self.pool.owned(owner).iter() {
+            if self.pool.above(id).any(|(above, _)| above == frame) {
+                doomed.insert(id);
             }
-            level = parts_of(level);
-            doomed |= level;
         }
-        for id in members(doomed) {
+        for id in doomed.iter() {
             self.set_life(id, Life::Abandoned, tell);
             self.delete(id, tell);
         }
-    }
-
-    /// A component, if it belongs to this owner.
-    fn own(&self, id: Id, owner: Owner) -> Option<&Component> {
-        self.get(id).filter(|component| component.owner == owner)
     }
 
     fn growth(&self, id: Id) -> Option<&Growth> {
@@ -418,41 +413,28 @@ impl Forest {
         tell(&self.pool, &event);
     }
 
-    fn add(&mut self, id: Id, component: Component, tell: &mut Tell<'_>) {
-        if let Some(frame) = component.parent.and_then(|parent| self.growth_mut(parent)) {
-            frame.parts |= bit(id);
-        }
-        self.change(Event::Planned { id, component }, tell);
-    }
-
     fn set_life(&mut self, id: Id, life: Life, tell: &mut Tell<'_>) {
         let Some(component) = self.get(id).filter(|component| component.life.may_become(life))
         else {
             return;
         };
         let is_action = matches!(component.symbol, Symbol::Action(_));
-        let slot = bit(id);
-        self.scheduled &= !slot;
-        self.running &= !slot;
+        self.scheduled.remove(id);
+        self.running.remove(id);
         match life {
-            Life::Scheduled => self.scheduled |= slot,
-            Life::Started if is_action => self.running |= slot,
+            Life::Scheduled => self.scheduled.insert(id),
+            Life::Started if is_action => self.running.insert(id),
             _ => {}
         }
         self.change(Event::Became { id, life }, tell);
     }
 
     fn delete(&mut self, id: Id, tell: &mut Tell<'_>) {
-        let Some(component) = self.get(id) else { return };
-        let others = !bit(id);
-        if let Some(frame) = component.parent.and_then(|parent| self.growth_mut(parent)) {
-            frame.parts &= others;
-        }
         if let Some(growth) = self.growth_mut(id) {
             *growth = Growth::NONE;
         }
-        self.scheduled &= others;
-        self.running &= others;
+        self.scheduled.remove(id);
+        self.running.remove(id);
         self.change(Event::Deleted { id }, tell);
     }
 }

@@ -395,23 +395,35 @@ fn beginning_anew_forgets_what_was_tried() {
 #[test]
 fn the_pool_can_be_filled_to_the_last_slot() {
     let parallel = |name: char, count: usize| vec![String::from(name); count].join("|");
-    for (beside, below, expected) in
-        [(14, 16, (Choice::Production(1), 32)), (15, 16, (Choice::NoRoom, 17))]
+    for (beside, expected) in
+        [(14, (Choice::Production(2), MAX_COMPONENTS)), (15, (Choice::NoRoom, 33))]
     {
-        let text = format!("A = B|{}\nB = {}", parallel('a', beside), parallel('a', below));
+        let (first, second) = (parallel('a', beside), parallel('a', 15));
+        let text = format!("A = B|{first}\nB = C|{second}\nC = {}", parallel('a', 16));
         let grammar = Grammar::new(&text);
         let mut run = Run::new(&grammar);
         run.go(1, |_| true, |_| 1.0);
-        let inner = run.forest.iter().find(|(_, c)| c.symbol == grammar.names["B"]);
-        let (inner, _) = inner.expect("B is due");
-        let (_, choice) =
-            run.forest.decompose(&run.mission, inner, &mut |_, _| 1.0, &mut |_, _| {});
+        let mut choice = Choice::NotScheduled;
+        for name in ["B", "C"] {
+            let inner = run.forest.iter().find(|(_, c)| c.symbol == grammar.names[name]);
+            let (inner, _) = inner.expect("it is due");
+            (_, choice) =
+                run.forest.decompose(&run.mission, inner, &mut |_, _| 1.0, &mut |_, _| {});
+        }
         assert_eq!((choice, run.forest.len()), expected);
+        let root = run.forest.plant(5, 0, &mut |_, _| {});
+        assert_eq!(root.is_some(), choice == Choice::NoRoom, "a full pool takes no root");
     }
-    assert_eq!(MAX_COMPONENTS, 32);
+    assert_eq!(MAX_COMPONENTS, 48);
+}
+
+#[test]
+fn each_behaviour_and_its_activities_can_own_a_plan() {
     let mut forest = Forest::default();
     let planted = (0..40).filter_map(|owner| forest.plant(owner, 0, &mut |_, _| {}));
-    assert!(planted.eq(0..32), "a full pool takes no root");
+    assert!(planted.eq(0..32), "16 behaviours, and the activities of each");
+    let roots = (0..40).filter_map(|owner| forest.root(owner));
+    assert!(roots.eq(0..32));
 }
 
 /// H16: the life cycle allows exactly the transitions of this table.

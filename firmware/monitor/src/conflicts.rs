@@ -129,10 +129,7 @@ impl SituationGrid<'_> {
         let mut missing =
             needs.violated(facts) & (needs.must & may_add | needs.must_not & may_delete);
         let mut at_risk = needs.must | needs.must_not;
-        for (other, before) in self.iter().filter(|(_, other)| !is_over(other)) {
-            if before.owner != entry.owner {
-                continue;
-            }
+        for (other, before) in self.of(entry.owner).filter(|(_, other)| !is_over(other)) {
             let (adds, deletes) = effects(mission, before.symbol);
             let provides = missing & (needs.must & adds | needs.must_not & deletes);
             let destroys =

@@ -36,10 +36,8 @@ impl<'a> SituationGrid<'a> {
     }
 
     fn frames(self, owner: Owner) -> impl Iterator<Item = (Id, &'a Component)> {
-        self.iter().filter(move |(_, entry)| {
-            entry.owner == owner
-                && entry.production.is_some()
-                && matches!(entry.life, Life::Started | Life::Suspended)
+        self.of(owner).filter(|(_, entry)| {
+            entry.production.is_some() && matches!(entry.life, Life::Started | Life::Suspended)
         })
     }
 

@@ -94,7 +94,7 @@ impl SituationGrid<'_> {
             .filter_map(|id| self.get(id))
             .find(|entry| entry.parent == Some(x.id));
         match (mission.productions().get(usize::from(production)), part) {
-            (Some(record), Some(part)) if made == Some(production) => {
+            (Some(record), Some(part)) if made.map(u16::from) == Some(production) => {
                 if part.edge == edge {
                     Relation::AO
                 } else {

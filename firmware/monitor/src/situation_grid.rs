@@ -1,6 +1,6 @@
 //! The view of the plans, and what is derived from them whenever they change.
 
-use parts::bits::{Slots, bit, bit16, members};
+use parts::bits::{Slots, bit, bit16};
 use parts::{Component, Event, Id, Life, Owner, Pool};
 use plan_format::limits::MAX_COMPONENTS;
 use plan_format::mission::{Condition, Mission, Production, Symbol};
@@ -30,9 +30,9 @@ impl Default for Assumptions {
     fn default() -> Self {
         Self {
             transient: [Condition::default(); MAX_COMPONENTS],
-            watched: 0,
+            watched: Slots::NONE,
             held: [Condition::default(); MAX_COMPONENTS],
-            holding: 0,
+            holding: Slots::NONE,
         }
     }
 }
@@ -43,18 +43,18 @@ impl Assumptions {
         match *event {
             Event::Planned { .. } => {}
             Event::Decomposed { id, .. } => self.update_held(mission, pool, id),
-            Event::Restarted { id } => self.holding &= !bit(id),
+            Event::Restarted { id } => self.holding.remove(id),
             Event::Became { id, life } => self.became(mission, pool, id, life),
             Event::Deleted { id } => {
-                self.watched &= !bit(id);
-                self.holding &= !bit(id);
+                self.watched.remove(id);
+                self.holding.remove(id);
             }
         }
     }
 
     fn became(&mut self, mission: &Mission<'_>, pool: &Pool, id: Id, life: Life) {
         let Some(component) = pool.get(id) else { return };
-        self.watched &= !bit(id);
+        self.watched.remove(id);
         match life {
             Life::Started => self.watch(mission, id, component.symbol),
             Life::Finished => {
@@ -63,7 +63,7 @@ impl Assumptions {
                 }
             }
             // A frame that falls back has given up its production.
-            Life::Scheduled => self.holding &= !bit(id),
+            Life::Scheduled => self.holding.remove(id),
             _ => {}
         }
     }
@@ -75,7 +75,7 @@ impl Assumptions {
             && !transient.is_empty()
         {
             *kept = transient;
-            self.watched |= bit(id);
+            self.watched.insert(id);
         }
     }
 
@@ -92,7 +92,7 @@ impl Assumptions {
 
     /// Derives what the protection intervals in force of a frame protect.
     fn update_held(&mut self, mission: &Mission<'_>, pool: &Pool, id: Id) {
-        self.holding &= !bit(id);
+        self.holding.remove(id);
         let Some(frame) = pool.get(id) else { return };
         let Some(production) = production_of(mission, frame) else { return };
         if production.intervals == 0 {
@@ -108,7 +108,7 @@ impl Assumptions {
             && !held.is_empty()
         {
             *kept = held;
-            self.holding |= bit(id);
+            self.holding.insert(id);
         }
     }
 }
@@ -121,25 +121,23 @@ impl<'a> SituationGrid<'a> {
 
     /// The transient descriptions of an owner's running components.
     pub(crate) fn transients(self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
-        members(self.assumptions.watched)
-            .filter(move |&id| self.owner(id) == Some(owner))
+        let watched = self.assumptions.watched & self.pool.owned(owner);
+        watched
+            .iter()
             .filter_map(move |id| Some((id, *self.assumptions.transient.get(usize::from(id))?)))
     }
 
     /// What each frame of an owner's plan protects now: its intervals in force together.
     pub fn held(self, owner: Owner) -> impl Iterator<Item = (Id, Condition)> {
-        members(self.assumptions.holding)
-            .filter(move |&id| self.owner(id) == Some(owner))
+        let holding = self.assumptions.holding & self.pool.owned(owner);
+        holding
+            .iter()
             .filter_map(move |id| Some((id, *self.assumptions.held.get(usize::from(id))?)))
     }
 
     /// The plans.
     pub fn pool(self) -> &'a Pool {
         self.pool
-    }
-
-    fn owner(self, id: Id) -> Option<Owner> {
-        self.get(id).map(|component| component.owner)
     }
 
     /// The component in a slot.
@@ -150,6 +148,11 @@ impl<'a> SituationGrid<'a> {
     /// All components, in the order of their slots.
     pub fn iter(self) -> impl Iterator<Item = (Id, &'a Component)> {
         self.pool.iter()
+    }
+
+    /// The components of an owner's plan, in the order of their slots.
+    pub fn of(self, owner: Owner) -> impl Iterator<Item = (Id, &'a Component)> {
+        self.pool.owned(owner).iter().filter_map(move |id| Some((id, self.get(id)?)))
     }
 
     /// The components above one, from its parent to the root.

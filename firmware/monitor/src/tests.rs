@@ -1,7 +1,7 @@
 extern crate std;
 
 use super::*;
-use parts::{Event, Life};
+use parts::{Event, Life, ProductionIndex};
 use plan_format::mission::{Condition, Description, Edge, Facts, Mission, Symbol};
 use proptest::prelude::*;
 use std::{format, string::String, vec, vec::Vec};
@@ -90,7 +90,13 @@ fn component(
 
 /// Applies the events of a frame that chose a production, whose parts take the slots from `first`
 /// on.
-fn decompose(live: &mut Live, mission: &Mission<'_>, frame: Id, production: u16, first: Id) {
+fn decompose(
+    live: &mut Live,
+    mission: &Mission<'_>,
+    frame: Id,
+    production: ProductionIndex,
+    first: Id,
+) {
     let owner = live.grid().get(frame).expect("the frame is in the grid").owner;
     live.apply(mission, &Event::Became { id: frame, life: Life::Started });
     live.apply(mission, &Event::Decomposed { id: frame, production });

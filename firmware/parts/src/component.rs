@@ -1,13 +1,22 @@
 //! A component of a live plan, and the changes to it.
 
 use crate::Life;
+use plan_format::limits::{MAX_BEHAVIOURS, MAX_PRODUCTIONS};
 use plan_format::mission::Symbol;
 
 /// The number of a component's slot in the pool; reused after the component is deleted.
 pub type Id = u8;
-/// The owner of a plan: a behaviour, by its index in the mission, or its start-up or shut-down
-/// activity, which has a number of its own.
+/// The owner of a plan, below [`OWNERS`]: a behaviour, by its index in the mission, or its start-up
+/// or shut-down activity, which has a number of its own.
 pub type Owner = u8;
+
+/// Number of owners: each behaviour, and its activities.
+pub const OWNERS: usize = 2 * MAX_BEHAVIOURS;
+
+/// The index of a production in the mission.
+pub type ProductionIndex = u8;
+
+const _: () = assert!(MAX_PRODUCTIONS <= 1 << ProductionIndex::BITS);
 
 /// A component of a live plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +40,7 @@ pub struct Component {
     /// Number of plan frames above it.
     pub depth: u8,
     /// The production that replaced it, if it is a decomposed plan frame: index in the mission.
-    pub production: Option<u16>,
+    pub production: Option<ProductionIndex>,
     /// Edges of that production that are finished, one bit each.
     pub finished: u16,
 }
@@ -70,7 +79,7 @@ pub enum Event {
         /// Slot of the plan frame.
         id: Id,
         /// Index of the production in the mission.
-        production: u16,
+        production: ProductionIndex,
     },
     /// Tail recursion: the plan frame starts again, in place of an equal one below it.
     Restarted {

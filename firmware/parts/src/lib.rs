@@ -24,6 +24,6 @@ mod component;
 mod life;
 mod pool;
 
-pub use component::{Component, Event, Id, Owner};
+pub use component::{Component, Event, Id, OWNERS, Owner, ProductionIndex};
 pub use life::Life;
 pub use pool::Pool;

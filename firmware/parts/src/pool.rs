@@ -1,7 +1,7 @@
 //! The store of all live plans.
 
-use crate::bits::{Slots, bit, bit16, members};
-use crate::{Component, Event, Id, Life};
+use crate::bits::{Slots, bit16};
+use crate::{Component, Event, Id, Life, OWNERS, Owner, ProductionIndex};
 use plan_format::limits::{MAX_COMPONENTS, MAX_DEPTH};
 
 /// The components of all live plans, by slot. `grammar` owns it and changes it by events only;
@@ -11,11 +11,17 @@ pub struct Pool {
     components: [Option<Component>; MAX_COMPONENTS],
     /// Slots in use: most are free, and every tick visits all that are used often.
     taken: Slots,
+    /// Slots of each owner's plan.
+    owned: [Slots; OWNERS],
 }
 
 impl Default for Pool {
     fn default() -> Self {
-        Self { components: [None; MAX_COMPONENTS], taken: 0 }
+        Self {
+            components: [None; MAX_COMPONENTS],
+            taken: Slots::NONE,
+            owned: [Slots::NONE; OWNERS],
+        }
     }
 }
 
@@ -32,23 +38,34 @@ impl Pool {
 
     /// The slots in use, in order; later changes to the pool do not affect the iterator.
     pub fn ids(&self) -> impl Iterator<Item = Id> + use<> {
-        members(self.taken)
+        self.taken.iter()
+    }
+
+    /// The slots of an owner's plan.
+    pub fn owned(&self, owner: Owner) -> Slots {
+        self.owned.get(usize::from(owner)).copied().unwrap_or_default()
+    }
+
+    /// The slots of the components that a frame contains directly.
+    pub fn parts(&self, frame: Id) -> impl Iterator<Item = Id> {
+        let owned = self.get(frame).map_or(Slots::NONE, |component| self.owned(component.owner));
+        owned.iter().filter(move |&id| self.get(id).is_some_and(|part| part.parent == Some(frame)))
     }
 
     /// Number of components.
     pub fn len(&self) -> usize {
-        self.taken.count_ones() as usize
+        self.taken.len()
     }
 
     /// Whether it has no component.
     pub fn is_empty(&self) -> bool {
-        self.taken == 0
+        self.taken.is_empty()
     }
 
     /// The first slot that is free.
     pub fn free_slot(&self) -> Option<Id> {
-        let id = self.taken.trailing_ones();
-        ((id as usize) < MAX_COMPONENTS).then_some(id as Id)
+        let id = self.taken.first_missing();
+        (usize::from(id) < MAX_COMPONENTS).then_some(id)
     }
 
     /// The components above one, from its parent to the root.
@@ -65,25 +82,32 @@ impl Pool {
     pub fn apply(&mut self, event: &Event) {
         match *event {
             Event::Planned { id, component } => {
-                if let Some(place) = self.components.get_mut(usize::from(id)) {
+                let owned = self.owned.get_mut(usize::from(component.owner));
+                if let (Some(place), Some(owned)) =
+                    (self.components.get_mut(usize::from(id)), owned)
+                {
                     *place = Some(component);
-                    self.taken |= bit(id);
+                    self.taken.insert(id);
+                    owned.insert(id);
                 }
             }
             Event::Decomposed { id, production } => self.choose(id, Some(production)),
             Event::Restarted { id } => self.choose(id, None),
             Event::Became { id, life } => self.set_life(id, life),
             Event::Deleted { id } => {
-                if let Some(place) = self.components.get_mut(usize::from(id)) {
-                    *place = None;
-                    self.taken &= !bit(id);
+                let place = self.components.get_mut(usize::from(id)).and_then(Option::take);
+                if let Some(component) = place {
+                    self.taken.remove(id);
+                    if let Some(owned) = self.owned.get_mut(usize::from(component.owner)) {
+                        owned.remove(id);
+                    }
                 }
             }
         }
     }
 
     /// A frame has this production now, and none of its edges is finished.
-    fn choose(&mut self, id: Id, production: Option<u16>) {
+    fn choose(&mut self, id: Id, production: Option<ProductionIndex>) {
         if let Some(frame) = self.get_mut(id) {
             frame.production = production;
             frame.finished = 0;

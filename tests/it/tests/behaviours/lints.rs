@@ -293,7 +293,7 @@ fn budgets() {
     in_world("lint_depth", &deep);
 
     let mut wide = String::new();
-    for number in 0..5 {
+    for number in 0..7 {
         wide += &format!(
             "[frames.wide{number}]\nproductions = [\"entry -> drive -> wait -> drive -> wait -> beep -> drive -> exit\"]\n"
         );
