@@ -17,6 +17,7 @@ use plan_format::{Answer, Blob, Layer};
 use robot_io::{Commands, Percepts, Reason};
 use schemas::Dock;
 
+use crate::edge;
 use crate::guidance::{self, Guidance, Target};
 use crate::sense::Sensed;
 
@@ -210,7 +211,7 @@ struct Surroundings<'s, 'p> {
 impl Surroundings<'_, '_> {
     /// Cost to the goal of a parallel plan in one of its layers, in the plan's cost units.
     fn cost(&self, plan: u16, layer: usize) -> Option<u32> {
-        let cell = self.blob.cell_at(self.position?)?;
+        let cell = edge::cell(self.blob, self.position?)?;
         match self.blob.parallel_plan(usize::from(plan))?.layer(layer)?.look_up(cell) {
             Answer::Move { cost, .. } => Some(cost),
             Answer::Goal => Some(0),
@@ -248,7 +249,7 @@ impl World for Surroundings<'_, '_> {
             return false;
         };
         self.best(plan).is_some_and(|(layer, cost)| {
-            let number = self.blob.cell_at(position).map_or(0, |cell| layer.goal_number(cell));
+            let number = edge::cell(self.blob, position).map_or(0, |cell| layer.goal_number(cell));
             let distance_m = vector::length(parallel_plan.goal_at(number) - position);
             let is_near = distance_m <= self.blob.parameters().schemas.goal_tolerance_m;
             let is_there =

@@ -7,14 +7,17 @@
 //! that it drives. A vehicle that needs a circle keeps some room beside the edge, since it could not
 //! turn away without.
 //!
-//! Only where `trouble.off_map` says that a robot off its map stops. The position is believed as it
-//! is, so a robot may still leave the map by the error of its position.
+//! The position is believed as it is, so the error of a position, wind or a push may carry the robot
+//! over. As long as its body still reaches over the map, it follows the advice of the nearest cell and
+//! drives back; farther off, it stands.
+//!
+//! Only where `trouble.off_map` says that a robot off its map stops.
 //!
 //! [`Reason::OffMap`]: robot_io::Reason::OffMap
 
 use math::{Vec2, scalar, vector};
-use plan_format::Blob;
 use plan_format::parameters::{OnTrouble, Vehicle};
+use plan_format::{Blob, Cell};
 
 use crate::brake::{self, Moving};
 use crate::drive::{Twist, circle_m};
@@ -23,6 +26,8 @@ use crate::drive::{Twist, circle_m};
 const TRIES: usize = 7;
 /// Share of a vector that leads inward at the very edge.
 const INWARD: f32 = 0.5;
+/// Off its map, the robot may get farther from it by this in rounding, metres.
+const ROUNDING_M: f32 = 1e-3;
 /// A way that turns by less than this is straight, radians.
 const STRAIGHT_RAD: f32 = 0.01;
 
@@ -33,25 +38,58 @@ pub struct Edge<'b> {
     /// Position and heading in the map's axes.
     position: Vec2,
     heading_rad: f32,
+    /// The distance from the robot to the nearest edge, metres; negative off the map.
+    room_m: f32,
+    /// Whether the robot would stand off its map, and is on it or so close that it drives back.
+    must_stay: bool,
 }
 
 impl<'b> Edge<'b> {
     /// The map around a robot at this position, map metres.
     pub fn around(blob: &'b Blob<'b>, position: Vec2, heading_rad: f32) -> Self {
-        Self { blob, position, heading_rad }
+        let room_m = room_m(blob, position);
+        let must_stay = must_stay(blob, room_m);
+        Self { blob, position, heading_rad, room_m, must_stay }
+    }
+
+    /// Whether the robot is off the map.
+    pub fn is_beyond(&self) -> bool {
+        self.room_m < 0.0
+    }
+
+    /// The blended vector without its part that leads off the map from close to the edge, map axes: the
+    /// robot drives along the edge instead, and a little away from it.
+    pub fn along(&self, vehicle: &Vehicle, sum: Vec2) -> Vec2 {
+        if !self.must_stay || self.room_m > vehicle.radius_m {
+            return sum;
+        }
+        let inward = INWARD * vector::length(sum);
+        let closeness = |room_m: f32| 1.0 - room_m / vehicle.radius_m;
+        let part = |part: f32, (low_m, high_m): (f32, f32)| {
+            let (low, high) = (closeness(low_m), closeness(high_m));
+            match (low > 0.0, high > 0.0) {
+                // A map that is narrower than the body: to its middle.
+                (true, true) => inward * (low - high),
+                (true, false) => part.max(inward * low),
+                (false, true) => part.min(-inward * high),
+                (false, false) => part,
+            }
+        };
+        let [east, north] = rooms_m(self.blob, self.position);
+        Vec2::new(part(sum.x, east), part(sum.y, north))
     }
 
     /// The wanted twist at the highest of a few speeds from which the robot stops on the map; at
     /// speed 0 if it would leave the map at each of them.
     pub fn stay(&self, vehicle: &Vehicle, now: &Moving, wanted: Twist) -> Twist {
         let fastest_mps = wanted.speed_mps.abs().min(vehicle.max_speed_mps);
-        if fastest_mps == 0.0 || !must_stay(self.blob, self.position) {
+        if fastest_mps == 0.0 || !self.must_stay {
             return wanted;
         }
         let fastest = Twist { speed_mps: fastest_mps, ..wanted };
         let drift_m = brake::drift_m(vehicle, now.drift_mps, &fastest, fastest_mps);
         let reach_m = vehicle.stopping_distance_m(fastest_mps) + drift_m + most_room_m(vehicle);
-        if is_far_from_edge(self.blob, self.position, reach_m) {
+        if self.room_m > reach_m {
             return wanted;
         }
         let sign = if wanted.speed_mps < 0.0 { -1.0 } else { 1.0 };
@@ -82,7 +120,8 @@ impl<'b> Edge<'b> {
 
     /// Whether an arc is on the map: its middle and its end, and what lies `aside_m` beside that,
     /// where a boat may have drifted. Its length is negative astern, where the axes of the motion are
-    /// turned by half a turn. A vehicle that needs a circle to turn away keeps some room for that.
+    /// turned by half a turn. A vehicle that needs a circle to turn away keeps some room for that. A
+    /// robot just beyond the edge must not get farther from it.
     pub fn holds(
         &self,
         vehicle: &Vehicle,
@@ -90,45 +129,44 @@ impl<'b> Edge<'b> {
         curvature_per_m: f32,
         aside_m: f32,
     ) -> bool {
-        if !must_stay(self.blob, self.position) {
+        if !self.must_stay {
             return true;
         }
         let sign = if length_m < 0.0 { -1.0 } else { 1.0 };
-        // Half of the room that is left, so that some always is.
-        let kept_m = most_room_m(vehicle).min(0.5 * self.room_m(self.position));
+        let kept_m = if self.room_m >= 0.0 {
+            // Half of the room that is left, so that some always is.
+            most_room_m(vehicle).min(0.5 * self.room_m)
+        } else {
+            self.room_m - ROUNDING_M
+        };
         [(0.5, 0.0), (1.0, aside_m), (1.0, -aside_m)].into_iter().all(|(share, aside_m)| {
             let way = along_arc(share * length_m.abs(), curvature_per_m) + Vec2::new(0.0, aside_m);
             let way = vector::rotated(way * sign, self.heading_rad);
-            self.room_m(self.position + way) >= kept_m
+            room_m(self.blob, self.position + way) >= kept_m
         })
-    }
-
-    /// The distance from a point to the nearest edge, metres; negative off the map.
-    fn room_m(&self, point: Vec2) -> f32 {
-        let [(west_m, east_m), (south_m, north_m)] = rooms_m(self.blob, point);
-        west_m.min(east_m).min(south_m.min(north_m))
     }
 }
 
-/// The blended vector without its part that leads off the map from close to the edge, map axes: the
-/// robot drives along the edge instead, and a little away from it.
-pub fn along(blob: &Blob<'_>, vehicle: &Vehicle, position: Vec2, sum: Vec2) -> Vec2 {
-    if !must_stay(blob, position) || is_far_from_edge(blob, position, vehicle.radius_m) {
-        return sum;
-    }
-    let inward = INWARD * vector::length(sum);
-    let closeness = |room_m: f32| 1.0 - room_m / vehicle.radius_m;
-    let part = |part: f32, (low_m, high_m): (f32, f32)| {
-        let (low, high) = (closeness(low_m), closeness(high_m));
-        match (low > 0.0, high > 0.0) {
-            (true, true) => 0.0,
-            (true, false) => part.max(inward * low),
-            (false, true) => part.min(-inward * high),
-            (false, false) => part,
+/// The cell of a robot at this position. A robot just beyond the edge of its map counts as in the
+/// nearest cell.
+pub fn cell(blob: &Blob<'_>, position: Vec2) -> Option<Cell> {
+    blob.cell_at(position).or_else(|| {
+        if !must_stay(blob, room_m(blob, position)) {
+            return None;
         }
-    };
-    let [east, north] = rooms_m(blob, position);
-    Vec2::new(part(sum.x, east), part(sum.y, north))
+        let half_m = 0.5 * blob.grid().resolution_m as f32;
+        let inside = |at_m: f32, (low_m, high_m): (f32, f32)| {
+            at_m + (half_m - low_m).max(0.0) - (half_m - high_m).max(0.0)
+        };
+        let [east, north] = rooms_m(blob, position);
+        blob.cell_at(Vec2::new(inside(position.x, east), inside(position.y, north)))
+    })
+}
+
+/// Whether a robot at this position is off its map and must stand.
+pub fn is_lost(blob: &Blob<'_>, position: Vec2) -> bool {
+    let parameters = blob.parameters();
+    parameters.trouble.off_map == OnTrouble::Stop && cell(blob, position).is_none()
 }
 
 /// The distances from a point to the western and to the eastern edge, and to the southern and to the
@@ -152,15 +190,20 @@ fn most_room_m(vehicle: &Vehicle) -> f32 {
     if circle_m(vehicle) > 0.0 { 0.5 * vehicle.radius_m } else { 0.0 }
 }
 
-/// Whether the robot is on its map, and would stop beyond the edge.
-fn must_stay(blob: &Blob<'_>, position: Vec2) -> bool {
-    blob.parameters().trouble.off_map == OnTrouble::Stop && blob.cell_at(position).is_some()
+/// The distance from a point to the nearest edge, metres; negative off the map.
+fn room_m(blob: &Blob<'_>, point: Vec2) -> f32 {
+    let [(west_m, east_m), (south_m, north_m)] = rooms_m(blob, point);
+    west_m.min(east_m).min(south_m.min(north_m))
 }
 
-/// Whether the edge of the map is farther than `reach_m` in each direction.
-fn is_far_from_edge(blob: &Blob<'_>, position: Vec2, reach_m: f32) -> bool {
-    let reach = Vec2::new(reach_m, reach_m);
-    blob.cell_at(position - reach).is_some() && blob.cell_at(position + reach).is_some()
+/// Whether a robot that is this far from the edge would stand off its map, and is on it or so close
+/// that it drives back.
+fn must_stay(blob: &Blob<'_>, room_m: f32) -> bool {
+    let parameters = blob.parameters();
+    let has_map = blob.grid().columns > 0;
+    parameters.trouble.off_map == OnTrouble::Stop
+        && has_map
+        && room_m > -parameters.vehicle.radius_m
 }
 
 /// The end of an arc that begins at 0 towards +x, metres. Of more than half a turn, only half.
@@ -190,10 +233,14 @@ pub(crate) mod tests {
 
     /// A map without plans.
     fn map(grid: Grid) -> Vec<u8> {
+        map_with(grid, Parameters::default())
+    }
+
+    fn map_with(grid: Grid, parameters: Parameters) -> Vec<u8> {
         write(&Draft {
             grid,
             origin: None,
-            parameters: Parameters::default(),
+            parameters,
             plans: Vec::new(),
             mission: Default::default(),
         })
@@ -222,13 +269,63 @@ pub(crate) mod tests {
             ((9.9, 5.0), (-0.1, 0.6), (-0.2027588, 0.6)),
             ((0.1, 0.1), (-0.3, -0.4), (0.5 / 3.0, 0.5 / 3.0)),
             ((0.1, 9.9), (0.4, -0.3), (0.4, -0.3)),
-            // Off the map, any direction may lead back.
-            ((10.5, 5.0), (1.0, 0.0), (1.0, 0.0)),
+            // Just beyond the edge it is led back, by up to the whole length.
+            ((10.15, 5.0), (1.0, 0.0), (-0.75, 0.0)),
+            ((10.29, 5.0), (0.6, 0.8), (-0.98333, 0.8)),
+            ((5.0, -0.15), (0.0, 1.0), (0.0, 1.0)),
+            // Farther off, where the plan does not count either, any direction may lead back.
+            ((10.31, 5.0), (1.0, 0.0), (1.0, 0.0)),
         ] {
-            let along =
-                along(&blob, &vehicle, Vec2::new(position.0, position.1), Vec2::new(sum.0, sum.1));
+            let edge = Edge::around(&blob, Vec2::new(position.0, position.1), 0.0);
+            let along = edge.along(&vehicle, Vec2::new(sum.0, sum.1));
             let off = along - Vec2::new(expected.0, expected.1);
             assert!(off.norm() < 1e-5, "{position:?} {sum:?}: {along:?}");
+        }
+    }
+
+    /// The robot's radius is 0.3 m.
+    #[test]
+    fn just_beyond_the_edge_the_nearest_cell_counts() {
+        let bytes = square();
+        let blob = Blob::parse(&bytes).expect("the blob is valid");
+        for (x, y, expected) in [
+            (9.5, 5.5, Some((9, 5))),
+            (10.2, 5.5, Some((9, 5))),
+            (-0.29, 5.5, Some((0, 5))),
+            (3.5, -0.29, Some((3, 0))),
+            (10.2, 10.2, Some((9, 9))),
+            (10.31, 5.5, None),
+            (5.5, -0.31, None),
+            (10.2, 10.31, None),
+        ] {
+            let point = Vec2::new(x, y);
+            let found = cell(&blob, point).map(|cell| (cell.column, cell.row));
+            assert_eq!((found, is_lost(&blob, point)), (expected, expected.is_none()), "{x} {y}");
+        }
+        let mut reacts = Parameters::default();
+        reacts.trouble.off_map = OnTrouble::Reactive;
+        let grid = Grid { columns: 10, rows: 10, resolution_m: 1.0, corner_m: [0.0, 0.0] };
+        let bytes = map_with(grid, reacts);
+        let blob = Blob::parse(&bytes).expect("the blob is valid");
+        let point = Vec2::new(10.2, 5.5);
+        assert!(cell(&blob, point).is_none() && !is_lost(&blob, point));
+        let without_map = Blob::without_map(Parameters::default(), None, None);
+        assert!(is_lost(&without_map, Vec2::zeros()) && !must_stay(&without_map, 0.0));
+    }
+
+    /// A map that is narrower than the body leads it along its middle.
+    #[test]
+    fn a_narrow_map_leads_to_its_middle() {
+        let bytes = map(Grid { columns: 20, rows: 1, resolution_m: 0.5, corner_m: [0.0, 0.0] });
+        let blob = Blob::parse(&bytes).expect("the blob is valid");
+        let vehicle = Parameters::default().vehicle;
+        // The map is 0.5 m wide, the body 0.6 m.
+        for (y, across) in
+            [(0.25, 0.0), (0.1, 0.33333), (0.22, 0.1), (0.28, -0.1), (-0.05, 0.58333)]
+        {
+            let edge = Edge::around(&blob, Vec2::new(5.0, y), 0.0);
+            let along = edge.along(&vehicle, Vec2::new(1.0, 0.0));
+            assert!((along - Vec2::new(1.0, across)).norm() < 1e-5, "{y}: {along:?}");
         }
     }
 
@@ -278,6 +375,12 @@ pub(crate) mod tests {
             (&rover, RESTING, (9.999, 5.0), 0.0, (1.6, 0.0), 0.0),
             (&rover, RESTING, (0.7, 5.0), 0.0, (-1.6, 0.0), -0.8),
             (&rover, RESTING, (10.5, 5.0), 0.0, (1.6, 0.0), 1.6),
+            // Just beyond the edge, it may drive back and along the edge, and no farther off.
+            (&rover, RESTING, (10.1, 5.0), 0.0, (1.6, 0.0), 0.0),
+            (&rover, RESTING, (10.1, 5.0), 0.0, (-1.6, 0.0), -1.6),
+            (&rover, RESTING, (10.1, 5.0), north, (1.6, 0.0), 1.6),
+            (&rover, RESTING, (10.1, 5.0), north, (1.6, -2.0), 0.05),
+            (&rover, RESTING, (10.1, 5.0), north, (1.6, 2.0), 1.6),
             (&rover, RESTING, (9.5, 5.0), north, (1.6, -2.0), 1.6),
             (&rover, RESTING, (9.7, 5.0), north, (1.6, -2.0), 0.8),
             (&rover, RESTING, (9.935, 5.0), north, (1.6, -2.0), 0.4),

@@ -7,6 +7,8 @@ use plan_format::parameters::{Blend, Gains, OnTrouble, Selection};
 use plan_format::{Blob, Cell, Direction, Layer, ParallelPlan, Step};
 use robot_io::Reason;
 
+use crate::edge;
+
 /// What the schemas need from plan and goal in one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Guidance {
@@ -163,7 +165,7 @@ fn weigh(
         return straight(blob, position, goal_of(progress), target.gains, Reason::Driving);
     }
     let parameters = blob.parameters();
-    let cell = blob.cell_at(position);
+    let cell = edge::cell(blob, position);
     let advice = match parameters.selection {
         Selection::Gains(rule) => {
             let gains = rule.of_channels(channels);
@@ -241,7 +243,7 @@ fn ahead(blob: &Blob<'_>, plan: &ParallelPlan<'_>, advice: &Advice, position: Ve
     let parameters = blob.parameters();
     let layer = advice.layer.and_then(|index| plan.layer(usize::from(index)));
     let (Some(start), Some(layer), Kind::Move | Kind::Escape, Blend::Route) =
-        (blob.cell_at(position), layer, advice.kind, parameters.blend)
+        (edge::cell(blob, position), layer, advice.kind, parameters.blend)
     else {
         return one_step;
     };
@@ -303,7 +305,7 @@ pub(crate) fn is_there(
     position: Vec2,
     distance_m: f32,
 ) -> bool {
-    match (layer, blob.cell_at(position)) {
+    match (layer, edge::cell(blob, position)) {
         (Some(layer), Some(cell)) if layer.has_tolls() => {
             has_free_path(blob, length(blob, &layer, cell), distance_m)
         }
@@ -333,7 +335,8 @@ fn length(blob: &Blob<'_>, layer: &Layer<'_>, from: Cell) -> Option<u32> {
 pub fn speed_limit(blob: &Blob<'_>, progress: &Progress, layer: Option<u8>, position: Vec2) -> f32 {
     let plan = blob.parallel_plan(usize::from(progress.plan));
     let layer = plan.and_then(|plan| plan.layer(usize::from(layer.unwrap_or(0))));
-    let limit = layer.zip(blob.cell_at(position)).and_then(|(layer, cell)| layer.speed_limit(cell));
+    let limit =
+        layer.zip(edge::cell(blob, position)).and_then(|(layer, cell)| layer.speed_limit(cell));
     limit.unwrap_or(f32::INFINITY)
 }
 

@@ -166,7 +166,7 @@ use edge::Edge;
 use math::{Vec2, vector};
 use obstacles::Obstacles;
 use plan_format::Blob;
-use plan_format::parameters::{OnTrouble, Vehicle};
+use plan_format::parameters::Vehicle;
 use robot_io::{Checks, Commands, Percepts, Reason};
 use schemas::{Noise, Past, Vectors};
 
@@ -307,11 +307,6 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     Explanation { commands, sensed, report, blend }
 }
 
-/// Whether the robot is off the map and must not drive there.
-fn is_lost(blob: &Blob<'_>, position: Vec2) -> bool {
-    blob.parameters().trouble.off_map == OnTrouble::Stop && blob.cell_at(position).is_none()
-}
-
 /// The twist, or a slower one that does not lead off the map. An error if only standing is left.
 fn kept_on_map(
     edge: &Edge<'_>,
@@ -354,7 +349,7 @@ fn decide(
     let position = sensed.position?;
     let is_armed = percepts.operator.is_armed;
     let (guidance, attraction) = match intent.approach(position, behave::north_rad(blob))? {
-        Approach::Straight(..) if is_lost(blob, position) => return Err(Reason::OffMap),
+        Approach::Straight(..) if edge::is_lost(blob, position) => return Err(Reason::OffMap),
         Approach::ByPlan(target) => {
             let (progress, inputs) = (&mut state.progress, &percepts.inputs);
             let guidance = guidance::guide(blob, &target, progress, position, inputs, is_armed)?;
@@ -398,8 +393,10 @@ fn decide(
         noise: state.noise.next(schema.noise_persistence_ticks),
     };
     let sum = schemas::blend(&guidance.gains, schema, &vectors);
-    let on_map =
-        if parameters.blend == Route { edge::along(blob, vehicle, position, sum) } else { sum };
+    // The paper's mixes are left as they are, except off the map.
+    let edge = Edge::around(blob, position, heading_rad);
+    let is_led = parameters.blend == Route || edge.is_beyond();
+    let on_map = if is_led { edge.along(vehicle, sum) } else { sum };
     let ahead = vector::rotated(on_map, -heading_rad);
     let (ahead, rule) = if parameters.blend == Route {
         let situation = detour::Situation {
@@ -417,7 +414,6 @@ fn decide(
     let is_repelled = guidance.gains.reactive * schema.avoid_gain > 0.0 && repulsion.is_saturated;
     let limit_mps = guidance::speed_limit(blob, &state.progress, guidance.layer, position);
     let vehicle = limit::in_speed_zone(vehicle, limit_mps);
-    let edge = Edge::around(blob, position, heading_rad);
     let backing = if parameters.blend == Route {
         let situation =
             back_out::Situation { vehicle: &vehicle, near, seen: points, edge: &edge, now };

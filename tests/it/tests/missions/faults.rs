@@ -228,6 +228,21 @@ fn outside_the_map_the_robot_stops_or_reacts_as_its_mission_says() {
     assert!(outcome.reached() && outcome.touches == 0, "{:?}", outcome.reasons);
 }
 
+/// A robot that the wind or the error of its position has carried just over the edge, by less than its
+/// radius of 0.4 m, drives back onto its map and reaches its goal, whatever its heading.
+#[test]
+fn just_beyond_the_edge_the_robot_drives_back() {
+    let blends = [blob(&[]), blob(&[("preset = \"34:66\"\n", "")])];
+    let starts = [(-0.1, 0.0), (-0.25, 1.6), (-0.25, 3.1), (-0.35, -1.6)];
+    for (bytes, (x, heading_rad)) in blends.iter().flat_map(|blend| starts.map(|at| (blend, at))) {
+        let plans = Blob::parse(bytes).expect("the compiler writes what the robot reads");
+        let robot = robot(plans, [x, 30.0], heading_rad, SensorSettings::PERFECT, 1);
+        let (moments, outcome) = watch(&campus().world, robot, f64::INFINITY);
+        assert!(outcome.reached() && outcome.touches == 0, "{x} {:?}", outcome.reasons);
+        assert!(moments.iter().all(|moment| moment.reason != Reason::OffMap), "{x}");
+    }
+}
+
 #[test]
 fn with_a_damaged_blob_the_robot_uses_its_fallback_or_stands_still() {
     let mut bytes = blob(&[]);
