@@ -91,3 +91,46 @@ impl Progress {
         stops.then_some(Reason::NoProgress)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ranges::RangeTrust;
+
+    /// A robot at one point whose position is known to 1 cm.
+    const RESTING: Sensed = Sensed {
+        position: Ok(Vec2::new(1.0, 2.0)),
+        accuracy_m: 0.01,
+        heading_rad: Some(0.0),
+        is_compass_wrong: false,
+        is_heading_wrong: false,
+        may_creep: false,
+        ranges: RangeTrust::Fresh { age_us: 0 },
+        is_clock_stopped: false,
+        is_stuck: false,
+        elapsed_s: 0.1,
+    };
+
+    /// Turning and driving both count as attempts to get on, waiting does not.
+    #[test]
+    fn a_robot_that_moves_and_does_not_get_on_makes_no_progress() {
+        let parameters = Parameters::default();
+        let after = (parameters.progress.after_us as f32 * 1e-6 / RESTING.elapsed_s) as usize;
+        let driving = Commands::stop(Reason::Driving);
+        for (commands, expected) in [
+            (Commands { speed_mps: 0.5, ..driving }, true),
+            (Commands { turn_rate_radps: -1.0, ..driving }, true),
+            (driving, false),
+        ] {
+            let mut progress = Progress::default();
+            let mut detours = Detours::default();
+            for tick in 0..2 * after {
+                progress.update(&RESTING, &commands, &parameters, &mut detours);
+                let is_early = tick + 2 < after;
+                assert!(!is_early || !progress.is_none(), "{tick} {commands:?}");
+            }
+            assert_eq!(progress.is_none(), expected, "{commands:?}");
+            assert_eq!(progress.reason(&parameters.progress).is_some(), expected);
+        }
+    }
+}
