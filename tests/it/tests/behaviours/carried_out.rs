@@ -10,7 +10,7 @@ use soak::fixtures::Open;
 /// Carries out a mission with ticks of 100 ms. Fuel is given for each tick. The robot moves 1 m a
 /// tick towards the point to which an action drives. Returns the actions that run, each with the
 /// tick in which it begins.
-fn carried_out(text: &str, fuel: impl Fn(usize) -> f32, ticks: usize) -> String {
+pub(super) fn carried_out(text: &str, fuel: impl Fn(usize) -> f32, ticks: usize) -> String {
     let (draft, problems) = compiled(text);
     let draft = draft.unwrap_or_else(|| panic!("{}", maps::problem::draw(&problems, false)));
     let section = draft.write().expect("it fits");

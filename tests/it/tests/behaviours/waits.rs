@@ -1,5 +1,6 @@
 //! H36: no behaviour waits longer for the robot than the bound that the compiler reports.
 
+use super::carried_out::carried_out;
 use super::compiled;
 use behaviour::{Behaviours, Decision, Observations, Phase, Refusal, Report};
 use maps::problem::Problem;
@@ -64,7 +65,7 @@ fn five() -> String {
     text += "put_away = { productions = [\"entry -> tidy -> exit\"] }\n";
     for index in 0..5 {
         let graph = format!("entry -> begin{index} -> end{index} -> work{index} -> exit");
-        let protect = format!("protect = [\"ready from begin{index} to end{index}\"]");
+        let protect = format!("protect = [\"ready from end{index} to end{index}\"]");
         let protect = if index % 3 == 0 { protect } else { "protect = []".into() };
         writeln!(text, "work{index} = {{ productions = [{{ graph = \"{graph}\", {protect} }}] }}")
             .unwrap();
@@ -187,4 +188,64 @@ fn h36_no_behaviour_waits_longer_than_its_bound() {
         exclusions > 100,
         "only {exclusions} exclusions: no behaviour is interrupted while it holds"
     );
+}
+
+/// A behaviour goes round a loop and protects a fact meanwhile. The other one violates the fact, so it
+/// waits for the timeout of the loop, or of the frame around the loop.
+#[test]
+fn h36_a_loop_that_a_timeout_ends_has_a_bound() {
+    let mission = |frames: &str| {
+        format!(
+            "[facts]
+             ready = false
+             [inputs]
+             fuel = {{ source = 'fuel', missing = {{ then = 0 }} }}
+             [actions]
+             begin = {{ do = 'hold 0.1 s', add = ['ready'] }}
+             step = {{ do = 'hold 0.4 s' }}
+             end = {{ do = 'hold 0.2 s', delete = ['ready'] }}
+             [frames]
+             {frames}
+             [frames.work]
+             productions = [{{ graph = 'entry -> begin -> rounds -> end -> exit', protect = ['ready from rounds to end'] }}]
+             [behaviours.b0]
+             plan = 'work'
+             dwell_s = 0
+             criticality = {{ fuel = 'ZO ZO ZO ZO ZO ZO ZO' }}
+             [behaviours.b1]
+             plan = 'violate'
+             criticality = {{ fuel = 'PM PM PM NB NB NB NB' }}
+             [frames.violate]
+             productions = ['entry -> end -> exit']"
+        )
+    };
+    let own =
+        mission("rounds = { productions = ['entry -> step -> rounds -> exit'], timeout_s = 3 }");
+    let around = mission(
+        "rounds = { productions = ['entry -> loop -> exit'], timeout_s = 3 }
+         loop = { productions = ['entry -> step -> loop -> exit'] }",
+    );
+    let until = own.replace("timeout_s = 3", "until = ['ready'], timeout_s = 3");
+    let without = mission("rounds = { productions = ['entry -> step -> rounds -> exit'] }");
+    let within = mission(
+        "rounds = { productions = ['entry -> once -> rounds -> exit'] }
+         once = { productions = ['entry -> step -> exit'], timeout_s = 3 }",
+    );
+    for text in [&own, &around] {
+        let (_, problems) = compiled(text);
+        // 0.1 s, 3 s, and twice 0.5 s for the steps of the plan.
+        assert_eq!(bounds(&problems, 2)[1], 4_100);
+        // The fuel is low from 0.5 s on.
+        let done = carried_out(text, |tick| if tick < 5 { 1.0 } else { 0.0 }, 40);
+        assert_eq!(done, "0 begin, 1 step, 32 end");
+    }
+    // If it ends well, the last action follows.
+    let (_, problems) = compiled(&until);
+    assert_eq!(bounds(&problems, 2)[1], 4_800);
+    // Without a timeout, or where the timeout is that of each round only, nothing ends the loop.
+    for text in [&without, &within] {
+        let (_, problems) = compiled(text);
+        let is_said = |said: &Problem| said.to_string().contains("may wait for `b0` indefinitely");
+        assert!(problems.iter().any(is_said), "{problems:#?}");
+    }
 }

@@ -1,10 +1,12 @@
 //! All states that a plan can reach, found with the robot's own crates.
 
 use super::Bound;
-use grammar::{Choice, Ended, Forest, Id, Life, Tell};
+use grammar::{Choice, Ended, Event, Forest, Id, Life, Tell};
 use monitor::{Assumptions, SituationGrid};
 use plan_format::limits::MAX_DEPTH;
-use plan_format::mission::{ActionKind, Condition, Mission, MissionDraft, Production, Symbol};
+use plan_format::mission::{
+    ActionKind, Condition, Mission, MissionDraft, PlanFrame, Production, Symbol,
+};
 use std::collections::HashMap;
 use std::fmt::{self, Write};
 
@@ -21,9 +23,16 @@ const OWNER: u8 = 0;
 
 /// The states of one plan in which actions run, and the transitions from each.
 pub(super) struct States {
-    /// The transitions from each state.
-    transitions: Vec<Vec<Transition>>,
+    states: Vec<State>,
     is_complete: bool,
+}
+
+/// One of them.
+#[derive(Default)]
+struct State {
+    /// The decomposed frames with a timeout, each with its timeout, milliseconds.
+    timed: Vec<(Id, u64)>,
+    transitions: Vec<Transition>,
 }
 
 /// The end of one action, or of a frame that ends by a condition or by its timeout.
@@ -33,7 +42,14 @@ struct Transition {
     /// The point that is reached, if no other action runs there.
     stop: Option<Stop>,
     /// The states that may come next; empty if the plan has ended.
-    next: Vec<usize>,
+    next: Vec<Next>,
+}
+
+/// A state that comes next.
+struct Next {
+    state: usize,
+    /// The timed frames that go on from the state before.
+    lasting: Vec<Id>,
 }
 
 /// A point at which a plan may be interrupted.
@@ -71,6 +87,8 @@ impl Work {
 struct PlanState {
     forest: Forest,
     assumptions: Assumptions,
+    /// The timed frames that have gone on since the last state.
+    lasting: Vec<Id>,
 }
 
 /// FNV-1a over 128 bits.
@@ -88,7 +106,7 @@ impl Write for Fingerprint {
 impl States {
     /// Carries out a frame in every way.
     pub(super) fn explore(draft: &MissionDraft, frame: u16, work: &mut Work) -> Self {
-        let mut states = Self { transitions: Vec::new(), is_complete: true };
+        let mut states = Self { states: Vec::new(), is_complete: true };
         let Ok(bytes) = draft.write() else { return Self { is_complete: false, ..states } };
         let Ok(mission) = Mission::parse(&bytes) else {
             return Self { is_complete: false, ..states };
@@ -100,23 +118,25 @@ impl States {
         states.add(&mission, plan, &mut known, &mut waiting, work);
         while let Some((index, plan)) = waiting.pop() {
             let running = plan.running(&mission);
-            let (timeout_ms, mut ends) = plan.ends_of_frames(&mission);
-            let times_ms = running.iter().map(|&(_, time_ms)| time_ms).chain(timeout_ms);
+            let timed = plan.timed(&mission);
+            let times_ms = running.iter().chain(&timed).map(|&(_, time_ms)| time_ms);
             let time_ms = times_ms.min().unwrap_or(0) + EVENT_MS;
+            let mut ends = plan.ends_of_frames(&mission);
             let mut transitions = Vec::new();
             for (id, _) in running {
                 ends.extend([(id, false), (id, true)]);
             }
             for (id, has_failed) in ends {
                 let mut after = plan.clone();
+                after.lasting = timed.iter().map(|&(id, _)| id).collect();
                 let stop = after.end(&mission, id, has_failed);
                 let next = states.add(&mission, after, &mut known, &mut waiting, work);
                 transitions.push(Transition { time_ms, stop, next });
             }
-            states.transitions[index] = transitions;
+            states.states[index] = State { timed, transitions };
             if !states.is_complete {
                 // Nothing is read of an incomplete search.
-                states.transitions = Vec::new();
+                states.states = Vec::new();
                 break;
             }
         }
@@ -132,18 +152,19 @@ impl States {
         known: &mut HashMap<u128, usize>,
         waiting: &mut Vec<(usize, PlanState)>,
         work: &mut Work,
-    ) -> Vec<usize> {
+    ) -> Vec<Next> {
         let mut next = Vec::new();
-        for settled in plan.settle(mission, &mut self.is_complete, work) {
+        for mut settled in plan.settle(mission, &mut self.is_complete, work) {
+            let lasting = core::mem::take(&mut settled.lasting);
             let key = settled.key();
-            let index = *known.entry(key).or_insert_with(|| {
-                self.transitions.push(Vec::new());
-                waiting.push((self.transitions.len() - 1, settled));
-                self.transitions.len() - 1
+            let state = *known.entry(key).or_insert_with(|| {
+                self.states.push(State::default());
+                waiting.push((self.states.len() - 1, settled));
+                self.states.len() - 1
             });
-            next.push(index);
+            next.push(Next { state, lasting });
         }
-        self.is_complete &= self.transitions.len() <= MAX_STATES;
+        self.is_complete &= self.states.len() <= MAX_STATES;
         next
     }
 
@@ -152,34 +173,75 @@ impl States {
         if !self.is_complete {
             return Bound::Unknown;
         }
+        let is_end =
+            |end: &Transition| end.next.is_empty() || end.stop.as_ref().is_some_and(&is_free);
         // The longest path in a graph without cycles: a state is known when all after it are.
-        let mut longest: Vec<Option<u64>> = vec![None; self.transitions.len()];
-        let mut left = self.transitions.len();
+        let mut longest: Vec<Option<u64>> = vec![None; self.states.len()];
+        let mut left = self.states.len();
         while left > 0 {
             let before = left;
-            for (state, transitions) in self.transitions.iter().enumerate().rev() {
-                if longest[state].is_some() {
+            for (index, state) in self.states.iter().enumerate().rev() {
+                if longest[index].is_some() {
                     continue;
                 }
                 let time = |end: &Transition| {
-                    if end.next.is_empty() || end.stop.as_ref().is_some_and(&is_free) {
+                    if is_end(end) {
                         return Some(end.time_ms);
                     }
-                    let after =
-                        end.next.iter().try_fold(0, |most, &next| Some(longest[next]?.max(most)));
+                    let mut next = end.next.iter();
+                    let after = next.try_fold(0, |most, next| Some(longest[next.state]?.max(most)));
                     after.map(|after: u64| after.saturating_add(end.time_ms))
                 };
-                let most = transitions.iter().try_fold(0, |most, end| Some(time(end)?.max(most)));
+                let mut ends = state.transitions.iter();
+                let most = ends.try_fold(0, |most, end| Some(time(end)?.max(most)));
                 if most.is_some() {
-                    longest[state] = most;
+                    longest[index] = most;
                     left -= 1;
                 }
             }
             if left == before {
-                return Bound::None;
+                // What is left goes round in cycles. A frame with a timeout ends some.
+                let Some((ended, time_ms)) = self.ended_by_timeout(&longest, is_end) else {
+                    return Bound::None;
+                };
+                left -= ended.iter().filter(|&&state| longest[state].is_none()).count();
+                for state in ended {
+                    longest[state].get_or_insert(time_ms);
+                }
             }
         }
         Bound::Within(longest.into_iter().flatten().max().unwrap_or(0))
+    }
+
+    /// States within one timed frame whose longest time is not known, while those of all states that
+    /// follow the frame are; and their longest time: that of the frame and of what follows it.
+    fn ended_by_timeout(
+        &self,
+        longest: &[Option<u64>],
+        is_end: impl Fn(&Transition) -> bool,
+    ) -> Option<(Vec<usize>, u64)> {
+        let unknown = (0..self.states.len()).filter(|&state| longest[state].is_none());
+        let mut frames = unknown
+            .flat_map(|state| self.states[state].timed.iter().map(move |frame| (state, frame)));
+        frames.find_map(|(start, &(frame, timeout_ms))| {
+            let (mut within, mut after_ms) = (vec![start], 0);
+            let mut is_within = vec![false; self.states.len()];
+            is_within[start] = true;
+            let mut visited = 0;
+            while let Some(&state) = within.get(visited) {
+                visited += 1;
+                let transitions = self.states[state].transitions.iter();
+                for next in transitions.filter(|end| !is_end(end)).flat_map(|end| &end.next) {
+                    if !next.lasting.contains(&frame) {
+                        after_ms = longest[next.state]?.max(after_ms);
+                    } else if !is_within[next.state] {
+                        is_within[next.state] = true;
+                        within.push(next.state);
+                    }
+                }
+            }
+            Some((within, after_ms.saturating_add(timeout_ms + EVENT_MS)))
+        })
     }
 }
 
@@ -189,8 +251,13 @@ impl PlanState {
         mission: &Mission<'_>,
         act: impl FnOnce(&mut Forest, &mut Tell<'_>) -> T,
     ) -> T {
-        let Self { forest, assumptions } = self;
-        act(forest, &mut |pool, event| assumptions.apply(mission, pool, event))
+        let Self { forest, assumptions, lasting } = self;
+        act(forest, &mut |pool, event| {
+            assumptions.apply(mission, pool, event);
+            if let Event::Deleted { id } = event {
+                lasting.retain(|frame| frame != id);
+            }
+        })
     }
 
     fn grid(&self) -> SituationGrid<'_> {
@@ -229,24 +296,34 @@ impl PlanState {
         running.collect()
     }
 
-    /// The shortest timeout of the decomposed frames, milliseconds; and those that may end at any
-    /// time, each with whether that is a failure.
-    fn ends_of_frames(&self, mission: &Mission<'_>) -> (Option<u64>, Vec<(Id, bool)>) {
-        let (mut timeout_ms, mut ends) = (None, Vec::new());
-        for (id, component) in self.forest.iter() {
-            let Symbol::PlanFrame(index) = component.symbol else { continue };
-            let frame = mission.plan_frames().get(usize::from(index));
-            let Some(frame) = frame.filter(|_| component.life == Life::Started) else { continue };
+    /// The decomposed frames.
+    fn decomposed(&self, mission: &Mission<'_>) -> impl Iterator<Item = (Id, PlanFrame)> {
+        self.forest.iter().filter_map(|(id, component)| match component.symbol {
+            Symbol::PlanFrame(index) if component.life == Life::Started => {
+                Some((id, mission.plan_frames().get(usize::from(index))?))
+            }
+            _ => None,
+        })
+    }
+
+    /// The decomposed frames with a timeout, each with its timeout, milliseconds.
+    fn timed(&self, mission: &Mission<'_>) -> Vec<(Id, u64)> {
+        let timed = self.decomposed(mission).filter(|(_, frame)| frame.timeout_ms != 0);
+        timed.map(|(id, frame)| (id, frame.timeout_ms.into())).collect()
+    }
+
+    /// The decomposed frames that may end at any time, each with whether that is a failure.
+    fn ends_of_frames(&self, mission: &Mission<'_>) -> Vec<(Id, bool)> {
+        let mut ends = Vec::new();
+        for (id, frame) in self.decomposed(mission) {
             if !frame.until.is_empty() {
                 ends.push((id, false));
             }
             if frame.timeout_ms != 0 {
                 ends.push((id, true));
-                let own_ms = u64::from(frame.timeout_ms);
-                timeout_ms = Some(timeout_ms.map_or(own_ms, |least: u64| least.min(own_ms)));
             }
         }
-        (timeout_ms, ends)
+        ends
     }
 
     /// Ends a component. Returns the point that is then reached, unless another action still runs.
