@@ -22,7 +22,7 @@ const WORD: u8 = u32::BITS as u8;
 /// for id in [40, 0, 31, 32, 40] {
 ///     slots.insert(id);
 /// }
-/// assert!(slots.iter().eq([0, 31, 32, 40]) && slots.contains(40) && !slots.contains(8));
+/// assert!(slots.iter().eq([0, 31, 32, 40]) && slots.contains(32) && !slots.contains(8));
 /// slots.remove(32);
 /// slots.remove(31);
 /// assert_eq!((slots.len(), slots.first_missing()), (2, 1));
@@ -137,4 +137,49 @@ pub fn members(mut set: u32) -> impl Iterator<Item = u8> {
         set &= set.wrapping_sub(1);
         (number < u32::BITS).then_some(number as u8)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::vec::Vec;
+
+    const END: Id = 2 * WORD;
+
+    fn of(ids: impl IntoIterator<Item = Id>) -> Slots {
+        let mut slots = Slots::NONE;
+        ids.into_iter().for_each(|id| slots.insert(id));
+        slots
+    }
+
+    #[test]
+    fn sets_of_two_slots() {
+        for (one, other) in (0..END).flat_map(|one| (0..END).map(move |other| (one, other))) {
+            let mut slots = of([one, other]);
+            let mut sorted = Vec::from([one, other]);
+            sorted.sort_unstable();
+            sorted.dedup();
+            assert!(slots.iter().eq(sorted.iter().copied()), "{one} {other}");
+            assert!((0..END).all(|id| slots.contains(id) == sorted.contains(&id)), "{one} {other}");
+            assert!(slots.len() == sorted.len() && !slots.is_empty(), "{one} {other}");
+            let common = if one == other { of([one]) } else { Slots::NONE };
+            assert_eq!(of([one]) & of([other]), common);
+            slots.remove(one);
+            assert_eq!(slots, if one == other { Slots::NONE } else { of([other]) });
+            slots.remove(other);
+            assert!(slots.is_empty() && slots == Slots::NONE, "{one} {other}");
+        }
+    }
+
+    #[test]
+    fn the_first_slot_that_is_missing() {
+        for first in 0..END {
+            assert_eq!(of(0..first).first_missing(), first);
+            assert_eq!(of((0..END).filter(|&id| id != first)).first_missing(), first);
+        }
+        assert_eq!(of(0..END).first_missing(), END);
+        assert_eq!(of(1..END) & of(0..40), of(1..40));
+    }
 }

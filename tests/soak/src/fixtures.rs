@@ -7,7 +7,8 @@ use plan_compiler::pack::pack;
 use plan_format::grid::octile;
 use plan_format::mission::MissionDraft;
 use plan_format::{
-    Direction, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, WriteError, write,
+    Direction, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, TeamPolicy, WriteError,
+    write,
 };
 
 /// Cells along each side of the map.
@@ -16,6 +17,16 @@ const SIDE: u32 = 20;
 /// The blob of a mission on an open map of 20 m by 20 m with two parallel plans, of two layers and
 /// of one.
 pub fn blob(mission: MissionDraft) -> Result<Vec<u8>, WriteError> {
+    blob_with(mission, Parameters::default())
+}
+
+/// The same for a robot of a team of three.
+pub fn blob_of_team(mission: MissionDraft) -> Result<Vec<u8>, WriteError> {
+    let team = TeamPolicy { robot: 1, robots: 3, tether_to: Some(0), ..TeamPolicy::default() };
+    blob_with(mission, Parameters { team, ..Parameters::default() })
+}
+
+fn blob_with(mission: MissionDraft, parameters: Parameters) -> Result<Vec<u8>, WriteError> {
     let grid = Grid { columns: SIDE, rows: SIDE, resolution_m: 1.0, corner_m: [0.0, 0.0] };
     let origin = Origin {
         place: math::GeoPoint { lat_e7: 337_756_000, lon_e7: -843_990_000 },
@@ -36,7 +47,7 @@ pub fn blob(mission: MissionDraft) -> Result<Vec<u8>, WriteError> {
     write(&Draft {
         grid,
         origin: Some(origin),
-        parameters: Parameters::default(),
+        parameters,
         plans: vec![plan("middle", 10, 10, 2), plan("corner", 19, 19, 1)],
         mission,
     })

@@ -1,7 +1,7 @@
 //! Random missions and inputs for the whole tick, by the million, and the invariants of each tick.
 //!
 //! [`missions`] draws missions from a seed. They are sound by construction and use every kind of
-//! record. [`world`] draws the percepts: inputs that are missing or not numbers, positions that
+//! record; those with odd seeds belong to a robot of a team. [`world`] draws the percepts: inputs that are missing or not numbers, positions that
 //! jump, clocks that stand still, an operator who disarms. After each tick the [`invariants`] are
 //! checked. Some ticks are repeated from a copy of their state and must give the same result. A
 //! corrupted mission must be refused or run like any other.
@@ -23,6 +23,7 @@ use controller::{Explanation, State};
 use invariants::Watch;
 use monitor::{Doubt, Signal, Violation};
 use plan_format::Blob;
+use plan_format::mission::MissionDraft;
 use random::Random;
 use robot_io::TraceHash;
 use std::collections::BTreeMap;
@@ -106,7 +107,7 @@ fn mission(
     hash: &mut TraceHash,
 ) -> Result<(), String> {
     let mut random = Random::new(seed);
-    let draft = missions::draw(&mut random);
+    let (draft, is_in_team) = drawn(seed, &mut random);
     if random.chance(0.25) {
         let (refused, run) = missions::corrupt(&draft, &mut random);
         summary.refused += refused;
@@ -114,9 +115,20 @@ fn mission(
             run_ticks(&blob, &mut random, 50, tick, summary, hash)?;
         }
     }
-    let blob = fixtures::blob(draft).map_err(|error| format!("the mission is refused: {error}"))?;
+    let blob = if is_in_team { fixtures::blob_of_team(draft) } else { fixtures::blob(draft) };
+    let blob = blob.map_err(|error| format!("the mission is refused: {error}"))?;
     let ticks = 20 + random.below(MAX_MISSION_TICKS - 20);
     run_ticks(&blob, &mut random, ticks, tick, summary, hash)
+}
+
+/// The mission of a seed, and whether it is that of a robot of a team.
+fn drawn(seed: u64, random: &mut Random) -> (MissionDraft, bool) {
+    let mut draft = missions::draw(random);
+    let is_in_team = seed % 2 == 1;
+    if is_in_team {
+        missions::join_team(&mut draft, random);
+    }
+    (draft, is_in_team)
 }
 
 fn run_ticks(
@@ -225,5 +237,32 @@ fn kind(decision: &Decision) -> &'static str {
             Doubt::Clobberer(_) => "possible: clobberer",
             Doubt::Choice(_) => "possible: choice",
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// Every source of an input, and every kind of fact and of action.
+    #[test]
+    fn the_missions_use_everything() {
+        let word = |value: &dyn fmt::Debug| {
+            let text = format!("{value:?}");
+            text.split([' ', '(']).next().expect("a name").to_owned()
+        };
+        let mut found = BTreeSet::new();
+        for seed in 0..400 {
+            let (draft, _) = drawn(seed, &mut Random::new(seed));
+            found.extend(draft.inputs.iter().map(|input| word(&input.source)));
+            found.extend(draft.facts.iter().map(|fact| word(&fact.kind)));
+            found.extend(draft.actions.iter().map(|action| word(&action.kind)));
+        }
+        let expected = "Channel CostToGoal DistanceTo DistanceToMate Dock Fact Follow GoTo Hold Inside \
+            Level LinkToMate Linked MateAt MateNear MateSignals MatesLinked MoveAhead Near NoProgress \
+            OldestNews Output PriceOfConstraint RangeLeft Return Rules SetOutput Signal Symbol Time \
+            Wander";
+        assert_eq!(found.into_iter().collect::<Vec<_>>().join(" "), expected);
     }
 }

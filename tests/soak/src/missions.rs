@@ -2,12 +2,12 @@
 
 use crate::fixtures;
 use crate::random::Random;
-use plan_format::limits::{MAX_BEHAVIOURS, MAX_CHANNELS, MAX_FACTS, MAX_OUTPUTS};
+use plan_format::limits::{MAX_BEHAVIOURS, MAX_CHANNELS, MAX_FACTS, MAX_OUTPUTS, MAX_ROBOTS};
 use plan_format::mission::effects;
 use plan_format::mission::{
     Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Inference,
-    Input, Interval, Label, Mission, MissionDraft, PlanFrame, Production, Rule, RuleBase, Source,
-    SwitchPoint, Symbol,
+    Input, Interval, Label, Mates, Mission, MissionDraft, PlanFrame, Production, Rule, RuleBase,
+    Source, SwitchPoint, Symbol,
 };
 
 /// Draws a mission. Every feature of sound missions occurs in some.
@@ -21,6 +21,46 @@ pub fn draw(random: &mut Random) -> MissionDraft {
     artist.behaviours();
     effects::spread(&mut artist.draft);
     artist.draft
+}
+
+/// Lets a mission depend on the robot's mates, and on the range that its fuel still gives.
+pub fn join_team(draft: &mut MissionDraft, random: &mut Random) {
+    for input in &mut draft.inputs {
+        if matches!(input.source, Source::Channel(_)) && random.chance(0.5) {
+            let channel = random.index(MAX_CHANNELS) as u8;
+            let plan = random.index(2) as u16;
+            (input.source, input.high) = match random.index(5) {
+                0 => (Source::MatesLinked, 3.0),
+                1 => (Source::OldestNews, 10.0),
+                2 => (Source::DistanceToMate(some_robots(random)), 25.0),
+                3 => (Source::LinkToMate(random.index(MAX_ROBOTS) as u8), 1.0),
+                _ => (Source::RangeLeft { plan, channel, full_m: random.between(1.0, 60.0) }, 25.0),
+            };
+            input.low = 0.0;
+        }
+    }
+    for fact in &mut draft.facts {
+        if matches!(fact.kind, FactKind::Near { .. } | FactKind::Inside { .. }) {
+            let mates = Mates {
+                robots: some_robots(random),
+                all: random.chance(0.5),
+                missing: random.chance(0.5),
+            };
+            let radius_m = random.between(0.5, 10.0);
+            let (x_m, y_m) = (random.between(0.0, 20.0), random.between(0.0, 20.0));
+            fact.kind = match random.index(4) {
+                0 => FactKind::Linked(mates),
+                1 => FactKind::MateNear { mates, radius_m },
+                2 => FactKind::MateAt { mates, x_m, y_m, radius_m },
+                _ => FactKind::MateSignals { mates, code: random.index(3) as u16 },
+            };
+        }
+    }
+}
+
+/// A set of robots that is not empty.
+fn some_robots(random: &mut Random) -> u8 {
+    1 + random.index((1 << MAX_ROBOTS) - 1) as u8
 }
 
 /// Corrupts a mission in several ways. Returns how often it was refused and, if the corrupted bytes

@@ -3,7 +3,8 @@
 use crate::random::Random;
 use math::{Vec2, scalar, vector};
 use plan_format::Blob;
-use robot_io::{Commands, Fix, Manual, Operator, Percepts, RangeReading};
+use robot_io::limits::{MAX_MATES, MAX_ROBOTS};
+use robot_io::{Commands, Fix, Heard, Manual, Mate, News, Operator, Percepts, RangeReading};
 
 /// The usual time between two ticks, microseconds.
 const TICK_US: u64 = 50_000;
@@ -18,6 +19,8 @@ pub struct World<'a> {
     inputs: [Option<f32>; 8],
     operator: Operator,
     has_fix: bool,
+    /// The latest news of each mate.
+    mates: Vec<Mate>,
 }
 
 impl<'a> World<'a> {
@@ -31,12 +34,16 @@ impl<'a> World<'a> {
             inputs: [(); 8].map(|()| Some(random.unit())),
             operator: Operator { is_armed: true, ..Operator::default() },
             has_fix: true,
+            mates: Vec::new(),
         }
     }
 
     /// The percepts of this tick.
     pub fn percepts(&mut self, random: &mut Random) -> Percepts {
         self.change(random);
+        if self.blob.parameters().team.mates() != 0 {
+            self.hear(random);
+        }
         let wild = |random: &mut Random, value: f32| match random.index(400) {
             0 => None,
             1 => Some(f32::NAN),
@@ -67,8 +74,32 @@ impl<'a> World<'a> {
             ranges,
             inputs: self.inputs,
             operator: self.operator,
+            mates: self.mates.iter().copied().collect(),
             ..Percepts::default()
         }
+    }
+
+    /// News arrive a few times per second while the radio works. Some come from elsewhere, some are
+    /// garbled.
+    fn hear(&mut self, random: &mut Random) {
+        if !random.one_in(4) {
+            return;
+        }
+        let robot = random.index(MAX_ROBOTS + 1) as u8;
+        let place = [(); 2].map(|()| random.between(0.0, 20.0));
+        let position_m = match random.index(20) {
+            0 => None,
+            1 => Some([f32::NAN, 0.0]),
+            _ => Some(place),
+        };
+        let news = News { robot, position_m, signal: random.index(3) as u16 };
+        let heard = Heard { news, quality: random.between(-0.1, 1.1) };
+        let late_us = if random.one_in(10) { random.below(3_000_000) } else { 0 };
+        let mate = Mate { time_us: self.time_us.saturating_sub(late_us), heard };
+        self.mates.retain(|known| known.heard.news.robot != robot);
+        // Percepts hold so many; what a fuller radio hears is lost.
+        self.mates.truncate(MAX_MATES - 1);
+        self.mates.push(mate);
     }
 
     /// Advances to the next tick.
