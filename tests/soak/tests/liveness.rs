@@ -15,6 +15,8 @@ const TICK_US: u64 = 50_000;
 const SEEN_MS: u64 = 2 * TICK_US / 1_000;
 /// Random missions.
 const MISSIONS: u64 = 300;
+/// Further ones, with loops that end by a condition or by their timeout.
+const WITH_LOOPS: u64 = 200;
 /// Ticks of each: about four minutes.
 const TICKS: u64 = 5_000;
 
@@ -39,8 +41,9 @@ impl Random {
 const CHANNELS: [&str; 6] = ["battery", "fuel", "link", "custom 1", "custom 2", "custom 3"];
 
 /// A mission of three or four behaviours. Each makes a fact true, protects it for some steps, and
-/// makes another one false, which a third may protect.
-fn mission(random: &mut Random) -> String {
+/// makes another one false, which a third may protect. With loops, a step may be repeated until the
+/// behaviour becomes less critical, or until a timeout; it may be interrupted at the best point.
+fn mission(random: &mut Random, has_loops: bool) -> String {
     let count = 3 + random.below(2);
     let facts = 2 + random.below(2);
     let (mut inputs, mut fact_lines) = (String::from("[inputs]\n"), String::from("[facts]\n"));
@@ -66,8 +69,23 @@ fn mission(random: &mut Random) -> String {
             };
             writeln!(actions, "a{b}s{step} = {{ do = \"hold {time:.1} s\"{effect} }}").unwrap();
         }
-        let graph: Vec<String> = (0..steps).map(|step| format!("a{b}s{step}")).collect();
-        let protect = format!("protect = [\"f{own} from a{b}s1 to a{b}s{last}\"]");
+        let mut graph: Vec<String> = (0..steps).map(|step| format!("a{b}s{step}")).collect();
+        if has_loops && random.one_in(2) {
+            let step = 1 + random.below(steps - 2) as usize;
+            writeln!(fact_lines, "calm{b} = {{ input = \"in{b}\", at_most = 0.4 }}").unwrap();
+            let until =
+                if random.one_in(2) { format!("until = [\"calm{b}\"]\n") } else { String::new() };
+            let timeout_s = 1 + random.below(3);
+            writeln!(
+                rest,
+                "[frames.l{b}]\nproductions = [\"entry -> {} -> l{b} -> exit\"]\n{until}timeout_s = {timeout_s}",
+                graph[step]
+            )
+            .unwrap();
+            graph[step] = format!("l{b}");
+        }
+        let (first, last) = (&graph[1], &graph[last as usize]);
+        let protect = format!("protect = [\"f{own} from {first} to {last}\"]");
         writeln!(
             rest,
             "[frames.w{b}]\nproductions = [{{ graph = \"entry -> {} -> exit\", {protect} }}]",
@@ -76,6 +94,9 @@ fn mission(random: &mut Random) -> String {
         .unwrap();
         writeln!(rest, "[behaviours.b{b}]\nplan = \"w{b}\"\nhysteresis = 0.02").unwrap();
         writeln!(rest, "dwell_s = {}", random.below(2)).unwrap();
+        if has_loops && random.one_in(3) {
+            writeln!(rest, "switch = \"best\"").unwrap();
+        }
         let row = if random.one_in(8) { "NB NM NS ZO PS PM PB" } else { "NB NM NS ZO PS PM PM" };
         writeln!(rest, "criticality = {{ in{b} = \"{row}\" }}").unwrap();
         if random.one_in(4) {
@@ -133,7 +154,7 @@ struct Seen {
 /// Drives one mission with inputs that jump, and checks every tick.
 fn drive(seed: u64, seen: &mut Seen) -> Result<(), String> {
     let mut random = Random(seed);
-    let text = mission(&mut random);
+    let text = mission(&mut random, seed >= MISSIONS);
     let (section, bounds) = bounds(&text);
     let mission = Mission::parse(&section).expect("it is sound");
     let mut behaviours = Behaviours::new(&mission);
@@ -217,13 +238,8 @@ fn drive(seed: u64, seen: &mut Seen) -> Result<(), String> {
 fn h35_sleepers_that_exclude_each_other_lock_nobody_out() {
     let mut seen = Seen::default();
     let failures: Vec<String> =
-        (0..MISSIONS).filter_map(|seed| drive(seed, &mut seen).err()).collect();
-    assert!(
-        failures.is_empty(),
-        "{} of {MISSIONS} fail, {seen:?}; first: {}",
-        failures.len(),
-        failures[0]
-    );
+        (0..MISSIONS + WITH_LOOPS).filter_map(|seed| drive(seed, &mut seen).err()).collect();
+    assert!(failures.is_empty(), "{} fail, {seen:?}; first: {}", failures.len(), failures[0]);
     // The runs are hard enough.
     assert!(seen.overruled > 10 && seen.circles > 10 && seen.excluded > 1_000, "{seen:?}");
     assert!(seen.interrupted > 1_000 && seen.stopped > 1_000, "{seen:?}");
