@@ -97,7 +97,7 @@ impl<'a> World<'a> {
         let late_us = if random.one_in(10) { random.below(3_000_000) } else { 0 };
         let mate = Mate { time_us: self.time_us.saturating_sub(late_us), heard };
         self.mates.retain(|known| known.heard.news.robot != robot);
-        // Percepts hold so many; what a fuller radio hears is lost.
+        // Percepts hold at most `MAX_MATES` of them.
         self.mates.truncate(MAX_MATES - 1);
         self.mates.push(mate);
     }
