@@ -133,16 +133,19 @@ impl<'b> Edge<'b> {
             return true;
         }
         let sign = if length_m < 0.0 { -1.0 } else { 1.0 };
-        let kept_m = if self.room_m >= 0.0 {
-            // Half of the room that is left, so that some always is.
-            most_room_m(vehicle).min(0.5 * self.room_m)
-        } else {
-            self.room_m - ROUNDING_M
+        // Half of the room that is left, so that some always is.
+        let kept_m = most_room_m(vehicle).min(0.5 * self.room_m);
+        let is_allowed = |point: Vec2| {
+            if self.is_beyond() {
+                beyond_m(self.blob, point) <= beyond_m(self.blob, self.position) + ROUNDING_M
+            } else {
+                room_m(self.blob, point) >= kept_m
+            }
         };
         [(0.5, 0.0), (1.0, aside_m), (1.0, -aside_m)].into_iter().all(|(share, aside_m)| {
             let way = along_arc(share * length_m.abs(), curvature_per_m) + Vec2::new(0.0, aside_m);
             let way = vector::rotated(way * sign, self.heading_rad);
-            room_m(self.blob, self.position + way) >= kept_m
+            is_allowed(self.position + way)
         })
     }
 }
@@ -194,6 +197,13 @@ fn most_room_m(vehicle: &Vehicle) -> f32 {
 fn room_m(blob: &Blob<'_>, point: Vec2) -> f32 {
     let [(west_m, east_m), (south_m, north_m)] = rooms_m(blob, point);
     west_m.min(east_m).min(south_m.min(north_m))
+}
+
+/// The distance from a point off the map to the map, metres; 0 on the map.
+fn beyond_m(blob: &Blob<'_>, point: Vec2) -> f32 {
+    let beyond = |(low_m, high_m): (f32, f32)| (-low_m).max(-high_m).max(0.0);
+    let [east, north] = rooms_m(blob, point);
+    vector::length(Vec2::new(beyond(east), beyond(north)))
 }
 
 /// Whether a robot that is this far from the edge would stand off its map, and is on it or so close
@@ -381,6 +391,9 @@ pub(crate) mod tests {
             (&rover, RESTING, (10.1, 5.0), north, (1.6, 0.0), 1.6),
             (&rover, RESTING, (10.1, 5.0), north, (1.6, -2.0), 0.05),
             (&rover, RESTING, (10.1, 5.0), north, (1.6, 2.0), 1.6),
+            // Off a corner, the distance from the corner counts.
+            (&rover, RESTING, (10.1, 10.1), 2.0, (0.2, 0.0), 0.025),
+            (&rover, RESTING, (10.1, 10.1), 2.5, (0.2, 0.0), 0.2),
             (&rover, RESTING, (9.5, 5.0), north, (1.6, -2.0), 1.6),
             (&rover, RESTING, (9.7, 5.0), north, (1.6, -2.0), 0.8),
             (&rover, RESTING, (9.935, 5.0), north, (1.6, -2.0), 0.4),
