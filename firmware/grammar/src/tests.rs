@@ -537,3 +537,16 @@ fn h07_a_frame_with_a_description_is_not_cut_out_of_a_loop() {
     assert!(rounds(|description| description.max_speed_mps = 1.0) < 8);
     assert!(rounds(|description| description.min_distance_m = 1.0) < 8);
 }
+
+/// Neither is one with a timeout, which counts from its beginning.
+#[test]
+fn h07_a_frame_with_a_timeout_is_not_cut_out_of_a_loop() {
+    for (timeout_ms, is_loop) in [(0, true), (5_000, false)] {
+        let grammar = Grammar::with("R = a M\nM = R", |draft| {
+            draft.frames.iter_mut().for_each(|frame| frame.timeout_ms = timeout_ms);
+        });
+        let mut run = Run::new(&grammar);
+        let rounds = run.go(60, |_| true, |_| 1.0).matches('a').count();
+        assert_eq!(rounds == 20, is_loop, "{rounds}");
+    }
+}

@@ -234,6 +234,30 @@ fn h14_initial_transient_goal_and_inherited_constraints() {
     );
 }
 
+/// H13: an interval begins when the last edge into its first vertex is finished, and ends with the last
+/// one into its last vertex.
+#[test]
+fn h13_intervals_begin_and_end_where_branches_join() {
+    let bytes = mission(
+        "action a hold 0
+         frame R
+         = a|a a|a a; protect f0 1 2",
+    );
+    let mission = Mission::parse(&bytes).expect("it is sound");
+    let mut live = Live::default();
+    let root = component(Symbol::PlanFrame(0), 0, None, Life::Scheduled);
+    live.apply(&mission, &Event::Planned { id: 0, component: root });
+    decompose(&mut live, &mission, 0, 0, 1);
+    let is_held = |live: &Live| live.grid().held(0).next().is_some();
+    assert!(!is_held(&live));
+    let mut story = vec![];
+    for id in 1..=5 {
+        live.apply(&mission, &Event::Became { id, life: Life::Finished });
+        story.push(is_held(&live));
+    }
+    assert_eq!(story, [false, true, true, false, false]);
+}
+
 /// H13, H22, H26: an interval is in force from its first vertex to its last, in the view of its own
 /// behaviour and, while that sleeps, of all others; the points of figure 4 show where it ends.
 #[test]
