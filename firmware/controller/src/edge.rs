@@ -26,7 +26,7 @@ use crate::drive::{Twist, circle_m};
 const TRIES: usize = 7;
 /// Share of a vector that leads inward at the very edge.
 const INWARD: f32 = 0.5;
-/// Off its map, the robot may get farther from it by this in rounding, metres.
+/// Off the map, distances to it that differ by less than this count as equal, metres.
 const ROUNDING_M: f32 = 1e-3;
 /// A way that turns by less than this is straight, radians.
 const STRAIGHT_RAD: f32 = 0.01;

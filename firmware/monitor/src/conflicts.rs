@@ -201,7 +201,9 @@ impl SituationGrid<'_> {
         let before = |knight| {
             self.relation(mission, Node::from(knight), Node::from(id)) == Some(Relation::CB)
         };
-        let knights = self.iter().filter(|(_, entry)| !is_over(entry));
+        // Only components of the same plan come before and after each other.
+        let plan = self.get(id).map(|entry| self.of(entry.owner));
+        let knights = plan.into_iter().flatten().filter(|(_, entry)| !is_over(entry));
         knights.fold(0, |restored, (knight, entry)| {
             let (adds, deletes) = effects(mission, entry.symbol);
             let provides = (needs.must & adds | needs.must_not & deletes) & !restored;

@@ -425,7 +425,7 @@ pub const KEYS: &[Key] = &[
         "trouble",
         "off_map",
         "\"stop\"",
-        "What to do beyond the edge of the map, farther than `vehicle.radius`: stand still, or drive by the reactive schemas only.",
+        "What to do off the map, farther from its edge than `vehicle.radius`: stand still, or drive by the reactive schemas only.",
         &[
             ("stop", |m| m.parameters.trouble.off_map = OnTrouble::Stop),
             ("reactive", |m| m.parameters.trouble.off_map = OnTrouble::Reactive),

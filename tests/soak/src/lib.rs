@@ -1,10 +1,10 @@
 //! Random missions and inputs for the whole tick, by the million, and the invariants of each tick.
 //!
 //! [`missions`] draws missions from a seed. They are sound by construction and use every kind of
-//! record; those with odd seeds belong to a robot of a team. [`world`] draws the percepts: inputs that are missing or not numbers, positions that
-//! jump, clocks that stand still, an operator who disarms. After each tick the [`invariants`] are
-//! checked. Some ticks are repeated from a copy of their state and must give the same result. A
-//! corrupted mission must be refused or run like any other.
+//! record; those with odd seeds belong to a robot of a team. [`world`] draws the percepts: inputs that
+//! are missing or not numbers, positions that jump, clocks that stand still, an operator who disarms.
+//! After each tick the [`invariants`] are checked. Some ticks are repeated from a copy of their state
+//! and must give the same result. A corrupted mission must be refused or run like any other.
 //!
 //! Invariants: equal seeds give equal runs on every machine. A failure reports the seed that draws
 //! the failing mission first.
