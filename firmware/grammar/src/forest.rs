@@ -315,22 +315,28 @@ impl Forest {
         mission.plan_frames().get(usize::from(index))
     }
 
-    /// Tail recursion: if a frame is the last component that an equal frame above it waits for, the
-    /// upper frame restarts in its place. Returns the slot of the frame to decompose.
+    /// Tail recursion: if a frame is the last component that an equal frame above it waits for, it is
+    /// a further round of that loop. The upper frame restarts in its place, unless this would lose
+    /// what a frame in between checks. Returns the slot of the frame to decompose.
     fn restart(&mut self, mission: &Mission<'_>, id: Id, tell: &mut Tell<'_>) -> Id {
         let Some(head) = self.loop_head(mission, id) else { return id };
-        self.abandon_below(head, tell);
-        let Some(growth) = self.growth_mut(head) else { return id };
-        growth.tried = 0;
-        growth.has_restarted = true;
-        self.change(Event::Restarted { id: head }, tell);
-        self.set_life(head, Life::Scheduled, tell);
-        head
+        let replaced = if self.may_replace(mission, head, id) { head } else { id };
+        if let Some(growth) = self.growth_mut(replaced) {
+            growth.has_restarted = true;
+        }
+        if replaced == head {
+            self.abandon_below(head, tell);
+            if let Some(growth) = self.growth_mut(head) {
+                growth.tried = 0;
+            }
+            self.change(Event::Restarted { id: head }, tell);
+            self.set_life(head, Life::Scheduled, tell);
+        }
+        replaced
     }
 
     /// The nearest frame above with the same symbol, if no frame on the path to it waits for
-    /// another component, and none in between has a description to check, effects, or a protection
-    /// interval that spans the edge below it.
+    /// another component or has a protection interval that spans the edge below it.
     fn loop_head(&self, mission: &Mission<'_>, id: Id) -> Option<Id> {
         let symbol = self.get(id)?.symbol;
         let mut below = id;
@@ -339,16 +345,22 @@ impl Forest {
             if self.is_spanned(mission, above, self.get(below)?) {
                 return None;
             }
-            let above_symbol = self.get(above)?.symbol;
-            if above_symbol == symbol {
+            if self.get(above)?.symbol == symbol {
                 return Some(above);
-            }
-            if !self.is_silent(mission, above_symbol) {
-                return None;
             }
             below = above;
         }
         None
+    }
+
+    /// Whether a frame may restart in place of an equal one below: each frame in between is silent,
+    /// or there is an equal frame above both, which checks the same and has the same effects.
+    fn may_replace(&self, mission: &Mission<'_>, head: Id, id: Id) -> bool {
+        let mut between = self.pool.above(id).take_while(|&(above, _)| above != head);
+        between.all(|(_, frame)| {
+            self.is_silent(mission, frame.symbol)
+                || self.pool.above(head).any(|(_, above)| above.symbol == frame.symbol)
+        })
     }
 
     /// Whether a frame has nothing to check while it runs or when it ends, and no effects.

@@ -45,11 +45,13 @@
 //!   since it was planned. If none is left, the parent fails in turn; when the root fails, the plan
 //!   has failed.
 //! - Loops are tail recursion. If a frame is the last component that an equal frame above waits
-//!   for, the upper frame restarts in its place, unless a frame in between has a description to
-//!   check or effects, or a protection interval spans the edge. So a loop can run indefinitely in
-//!   constant memory.
-//! - A loop ends when no production is applicable: a restarted frame is then finished, whereas a
-//!   frame that has not restarted fails.
+//!   for, the upper frame restarts in its place, unless a protection interval spans the edge. So a
+//!   loop can run indefinitely in constant memory.
+//! - A frame in between that has something to check, or effects, stays in the plan: the inner frame
+//!   restarts only if it is below an equal one already. So in a loop `a`, `b`, `a`, `b` in which `b`
+//!   limits the speed, the plan grows to `a`, `b`, `a` and stays at that.
+//! - A loop ends when no production is applicable in a further round: its frame is then finished,
+//!   whereas a frame in its first round fails.
 //!
 //! Invariants: every component is reachable from the root of its tree. No call panics, and the
 //! pool's size bounds every loop.

@@ -6,7 +6,9 @@ extern crate std;
 use super::*;
 use parts::Life;
 use plan_format::limits::MAX_COMPONENTS;
-use plan_format::mission::{Condition, Interval, Mission, MissionDraft, Production, Symbol};
+use plan_format::mission::{
+    Condition, Description, Interval, Mission, MissionDraft, Production, Symbol,
+};
 use proptest::prelude::*;
 use std::{collections::BTreeMap, fmt::Write, format, string::String, vec, vec::Vec};
 
@@ -518,35 +520,73 @@ proptest! {
     }
 }
 
-/// H07: a loop through another frame runs in constant memory only if that frame has nothing to check
-/// and no effects. Otherwise the frame inside must stay below it, and the depth is used up.
+/// H07: frames of a loop that have something to check stay in the plan, which grows no further once
+/// each of them is there.
 #[test]
-fn h07_a_frame_with_a_description_is_not_cut_out_of_a_loop() {
-    let rounds = |change: fn(&mut plan_format::mission::Description)| {
-        let grammar = Grammar::with("R = a M\nM = R", |draft| {
-            let mut description = draft.descriptions[usize::from(draft.frames[1].description)];
-            change(&mut description);
-            draft.descriptions.push(description);
-            let number = (draft.descriptions.len() - 1) as u16;
-            draft.frames.iter_mut().for_each(|frame| frame.description = number);
-        });
-        let mut run = Run::new(&grammar);
-        run.go(60, |_| true, |_| 1.0).matches('a').count()
-    };
-    assert_eq!(rounds(|_| {}), 20);
-    assert!(rounds(|description| description.max_speed_mps = 1.0) < 8);
-    assert!(rounds(|description| description.min_distance_m = 1.0) < 8);
+fn h07_a_frame_with_constraints_stays_in_the_loop() {
+    type Change = fn(&mut MissionDraft, usize);
+    fn describe(draft: &mut MissionDraft, frame: usize, change: fn(&mut Description)) {
+        let mut description = draft.descriptions[usize::from(draft.frames[frame].description)];
+        change(&mut description);
+        draft.frames[frame].description = draft.descriptions.len() as u16;
+        draft.descriptions.push(description);
+    }
+    let constraints: [Change; 7] = [
+        |draft, frame| describe(draft, frame, |of| of.max_speed_mps = 1.0),
+        |draft, frame| describe(draft, frame, |of| of.min_distance_m = 1.0),
+        |draft, frame| describe(draft, frame, |of| of.transient.must = 1),
+        |draft, frame| describe(draft, frame, |of| of.goal.must_not = 1),
+        |draft, frame| describe(draft, frame, |of| of.add = 1),
+        |draft, frame| draft.frames[frame].timeout_ms = 5_000,
+        |draft, frame| draft.frames[frame].until.must = 1,
+    ];
+    for (number, change) in constraints.iter().enumerate() {
+        // Of no frame, of the one at which the loop begins, of another one, and of all.
+        for (frames, most) in [(0..0, 4), (0..1, 4), (1..2, 6), (0..3, 6)] {
+            let grammar = Grammar::with("A = a B\nB = C\nC = A", |draft| {
+                frames.clone().for_each(|frame| change(draft, frame));
+            });
+            let mut run = Run::new(&grammar);
+            let mut largest = 0;
+            for _ in 0..4_000 {
+                run.go(1, |_| true, |_| 1.0);
+                largest = largest.max(run.forest.len());
+            }
+            // A round is `a` and three decompositions.
+            assert_eq!(run.log.len(), 2 * 1_000, "constraint {number} of {frames:?}");
+            assert_eq!(largest, most, "constraint {number} of {frames:?}");
+            for frame in frames.clone() {
+                let symbol = Symbol::PlanFrame(frame as u16);
+                let is_there = run.forest.iter().any(|(_, part)| part.symbol == symbol);
+                assert!(is_there, "constraint {number} of {frame} is in force");
+            }
+        }
+    }
 }
 
-/// Neither is one with a timeout, which counts from its beginning.
+/// H07: such a loop ends in every round, the first below the frame with constraints included.
 #[test]
-fn h07_a_frame_with_a_timeout_is_not_cut_out_of_a_loop() {
-    for (timeout_ms, is_loop) in [(0, true), (5_000, false)] {
-        let grammar = Grammar::with("R = a M\nM = R", |draft| {
-            draft.frames.iter_mut().for_each(|frame| frame.timeout_ms = timeout_ms);
-        });
-        let mut run = Run::new(&grammar);
-        let rounds = run.go(60, |_| true, |_| 1.0).matches('a').count();
-        assert_eq!(rounds == 20, is_loop, "{rounds}");
+fn h07_a_loop_with_constraints_ends_in_every_round() {
+    let grammar = Grammar::with("R = A z\nA = a B\nB = b A", |draft| {
+        draft.frames[2].timeout_ms = 5_000;
+    });
+    for last in 1..8 {
+        let mut rounds = 0;
+        let log = String::from(Run::new(&grammar).go(
+            100,
+            |_| true,
+            |production| {
+                rounds += i32::from(production == 1);
+                if production == 1 && rounds > last { 0.0 } else { 1.0 }
+            },
+        ));
+        assert_eq!(log, format!("{}z done", "a b ".repeat(last as usize)));
     }
+    // Before the first round there is not yet a loop: without a production the frame fails.
+    let log = String::from(Run::new(&grammar).go(
+        100,
+        |_| true,
+        |production| if production == 1 { 0.0 } else { 1.0 },
+    ));
+    assert_eq!(log, "failed");
 }

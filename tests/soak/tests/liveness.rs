@@ -42,7 +42,8 @@ const CHANNELS: [&str; 6] = ["battery", "fuel", "link", "custom 1", "custom 2", 
 
 /// A mission of three or four behaviours. Each makes a fact true, protects it for some steps, and
 /// makes another one false, which a third may protect. With loops, a step may be repeated until the
-/// behaviour becomes less critical, or until a timeout; it may be interrupted at the best point.
+/// behaviour becomes less critical, or until a timeout, alone or in turn with another one; the
+/// behaviour may be interrupted at the best point.
 fn mission(random: &mut Random, has_loops: bool) -> String {
     let count = 3 + random.below(2);
     let facts = 2 + random.below(2);
@@ -76,12 +77,23 @@ fn mission(random: &mut Random, has_loops: bool) -> String {
             let until =
                 if random.one_in(2) { format!("until = [\"calm{b}\"]\n") } else { String::new() };
             let timeout_s = 1 + random.below(3);
+            // Every other loop passes through a second frame, which may have constraints.
+            let next = if random.one_in(2) { format!("m{b}") } else { format!("l{b}") };
             writeln!(
                 rest,
-                "[frames.l{b}]\nproductions = [\"entry -> {} -> l{b} -> exit\"]\n{until}timeout_s = {timeout_s}",
+                "[frames.l{b}]\nproductions = [\"entry -> {} -> {next} -> exit\"]\n{until}timeout_s = {timeout_s}",
                 graph[step]
             )
             .unwrap();
+            if next == format!("m{b}") {
+                let constraint = ["", "max_speed = 1", "timeout_s = 1.5"][random.below(3) as usize];
+                writeln!(
+                    rest,
+                    "[frames.m{b}]\nproductions = [\"entry -> m{b}s -> l{b} -> exit\"]\n{constraint}"
+                )
+                .unwrap();
+                writeln!(actions, "m{b}s = {{ do = \"hold 0.2 s\" }}").unwrap();
+            }
             graph[step] = format!("l{b}");
         }
         let (first, last) = (&graph[1], &graph[last as usize]);

@@ -1,7 +1,7 @@
 //! Whether the robot has room for the plans: live components, depth, memory.
 
 use super::Lints;
-use super::recursion::reaches;
+use super::recursion::{is_silent, reaches};
 use maps::problem::Problem;
 use plan_format::limits;
 use plan_format::mission::{MissionDraft, Production, Symbol};
@@ -64,12 +64,12 @@ struct Search<'s> {
 }
 
 impl Search<'_> {
-    /// What a frame needs. A frame that contains itself does so as its last component and replaces
-    /// itself there, so the inner one counts as a single component. Levels beyond the robot's limit
-    /// are not counted.
+    /// What a frame needs. A frame that contains itself does so as its last component. Where the
+    /// outer one restarts in its place, it counts as a single component. Levels beyond the robot's
+    /// limit are not counted.
     fn of_frame(&mut self, frame: usize) -> Option<Need> {
         const SINGLE: Need = Need { components: 1, depth: 1, steps: 1 };
-        if self.above.contains(&frame) || self.above.len() > limits::MAX_DEPTH {
+        if self.restarts(frame) || self.above.len() > limits::MAX_DEPTH {
             return Some(SINGLE);
         }
         if let Some(need) = self.known.get(&frame) {
@@ -102,6 +102,17 @@ impl Search<'_> {
             self.known.insert(frame, need);
         }
         Some(need)
+    }
+
+    /// Whether an equal frame above restarts in place of this one, as the robot's own crate decides.
+    fn restarts(&self, frame: usize) -> bool {
+        let Some(head) = self.above.iter().rposition(|&above| above == frame) else {
+            return false;
+        };
+        let (outer, between) = (&self.above[..head], &self.above[head + 1..]);
+        between.iter().all(|&frame| {
+            is_silent(self.draft, &self.draft.frames[frame]) || outer.contains(&frame)
+        })
     }
 
     /// Whether the need of a frame depends on the frames above it.
@@ -150,6 +161,12 @@ impl Lints<'_> {
                 .push(Problem::error(message).help("let fewer frames contain each other"));
             return None;
         };
+        let help = if self.has_passed_frames() {
+            "let fewer frames that a loop passes through have constraints of their own: each of them \
+             stays in the plan"
+        } else {
+            "move some of the innermost components into the frames above"
+        };
         for (behaviour, need) in self.syntax.behaviours.iter().zip(&needs) {
             if need.depth > limits::MAX_DEPTH {
                 let message = format!(
@@ -158,7 +175,6 @@ impl Lints<'_> {
                     need.depth,
                     limits::MAX_DEPTH
                 );
-                let help = "move some of the innermost components into the frames above";
                 self.report.error(message, &behaviour.name.span, "this behaviour", help);
             }
         }

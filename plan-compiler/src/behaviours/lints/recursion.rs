@@ -32,9 +32,8 @@ pub(super) fn leads(draft: &MissionDraft, production: &Production, from: u8, to:
     reached[usize::from(to)]
 }
 
-/// Whether a frame may be left out between a loop's head and its end, as the robot's own crate
-/// decides.
-fn is_silent(draft: &MissionDraft, frame: &PlanFrame) -> bool {
+/// Whether a frame may be left out between two rounds of a loop, as the robot's own crate decides.
+pub(super) fn is_silent(draft: &MissionDraft, frame: &PlanFrame) -> bool {
     let description = &draft.descriptions[usize::from(frame.description)];
     frame.until.is_empty()
         && frame.timeout_ms == 0
@@ -52,17 +51,26 @@ impl Lints<'_> {
         let syntax = self.syntax;
         for (frame, written) in syntax.frames.iter().enumerate() {
             let first = usize::from(self.draft.frames[frame].first);
+            let mut is_told = false;
             for (number, production) in written.productions.iter().enumerate() {
                 let record = self.draft.productions[first + number];
                 for (index, edge) in production.graph.edges.iter().enumerate() {
                     let at = usize::from(record.first_edge) + index;
                     let Symbol::PlanFrame(inner) = self.draft.edges[at].symbol else { continue };
                     let inner = usize::from(inner);
-                    if (inner == frame || reaches(self.draft, inner, frame))
-                        && let Some((message, label, help)) =
-                            self.why_it_grows(frame, &record, index, inner)
-                    {
+                    if inner != frame && !reaches(self.draft, inner, frame) {
+                        continue;
+                    }
+                    if let Some((message, label, help)) = self.why_it_grows(frame, &record, index) {
                         self.report.error(message, &edge.span, &label, help);
+                    } else if !is_told && self.is_passed(frame, inner) {
+                        is_told = true;
+                        let name = written.name.as_str();
+                        let message = format!("`{name}` lasts until the loop through it ends");
+                        let label = "the loop goes on inside it";
+                        let help = "what it demands holds in all later rounds; to demand it of the \
+                            components before only, put these into a frame of their own";
+                        self.report.warning(message, &edge.span, label, help);
                     }
                 }
             }
@@ -74,7 +82,6 @@ impl Lints<'_> {
         frame: usize,
         production: &Production,
         edge: usize,
-        inner: usize,
     ) -> Option<(String, String, &'static str)> {
         let draft = self.draft;
         let name = |index: usize| self.syntax.frames[index].name.as_str();
@@ -96,17 +103,26 @@ impl Lints<'_> {
             let label = format!("{how} protection interval spans it");
             return Some((message, label, "end the interval before it"));
         }
-        // A frame in between stays live as long as its description is not empty. The frame through
-        // which the loop is entered is its head and may have any description.
-        let is_head = |index: usize| self.is_entered_from_outside(index);
-        if inner != frame && !is_head(frame) && !is_silent(draft, &draft.frames[frame]) {
-            let label = format!(
-                "`{}` in between has a goal, an `until`, a timeout or constraints of its own",
-                name(frame)
-            );
-            return Some((message, label, "move them to the frame at which the loop begins"));
-        }
         None
+    }
+
+    /// Whether a loop passes through some frame that has something to check.
+    pub(super) fn has_passed_frames(&self) -> bool {
+        let mut frames = 0..self.draft.frames.len();
+        frames.any(|frame| {
+            let inner = below(self.draft, frame).into_iter().filter_map(|symbol| match symbol {
+                Symbol::PlanFrame(inner) => Some(usize::from(inner)),
+                Symbol::Action(_) => None,
+            });
+            let mut again = inner.filter(|&inner| reaches(self.draft, inner, frame));
+            again.any(|inner| self.is_passed(frame, inner))
+        })
+    }
+
+    /// Whether a loop passes through a frame that has something to check, but does not begin there.
+    fn is_passed(&self, frame: usize, inner: usize) -> bool {
+        let is_silent = is_silent(self.draft, &self.draft.frames[frame]);
+        inner != frame && !is_silent && !self.is_entered_from_outside(frame)
     }
 
     /// Whether a behaviour or a frame outside its loop refers to a frame.

@@ -79,6 +79,50 @@ fn frames_end_by_conditions_and_by_time() {
     assert_eq!(skipped, "0 beep, 3 ");
 }
 
+/// A loop through two frames. The second one fails when it is dark. The loop ends in any round when
+/// the tank is low, and its constraint holds in all later rounds.
+#[test]
+fn a_loop_passes_through_a_frame_with_constraints() {
+    let mission = |transient: &str| {
+        format!(
+            "[inputs]
+             fuel = {{ source = 'fuel', missing = {{ then = 0 }} }}
+             [facts]
+             dark = {{ input = 'fuel', at_most = 0.1 }}
+             [actions]
+             out = {{ do = 'go-to 4, 0' }}
+             back = {{ do = 'go-to 0, 0' }}
+             beep = {{ do = 'hold 0.3 s' }}
+             [frames]
+             work = {{ productions = ['entry -> patrol -> beep -> exit', 'entry -> beep -> exit'] }}
+             [frames.patrol]
+             productions = [{{ graph = 'entry -> out -> careful -> exit', applicable = {{ fuel = 'NB NB NB PB PB PB PB' }} }}]
+             [frames.careful]
+             {transient}
+             productions = ['entry -> back -> patrol -> exit']
+             [behaviours.work]
+             criticality = {{ fuel = 'PS PS PS PS PS PS PS' }}
+             once = true"
+        )
+    };
+    let constrained = mission("transient = ['not dark']");
+    // Low after one round, and after a hundred.
+    for last in [1, 2, 5, 100] {
+        let fuel = |tick| if tick < 8 * last - 1 { 0.9 } else { 0.2 };
+        let rounds = (0..last).map(|round| format!("{} out, {} back, ", 8 * round, 8 * round + 4));
+        let end = 8 * last;
+        let expected = format!("{}{end} beep, {} ", rounds.collect::<String>(), end + 3);
+        assert_eq!(carried_out(&constrained, fuel, end + 9), expected);
+        assert_eq!(carried_out(&mission(""), fuel, end + 9), expected);
+    }
+    // Dark in the third round: the loop fails, whichever of its frames is at work.
+    for (tick, at_work) in [(18, "16 out, 18 beep, 21 "), (22, "16 out, 20 back, 22 beep, 25 ")] {
+        let fuel = |now| if now < tick { 0.9 } else { 0.05 };
+        let log = carried_out(&constrained, fuel, 30);
+        assert_eq!(log, format!("0 out, 4 back, 8 out, 12 back, {at_work}"));
+    }
+}
+
 /// The cargo decides which behaviour is critical, and which production is applicable.
 #[test]
 fn facts_decide_in_rules() {

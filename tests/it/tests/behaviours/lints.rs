@@ -82,13 +82,44 @@ productions = ["entry -> middle -> drive -> exit"]
 productions = ["entry -> (beep | beside) -> exit"]
 [frames.spanned]
 productions = [{ graph = "entry -> drive -> spanned -> exit", protect = ["safe from drive to spanned"] }]
+[behaviours.a]
+plan = "spanned"
+criticality = { fuel = "PM PM PM PM PM PM PM", battery = "NB NB NB NB NB NB NB" }
+"#,
+    );
+    // The loop keeps each frame with constraints in the plan once: `outer`, `inner`, `outer`.
+    in_world(
+        "lint_recursion_with_constraints",
+        r#"
+[facts]
+safe = true
 [frames.outer]
-productions = ["entry -> wait -> inner -> exit"]
+productions = [{ graph = "entry -> wait -> inner -> exit", applicable = { fuel = "NB NB PB PB PB PB PB" } }]
 [frames.inner]
 goal = ["safe"]
 productions = ["entry -> drive -> outer -> exit"]
 [behaviours.a]
 plan = "outer"
+criticality = { fuel = "PM PM PM PM PM PM PM", battery = "NB NB NB NB NB NB NB" }
+"#,
+    );
+    in_world(
+        "lint_recursion_too_deep",
+        r#"
+[frames.one]
+max_speed = 1
+productions = ["entry -> wait -> two -> exit", "entry -> wait -> three -> exit", "entry -> wait -> four -> exit"]
+[frames.two]
+max_speed = 2
+productions = ["entry -> wait -> one -> exit", "entry -> wait -> three -> exit"]
+[frames.three]
+max_speed = 3
+productions = ["entry -> wait -> one -> exit", "entry -> wait -> two -> exit"]
+[frames.four]
+max_speed = 4
+productions = ["entry -> wait -> one -> exit"]
+[behaviours.a]
+plan = "one"
 criticality = { fuel = "PM PM PM PM PM PM PM", battery = "NB NB NB NB NB NB NB" }
 "#,
     );
