@@ -150,6 +150,41 @@ fn facts_decide_in_rules() {
     assert_eq!(log, "0 fetch, 3 look, 5 bring, 8 look, 12 fetch, 15 look, 17 bring");
 }
 
+/// H44: a frame behind a `wait` chooses its production when what it waits for holds, by the fuel
+/// that is there then; a wait that ends without its condition fails.
+#[test]
+fn h44_a_wait_delays_the_choice_until_its_condition_holds() {
+    let mission = |limit_s: f32| {
+        format!(
+            "[inputs]
+             fuel = {{ source = 'fuel', missing = {{ then = 0 }} }}
+             [facts]
+             open = false
+             [actions]
+             knock = {{ do = 'go-to 3, 0', add = ['open'] }}
+             'wait for door' = {{ do = 'wait {limit_s} s', until = ['open'], goal = ['open'] }}
+             far = {{ do = 'wait 0.5 s' }}
+             near = {{ do = 'wait 0.2 s' }}
+             [frames]
+             work = {{ productions = ['entry -> (knock | wait for door -> choose) -> exit'] }}
+             choose = {{ productions = [
+                 {{ graph = 'entry -> far -> exit', applicable = {{ fuel = 'NB NB NB NB PB PB PB' }} }},
+                 {{ graph = 'entry -> near -> exit', applicable = {{ fuel = 'PB PB PB NB NB NB NB' }} }},
+             ] }}
+             [behaviours.work]
+             criticality = {{ fuel = 'PS PS PS PS PS PS PS' }}
+             once = true"
+        )
+    };
+    let waiting = "0 knock & wait for door";
+    for (fuel_then, chosen) in [(0.9, "3 far, 8 "), (0.1, "3 near, 5 ")] {
+        // At first, the other production would be chosen.
+        let fuel = |tick| if tick < 3 { 1.0 - fuel_then } else { fuel_then };
+        assert_eq!(carried_out(&mission(60.0), fuel, 12), format!("{waiting}, {chosen}"));
+    }
+    assert_eq!(carried_out(&mission(0.2), |_| 0.9, 9), format!("{waiting}, 2 "));
+}
+
 /// A survey that was interrupted goes on where it was left.
 #[test]
 fn a_start_up_returns_to_the_place_left() {
