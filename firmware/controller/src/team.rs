@@ -196,6 +196,18 @@ mod tests {
         assert_eq!(at_origin(&[mate(1, false, 0.5)]), 0.0);
         assert_eq!(at_origin(&[mate(2, true, 15.0)]), 1.0, "the tether is to mate 2");
         assert_eq!(at_origin(&[mate(1, true, 15.0)]), 0.0);
+        // The gain is for the mates that repel, not for the tether.
+        let team = TeamPolicy { avoid_gain: 0.5, ..POLICY };
+        let parameters = Parameters { team, ..Parameters::default() };
+        let all: Mates = [mate(1, true, 0.5), mate(2, true, -15.0)].into_iter().collect();
+        assert_eq!(steer(&parameters, &all, Vec2::zeros()).x, -1.5);
+    }
+
+    #[test]
+    fn news_have_an_age_in_seconds() {
+        let mates = [arrived(1_000_000, 1, 1.0)].into_iter().collect();
+        let percepts = Percepts { time_us: 3_500_000, mates, ..Percepts::default() };
+        assert_eq!(Team::default().listen(&POLICY, &percepts)[0].age_s, 2.5);
     }
 
     #[test]

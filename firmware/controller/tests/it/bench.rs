@@ -3,7 +3,7 @@
 use controller::{State, tick};
 use maps::Bitmap;
 use math::{GeoPoint, Vec2, vector};
-use plan_compiler::pack::pack;
+use plan_compiler::pack::{pack, with_goals};
 use plan_compiler::search::{Corners, Query, solve};
 use plan_compiler::terrain::Terrain;
 use plan_format::mission::MissionDraft;
@@ -28,7 +28,7 @@ pub(crate) fn ahead(distance_m: f32) -> RangeReading {
 }
 
 /// The blob of one parallel plan with drawn layers: the northern row first, `#` a blocked cell,
-/// `G` the goal's cell. Cells of 1 m, the south-west corner at (0, 0).
+/// `G` a goal's cell. Cells of 1 m, the south-west corner at (0, 0).
 pub(crate) fn blob(layers: &[&str], parameters: Parameters) -> Vec<u8> {
     blob_at(layers, parameters, Some(ORIGIN))
 }
@@ -50,6 +50,16 @@ pub(crate) fn behaving_blob_at(
     criticality: &str,
     actions: &str,
 ) -> Vec<u8> {
+    let mission = mission_of(criticality, actions);
+    blob_with(&[map], Parameters::default(), Some(origin), mission)
+}
+
+/// As [`behaving_blob`], with other parameters.
+pub(crate) fn behaving_blob_with(map: &str, parameters: Parameters, actions: &str) -> Vec<u8> {
+    blob_with(&[map], parameters, Some(ORIGIN), mission_of("PS", actions))
+}
+
+fn mission_of(criticality: &str, actions: &str) -> MissionDraft {
     let mut mission = String::from("input time; of time\n");
     let mut stages = String::new();
     for (number, action) in actions.split(',').enumerate() {
@@ -61,7 +71,7 @@ pub(crate) fn behaving_blob_at(
          ={stages}
          behaviour work all; when always {criticality}"
     );
-    blob_with(&[map], Parameters::default(), Some(origin), fixtures::mission(&mission))
+    fixtures::mission(&mission)
 }
 
 fn blob_with(
@@ -78,22 +88,27 @@ fn blob_with(
     let grid = Grid { columns, rows, resolution_m: 1.0, corner_m: [0.0, 0.0] };
     let character =
         |drawing: &Vec<&[u8]>, cell: Cell| drawing[cell.row as usize][cell.column as usize];
-    let goal = (0..rows)
+    let goals: Vec<Cell> = (0..rows)
         .flat_map(|row| (0..columns).map(move |column| Cell::new(column, row)))
-        .find(|&cell| character(&drawings[0], cell) == b'G')
-        .expect("a goal is drawn");
+        .filter(|&cell| character(&drawings[0], cell) == b'G')
+        .collect();
     let layer = |(index, drawing): (usize, &Vec<&[u8]>)| {
         let blocked = Bitmap::from_fn(columns, rows, |cell| character(drawing, cell) == b'#');
         let packed = pack(&solve(&Query {
             terrain: &Terrain::new(blocked),
-            goals: &[goal],
+            goals: &goals,
             corners: Corners::Forbid,
         }));
+        let numbered: Vec<_> = (0..).zip(goals.iter().copied()).collect();
+        let packed = match goals.len() {
+            1 => packed,
+            _ => with_goals(packed, &numbered).expect("it fits"),
+        };
         LayerDraft { name: format!("layer {index}"), rank: index as u8, packed }
     };
     let plan = PlanDraft {
         name: "goal".into(),
-        goals_m: vec![grid.centre(goal)],
+        goals_m: goals.iter().map(|&goal| grid.centre(goal)).collect(),
         layers: drawings.iter().enumerate().map(layer).collect(),
     };
     let draft = Draft { grid, origin, parameters, plans: vec![plan], mission };

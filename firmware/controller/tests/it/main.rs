@@ -4,6 +4,7 @@ mod advice_is_advice;
 mod arming;
 mod behaving;
 mod bench;
+mod blending;
 mod doubt;
 mod reasons;
 mod replay;
