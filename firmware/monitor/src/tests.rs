@@ -443,6 +443,27 @@ fn h21_a_lost_producer_is_flagged_before_the_consumer_starts() {
     assert_eq!(doubts(&live, 1), [], "it holds already");
 }
 
+/// H21: what takes a fact away provides it no more than what comes too late.
+#[test]
+fn h21_a_component_that_destroys_a_fact_is_not_its_producer() {
+    let bytes = mission(
+        "action spoil hold 0; deletes f0
+         action use hold 0; needs f0
+         action make hold 0; adds f0
+         frame R
+         = spoil use make",
+    );
+    let mission = Mission::parse(&bytes).expect("it is sound");
+    let mut live = Live::default();
+    let root = component(Symbol::PlanFrame(0), 0, None, Life::Scheduled);
+    live.apply(&mission, &Event::Planned { id: 0, component: root });
+    decompose(&mut live, &mission, 0, 0, 1);
+    let mut all = vec![];
+    live.grid().possible(&mission, 2, 0, &mut |signal| all.push(signal));
+    let doubt = |why| Signal::Possible { id: 2, why, facts: 1 };
+    assert_eq!(all, [doubt(Doubt::Clobberer(1)), doubt(Doubt::NoProducer)]);
+}
+
 /// A random production of up to six actions over three facts.
 fn random_plan() -> impl Strategy<Value = (Vec<Description>, Vec<(u8, u8)>)> {
     let facts = || 0_u64..8;
