@@ -10,7 +10,8 @@
 //! | [`Rule::Swirl`] | it is closed | the open direction next to it |
 //! | [`Rule::Detour`] | it was closed, and there was no progress for a time | along the obstacle, which stays on one side |
 //!
-//! A direction is open if the body can drive its own radius in it. Progress is a way to the goal
+//! A direction is open if the body can drive its own radius in it, and in a detour also the radius of
+//! the vehicle's tightest circle. Progress is a way to the goal
 //! that is shorter than ever before. It ends a detour as soon as the wanted direction is open. A
 //! detour without progress ends after a time; the next one takes the other side and lasts twice as
 //! long, up to eight times the first. If the longest ones to either side did not help, the obstacle
@@ -24,6 +25,7 @@ use math::{Vec2, scalar, vector};
 use plan_format::parameters::Vehicle;
 use serde::{Deserialize, Serialize};
 
+use crate::drive::circle_m;
 use crate::obstacles::{Body, Obstacles};
 
 /// Directions that are tried around the robot.
@@ -129,7 +131,9 @@ impl Detours {
         }
         let vehicle = situation.vehicle;
         let body = Body { radius_m: vehicle.radius_m, aside_m: ASIDE_M };
-        let length_m = vehicle.radius_m;
+        // Until a vehicle that needs a circle has turned along an obstacle, it has come that much closer.
+        let circle_m = if self.under_way.is_some() { circle_m(vehicle) } else { 0.0 };
+        let length_m = vehicle.radius_m + circle_m;
         let openings = situation.near.openings(&body, length_m);
         let is_open = |direction: Vec2| openings.contain(direction);
         let ahead = wanted / length;

@@ -361,7 +361,7 @@ pub struct Derived {
     /// Sphere of the repulsion, metres: the stopping distance at top speed, so that obstacles turn
     /// the robot before they brake it.
     pub avoid_sphere_m: f32,
-    /// How far the advice looks ahead, metres: 1.6 radii. Shorter makes the robot waver between
+    /// How far the advice looks ahead, metres: 2 radii. Shorter makes the robot waver between
     /// eight directions, longer cuts corners.
     pub look_ahead_m: f32,
 }
@@ -379,7 +379,7 @@ impl Derived {
             stop_distance_m,
             avoid_margin_m: stop_distance_m,
             avoid_sphere_m: vehicle.stopping_distance_m(top_mps),
-            look_ahead_m: 1.6 * radius_m,
+            look_ahead_m: 2.0 * radius_m,
         }
     }
 }
