@@ -1,11 +1,11 @@
 //! Finds obstacles that come closer by themselves, from earlier scans.
 //!
 //! A reading shows a moving obstacle if it lies where an earlier scan showed free space: that
-//! scan's reading in the same direction was farther away. What was hidden behind another obstacle
-//! was not shown free, so a post that comes out from behind another one does not count as moving,
-//! and neither does a wall that the robot drives along. The obstacle moved from the nearest place
-//! where the earlier scan showed something; the way from there and the time between the scans give
-//! its velocity.
+//! scan's reading in the same direction was farther away, or it had none in a sector that has
+//! reported before. What was hidden behind another obstacle was not shown free, so a post that comes
+//! out from behind another one does not count as moving, and neither does a wall that the robot drives
+//! along. The obstacle moved from the nearest place where the earlier scan showed something; the way
+//! from there and the time between the scans give its velocity.
 //!
 //! The robot's own motion is taken out: its odometry relates the places of the two scans. What the
 //! odometry does not measure, such as a boat's drift, appears as motion of the obstacles, and the
@@ -33,6 +33,10 @@ const LEAST_AGES_US: [u64; 2] = [400_000, 200_000];
 /// An older scan shows nothing about the present, microseconds.
 const MOST_AGE_US: u64 = 1_000_000;
 
+/// A sector without a reading, which has reported before, shows free space up to this distance,
+/// metres: farther away, a post may lie between two beams.
+const CLEAR_M: f32 = 2.5;
+
 /// Nothing moves faster than this: an obstacle that seems to was not seen before, m/s.
 pub const FASTEST_MPS: f32 = 2.0;
 
@@ -47,6 +51,8 @@ pub struct Closing {
     scans: [Scan; SCANS],
     /// Index of the scan that the next one replaces.
     next: u8,
+    /// Sectors that have ever reported, one bit each: others may have no beam.
+    reported: u16,
 }
 
 /// The readings of one moment, by sector.
@@ -82,6 +88,9 @@ impl Closing {
         if last_us.is_some_and(|last_us| scan_us > last_us && scan_us - last_us < SPACING_US) {
             return;
         }
+        for reading in &percepts.ranges {
+            self.reported |= sector_bit(sector(reading.bearing_rad));
+        }
         if let Some(scan) = self.scans.get_mut(usize::from(self.next)) {
             let of_scan = Scan {
                 time_us: Some(scan_us),
@@ -89,7 +98,7 @@ impl Closing {
                 heading_rad: self.heading_rad,
                 ..Scan::default()
             };
-            *scan = of_scan.with(&percepts.ranges, seen);
+            *scan = of_scan.with(&percepts.ranges, seen, self.reported);
             self.next = (self.next + 1) % SCANS as u8;
         }
     }
@@ -117,8 +126,8 @@ impl Closing {
 }
 
 impl Scan {
-    /// This scan with its readings.
-    fn with(mut self, readings: &[RangeReading], seen: &Points) -> Self {
+    /// This scan with its readings. `reported` are the sectors that have ever had one.
+    fn with(mut self, readings: &[RangeReading], seen: &Points, reported: u16) -> Self {
         let mut nearest = [Vec2::zeros(); MAX_RANGES];
         for (reading, point) in readings.iter().zip(seen) {
             let free_m = free_m(scalar::larger(reading.distance_m, LEAST_DISTANCE_M));
@@ -127,6 +136,12 @@ impl Scan {
             let Some((nearest, free_m2)) = slots else { continue };
             if *nearest == Vec2::zeros() || *free_m2 > free_m * free_m {
                 (*nearest, *free_m2) = (*point, free_m * free_m);
+            }
+        }
+        let sectors = nearest.iter().zip(&mut self.free_m2).enumerate();
+        for (sector, (nearest, free_m2)) in sectors {
+            if *nearest == Vec2::zeros() && reported & sector_bit(sector) != 0 {
+                *free_m2 = CLEAR_M * CLEAR_M;
             }
         }
         let nearest = nearest.iter().filter(|point| **point != Vec2::zeros());
@@ -147,6 +162,12 @@ impl Scan {
     fn free_m2(&self, point: Vec2) -> f32 {
         in_direction(&self.free_m2, point)
     }
+}
+
+/// The bit of a sector.
+fn sector_bit(sector: usize) -> u16 {
+    const { assert!(MAX_RANGES <= u16::BITS as usize, "sets of sectors are u16") };
+    1_u16.checked_shl(sector as u32).unwrap_or(0)
 }
 
 /// An earlier scan and how the robot has moved since.
@@ -188,7 +209,7 @@ impl Compared<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scan::points;
+    use crate::scan::{SECTOR_RAD, points};
 
     /// A post of this radius.
     type Post = ([f32; 2], f32);
@@ -284,6 +305,49 @@ mod tests {
         }
     }
 
+    /// The velocity of an obstacle that stands at `then` for a while and is at `now` 0.4 s later.
+    /// `before` are the readings of a second before.
+    fn velocity(before: &[Vec2], then: Vec2, now: Vec2) -> Vec2 {
+        let mut closing = Closing::default();
+        for tick in 0..=28_u64 {
+            let at = match tick {
+                0..8 => before,
+                8..28 => &[then],
+                _ => &[now],
+            };
+            let reading = |at: &Vec2| RangeReading {
+                bearing_rad: vector::angle(*at),
+                distance_m: vector::length(*at),
+            };
+            let ranges = at.iter().map(reading).collect();
+            let percepts = Percepts { scan_us: Some(tick * 50_000), ranges, ..Percepts::default() };
+            closing.update(&percepts, &points(&percepts.ranges), &STANDING, 0.05);
+        }
+        let [older, _] = closing.compared();
+        older.expect("it has been seen for a while").velocity(now)
+    }
+
+    /// In a direction in which nothing was, although its sector reports, an obstacle has moved.
+    #[test]
+    fn a_sector_without_a_reading_shows_free_space() {
+        let (then, now) = (Vec2::new(1.5, 0.0), Vec2::new(1.4, 0.5));
+        let around: [Vec2; 16] =
+            core::array::from_fn(|sector| vector::from_angle(sector as f32 * SECTOR_RAD) * 4.0);
+        let moved = velocity(&around, then, now);
+        assert!(vector::length(moved - (now - then) / 0.4) < 0.01, "{moved:?}");
+        // A sector that has never reported may have no beam.
+        assert_eq!(velocity(&[], then, now), Vec2::zeros());
+        assert_eq!(velocity(&around[8..9], then, now), Vec2::zeros());
+        assert!(velocity(&around[1..2], then, now) != Vec2::zeros());
+        // Farther away than 2.5 m, a post may lie between two beams.
+        let aside = Vec2::new(0.0, 0.5);
+        let (near, far) = (Vec2::new(2.3, 0.2), Vec2::new(2.5, 0.3));
+        assert!(velocity(&around, near, near + aside) != Vec2::zeros());
+        assert_eq!(velocity(&around, far, far + aside), Vec2::zeros());
+        // Before a reading that is very near, nothing is free.
+        assert_eq!(velocity(&around, Vec2::new(0.05, 0.0), Vec2::new(0.1, 0.0)), Vec2::zeros());
+    }
+
     #[test]
     fn what_leaps_was_not_seen_before() {
         // A post that appears 1.6 m nearer within a tick.
@@ -352,7 +416,7 @@ mod tests {
             let near = RangeReading { bearing_rad: 0.1, distance_m: near_m };
             let far = RangeReading { bearing_rad: -0.1, distance_m: far_m };
             for readings in [[near, far], [far, near]] {
-                let scan = Scan::default().with(&readings, &points(&readings));
+                let scan = Scan::default().with(&readings, &points(&readings), 0);
                 assert!(scan.seen().eq(points(&[near])), "{scan:?}");
                 let free_m = scalar::sqrt(scan.free_m2(Vec2::new(2.0, 0.0)));
                 assert!((free_m - expected_m).abs() < 1e-3, "{near_m} {far_m}: {free_m}");

@@ -66,31 +66,46 @@ mod tests {
     fn distances_and_speeds_follow_from_the_body() {
         // Base and cautious speed, turn rate; stop distance, margin, sphere, look-ahead.
         for (file, speeds, distances) in [
-            ("[vehicle]\nradius = 0.25\nmax_speed = 2\n", [2.0, 0.3, 4.0], [0.02, 0.02, 1.2, 0.5]),
-            ("[vehicle]\nradius = 3\nmax_speed = 2\n", [2.0, 0.3, 1.0 / 3.0], [0.2, 0.2, 1.2, 6.0]),
-            ("[vehicle]\nbraking = 0.5\n", [1.6, 0.3, 2.6666667], [0.02, 0.02, 2.72, 0.6]),
+            ("[vehicle]\nradius = 0.25\nmax_speed = 2\n", [2.0, 0.3, 4.0], [0.02, 0.02, 1.2, 0.4]),
+            ("[vehicle]\nradius = 3\nmax_speed = 2\n", [2.0, 0.3, 1.0 / 3.0], [0.2, 0.2, 1.2, 4.8]),
+            // A vehicle that needs a circle looks farther ahead.
+            (
+                "[vehicle]\nradius = 0.25\nmax_speed = 2\nsteering = 'ackermann'\nmin_turn_radius = 0.5\n",
+                [2.0, 0.3, 4.0],
+                [0.02, 0.02, 1.2, 0.5],
+            ),
+            (
+                "[vehicle]\nradius = 0.25\nmax_speed = 2\nsteering = 'boat'\n",
+                [2.0, 0.3, 4.0],
+                [0.02, 0.02, 1.2, 0.5],
+            ),
+            ("[vehicle]\nbraking = 0.5\n", [1.6, 0.3, 2.6666667], [0.02, 0.02, 2.72, 0.48]),
             (
                 "[vehicle]\nmax_speed = 0.2\nlatency = 1\n",
                 [0.2, 0.2, 0.33333334],
-                [0.02, 0.02, 0.21, 0.6],
+                [0.02, 0.02, 0.21, 0.48],
             ),
             // What is given bounds what follows.
-            ("[vehicle]\nstop_distance = 1\n", [1.6, 0.3, 2.6666667], [1.0, 1.0, 1.0, 0.6]),
-            ("[schemas]\navoid_margin = 0.01\n", [1.6, 0.3, 2.6666667], [0.01, 0.01, 0.8, 0.6]),
-            ("[schemas]\navoid_margin = 0.2\n", [1.6, 0.3, 2.6666667], [0.02, 0.2, 0.8, 0.6]),
+            ("[vehicle]\nstop_distance = 1\n", [1.6, 0.3, 2.6666667], [1.0, 1.0, 1.0, 0.48]),
+            ("[schemas]\navoid_margin = 0.01\n", [1.6, 0.3, 2.6666667], [0.01, 0.01, 0.8, 0.48]),
+            ("[schemas]\navoid_margin = 0.2\n", [1.6, 0.3, 2.6666667], [0.02, 0.2, 0.8, 0.48]),
             (
                 "[vehicle]\nmax_turn_rate = 2\nbase_speed = 0.2\n[schemas]\navoid_sphere = 3\n",
                 [0.2, 0.2, 2.0],
-                [0.02, 0.02, 3.0, 0.6],
+                [0.02, 0.02, 3.0, 0.48],
             ),
             // A body is as wide as obstacles are grown, unless its radius is given.
-            ("robot_radius = 0.6\n", [1.6, 0.3, 1.3333334], [0.04, 0.04, 0.8, 1.2]),
-            ("preset = 'paper'\n[vehicle]\nmax_speed = 1\n", [1.0, 0.3, 1.0], [0.3, 0.5, 5.0, 0.6]),
+            ("robot_radius = 0.6\n", [1.6, 0.3, 1.3333334], [0.04, 0.04, 0.8, 0.96]),
+            (
+                "preset = 'paper'\n[vehicle]\nmax_speed = 1\n",
+                [1.0, 0.3, 1.0],
+                [0.3, 0.5, 5.0, 0.48],
+            ),
             (
                 "[vehicle]\nstop_distance = 0.7\n[gains]\nblend = 'route'\n[schemas]\n\
                  detour_after = 2\n",
                 [1.6, 0.3, 2.6666667],
-                [0.7, 0.7, 0.8, 0.6],
+                [0.7, 0.7, 0.8, 0.48],
             ),
         ] {
             let (mission, problems) = read(file);

@@ -362,7 +362,7 @@ pub const KEYS: &[Key] = &[
         "schemas",
         "look_ahead",
         "m",
-        "follows: 2 `radius`",
+        "follows: 1.6 `radius`, or 2 `radius`",
         "With `blend = \"route\"`, the advice points to the route this far ahead.",
         |m, v| m.parameters.schemas.look_ahead_m = v as f32,
     ),

@@ -361,8 +361,9 @@ pub struct Derived {
     /// Sphere of the repulsion, metres: the stopping distance at top speed, so that obstacles turn
     /// the robot before they brake it.
     pub avoid_sphere_m: f32,
-    /// How far the advice looks ahead, metres: 2 radii. Shorter makes the robot waver between
-    /// eight directions, longer cuts corners.
+    /// How far the advice looks ahead, metres: 1.6 radii; 2 radii for a vehicle that needs a circle
+    /// and so begins its turns earlier. Shorter makes the robot waver between eight directions,
+    /// longer cuts corners.
     pub look_ahead_m: f32,
 }
 
@@ -371,6 +372,7 @@ impl Derived {
     pub fn of(vehicle: &Vehicle) -> Self {
         let (radius_m, top_mps) = (vehicle.radius_m, vehicle.max_speed_mps);
         let stop_distance_m = (radius_m / 15.0).max(0.02);
+        let look_ahead = if vehicle.steering == Steering::Differential { 1.6 } else { 2.0 };
         let turn_rate = if radius_m > 0.0 { top_mps / (2.0 * radius_m) } else { f32::INFINITY };
         Self {
             base_speed_mps: top_mps,
@@ -379,7 +381,7 @@ impl Derived {
             stop_distance_m,
             avoid_margin_m: stop_distance_m,
             avoid_sphere_m: vehicle.stopping_distance_m(top_mps),
-            look_ahead_m: 2.0 * radius_m,
+            look_ahead_m: look_ahead * radius_m,
         }
     }
 }

@@ -317,3 +317,26 @@ fn a_start_up_returns_to_the_place_left() {
          7: drive",
     );
 }
+
+/// A frame chooses in the tick in which an action ends, and already by the facts that this end changes.
+#[test]
+fn a_choice_knows_the_facts_of_the_same_tick() {
+    check(
+        "input fuel
+         input full; of fact loaded
+         fact loaded symbol
+         action load hold 100; adds loaded
+         action bring hold 300
+         action search hold 300
+         frame next
+         = bring; when full NB NB NB NB PB PB PB
+         = search; when full PB PB PB PB NB NB NB
+         frame work
+         = load next
+         behaviour a work; when fuel PS PS PS PS PS PS PS",
+        "fuel=0.5 x4",
+        "1: a engaged, [load next], load
+         2: [bring], bring
+         3: bring",
+    );
+}

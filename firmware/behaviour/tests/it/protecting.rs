@@ -693,3 +693,74 @@ fn a_chain_of_behaviours_that_wait_ends_at_one_that_goes_on() {
          12: sprayer waits: surveyor excludes it, mop & haul",
     );
 }
+
+/// Of two behaviours whose actions would each violate at their ends what the other one protects, one
+/// waits and the other one goes on. Their protection began while these actions were running.
+#[test]
+fn of_two_that_wait_for_each_other_one_goes_on() {
+    check(
+        "input a
+         input b
+         fact one symbol
+         fact two symbol
+         action long hold 200; deletes two
+         action set hold 100; adds one
+         action look hold 600
+         action slow hold 200; deletes one
+         action put hold 100; adds two
+         action see hold 600
+         frame looking
+         = set look; protect one 1 2
+         frame seeing
+         = put see; protect two 1 2
+         frame left
+         = long|looking
+         frame right
+         = slow|seeing
+         behaviour a left; when a NB NM NS ZO PS PM PB; resources 1
+         behaviour b right; when b NB NM NS ZO PS PM PB; resources 2",
+        "a=0.5 b=0.4 x6",
+        "1: a engaged, b engaged, [long|looking], [set look], [slow|seeing], [put see], long & set & slow & put
+         2: long & look & slow & see
+         3: a waits: b excludes it, long & look & see
+         4: lost its protection: one, a waits: b excludes it, looking NothingApplicable, left NothingApplicable, a failed, see
+         5: see",
+    );
+}
+
+/// A sleeping behaviour protects also that a fact does not hold. Of two such facts, it gives up the one
+/// that is violated and keeps the other one.
+#[test]
+fn a_sleeper_protects_what_must_not_hold() {
+    check(
+        "input a
+         input b
+         input c
+         input d
+         fact open symbol
+         fact lit level d 0.5 1
+         action look hold 100
+         action pass hold 100
+         action unlock hold 100; adds open
+         frame guarding
+         = look look look; protect !open !lit 0 3
+         frame passing
+         = pass
+         frame opening
+         = unlock
+         behaviour guard guarding; when a NB NM NS ZO PS PM PB
+         behaviour passer passing; when b NB NM NS ZO PS PM PB
+         behaviour opener opening; when c NB NM NS ZO PS PM PB",
+        "a=0.5 b=0 c=0 d=0 x1
+         b=0.7 x1
+         d=1 x1
+         b=0 c=0.7 d=0 x6",
+        "1: guard engaged, [look look look], look
+         2: guard interrupted by passer, passer engaged, [pass], pass
+         3: passer finished, violates what a sleeper protects: lit, passer engaged, [pass], pass
+         4: passer finished, opener waits: guard excludes it, guard resumed, look
+         5: opener waits: guard is at no point, look
+         6: guard finished, opener engaged, [unlock], unlock
+         7: opener finished, opener engaged, [unlock], unlock",
+    );
+}

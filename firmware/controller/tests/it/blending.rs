@@ -118,7 +118,8 @@ fn the_papers_mixes_do_not_back_out() {
         ##########";
     let walls = |percepts: &mut Percepts| {
         let ray = |number: u8| {
-            let bearing_rad = math::scalar::wrap_angle(f32::from(number) * 0.3927);
+            let bearing_rad =
+                math::scalar::wrap_angle(f32::from(number) * (math::scalar::TAU / 16.0));
             let direction = math::vector::from_angle(bearing_rad);
             let across = 0.35 / direction.y.abs().max(1e-3);
             let along = if direction.x > 0.0 { 0.27 } else { 8.5 } / direction.x.abs().max(1e-3);
