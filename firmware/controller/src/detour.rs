@@ -11,11 +11,11 @@
 //! | [`Rule::Detour`] | it was closed, and there was no progress for a time | along the obstacle, which stays on one side |
 //!
 //! A direction is open if the body can drive its own radius in it, and in a detour also the radius of
-//! the vehicle's tightest circle. Progress is a way to the goal
-//! that is shorter than ever before. It ends a detour as soon as the wanted direction is open. A
-//! detour without progress ends after a time; the next one takes the other side and lasts twice as
-//! long, up to eight times the first. If the longest ones to either side did not help, the obstacle
-//! closes the way, as far as the robot can tell.
+//! the vehicle's tightest circle. Progress is a way to the goal that is shorter than ever before. It
+//! ends a detour as soon as the wanted direction is open. A detour without progress ends after a time;
+//! the next one takes the other side and lasts twice as long, up to eight times the first. If the
+//! longest ones to either side did not help, the obstacle closes the way, as far as the robot can
+//! tell.
 //!
 //! Sources: MissionLab's swirl schema; Lumelsky and Stepanov 1987, "Path-planning strategies for a
 //! point mobile automaton", and Kamon and Rivlin 1997, DistBug, for the rules of leaving.

@@ -320,11 +320,11 @@ impl Forest {
     /// what a frame in between checks. Returns the slot of the frame to decompose.
     fn restart(&mut self, mission: &Mission<'_>, id: Id, tell: &mut Tell<'_>) -> Id {
         let Some(head) = self.loop_head(mission, id) else { return id };
-        let replaced = if self.may_replace(mission, head, id) { head } else { id };
-        if let Some(growth) = self.growth_mut(replaced) {
+        let next = if self.may_replace(mission, head, id) { head } else { id };
+        if let Some(growth) = self.growth_mut(next) {
             growth.has_restarted = true;
         }
-        if replaced == head {
+        if next == head {
             self.abandon_below(head, tell);
             if let Some(growth) = self.growth_mut(head) {
                 growth.tried = 0;
@@ -332,7 +332,7 @@ impl Forest {
             self.change(Event::Restarted { id: head }, tell);
             self.set_life(head, Life::Scheduled, tell);
         }
-        replaced
+        next
     }
 
     /// The nearest frame above with the same symbol, if no frame on the path to it waits for
