@@ -240,9 +240,10 @@ impl Obstacles {
             let own = point.velocity * time_s;
             let is_free = |run: Vec2| {
                 // The robot drives away from it.
-                let is_behind = point.seen.x <= 0.0 && point.seen.x + run.x <= 0.0;
+                let is_behind =
+                    arc.leaves_behind(point.seen) && arc.leaves_behind(point.seen + run);
                 let step = run / count;
-                is_behind && arc.turned_rad < 0.5 * scalar::PI
+                is_behind
                     || (1..=count as u32)
                         .all(|place| arc.is_clear_of_place(body, point.seen + step * place as f32))
             };
@@ -274,12 +275,21 @@ impl Arc {
         Self { length_m, turned_rad, is_to_the_right: curvature_per_m < 0.0, arc_m, end }
     }
 
+    /// Whether the way leads away from a point from the start on: the point is not ahead, and, on the
+    /// inside, nearer than the arc's centre. Towards one that is farther aside, the arc turns.
+    fn leaves_behind(&self, point: Vec2) -> bool {
+        let to_the_inside_m = if self.is_to_the_right { -point.y } else { point.y };
+        let is_straight = self.arc_m == 0.0;
+        point.x <= 0.0
+            && self.turned_rad < 0.5 * scalar::PI
+            && (is_straight || to_the_inside_m <= self.arc_m)
+    }
+
     /// Whether the body touches nothing at `point`, which is `distance_m` away now.
     fn is_clear_of(&self, body: &Body, point: Vec2, distance_m: f32) -> bool {
-        let &Self { length_m, turned_rad, .. } = self;
-        let nearest_m = length_m + body.radius_m + body.aside_m;
+        let nearest_m = self.length_m + body.radius_m + body.aside_m;
         // No point of the way is farther from here than its length.
-        if distance_m >= nearest_m || point.x <= 0.0 && turned_rad < 0.5 * scalar::PI {
+        if distance_m >= nearest_m || self.leaves_behind(point) {
             return true;
         }
         self.is_clear_by(body.reach_m(distance_m), point)
@@ -290,8 +300,7 @@ impl Arc {
         let wide_m = body.radius_m + body.aside_m;
         let nearest_m = self.length_m + wide_m;
         let distance_m2 = point.norm_squared();
-        let is_behind = point.x <= 0.0 && self.turned_rad < 0.5 * scalar::PI;
-        if distance_m2 >= nearest_m * nearest_m || is_behind {
+        if distance_m2 >= nearest_m * nearest_m || self.leaves_behind(point) {
             return true;
         }
         let is_far = KEPT * KEPT * distance_m2 >= wide_m * wide_m;
@@ -379,6 +388,11 @@ mod tests {
             &body(0.3),
             &Arc::new(0.0, 1e3)
         ));
+        // A tight arc turns towards what is abreast, farther aside than the arc's centre.
+        let abreast = at(&[(0.0, -0.6133)]);
+        assert!(!abreast.leave_free(Kind::Seen, &body(0.594), &Arc::new(0.5226, -2.829)));
+        assert!(abreast.leave_free(Kind::Seen, &body(0.594), &Arc::new(0.5226, 2.829)));
+        assert!(abreast.leave_free(Kind::Seen, &body(0.594), &Arc::new(0.5226, -1.5)));
         // A circle meets what lies behind.
         assert!(!at(&[(0.0, 2.0)]).leave_free(Kind::Seen, &body(0.3), &Arc::new(6.3, 1.0)));
     }

@@ -149,7 +149,7 @@ fn is_bounded(commands: &Commands, parameters: &Parameters) -> bool {
         && commands.turn_rate_radps.abs() <= vehicle.max_turn_rate_radps
         && (!turns_on_circles
             || commands.turn_rate_radps.abs() * vehicle.min_turn_radius_m
-                <= commands.speed_mps.abs() * 1.0001)
+                <= commands.speed_mps.abs() * 1.0001 + f32::MIN_POSITIVE)
 }
 
 proptest! {
