@@ -131,7 +131,7 @@ impl Detours {
         }
         let vehicle = situation.vehicle;
         let body = Body { radius_m: vehicle.radius_m, aside_m: ASIDE_M };
-        // Until a vehicle that needs a circle has turned along an obstacle, it has come that much closer.
+        // A vehicle that needs a circle comes this much closer to an obstacle while it turns along it.
         let circle_m = if self.under_way.is_some() { circle_m(vehicle) } else { 0.0 };
         let length_m = vehicle.radius_m + circle_m;
         let openings = situation.near.openings(&body, length_m);

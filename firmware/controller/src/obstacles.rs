@@ -275,8 +275,8 @@ impl Arc {
         Self { length_m, turned_rad, is_to_the_right: curvature_per_m < 0.0, arc_m, end }
     }
 
-    /// Whether the way leads away from a point from the start on: the point is not ahead, and, on the
-    /// inside, nearer than the arc's centre. Towards one that is farther aside, the arc turns.
+    /// Whether the way leads away from a point all along. The point is not ahead. On the inside of an
+    /// arc, it is also not farther aside than the arc's centre: towards what is, the arc turns.
     fn leaves_behind(&self, point: Vec2) -> bool {
         let to_the_inside_m = if self.is_to_the_right { -point.y } else { point.y };
         let is_straight = self.arc_m == 0.0;

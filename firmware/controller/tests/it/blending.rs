@@ -55,8 +55,8 @@ fn the_papers_mixes_are_not_led_along_the_edge() {
     let map = open_field(20, 20, (19, 10));
     for (blend, is_led) in [(Blend::Paper, false), (Blend::Route, true)] {
         // Straight ahead to the east, 0.1 m beside the southern edge.
-        let north = behaving_blob_with(&map, blended(blend), "ahead 0 8000");
-        let told = once(&north, (10.0, 0.1), 0.0, |_| {});
+        let east = behaving_blob_with(&map, blended(blend), "ahead 0 8000");
+        let told = once(&east, (10.0, 0.1), 0.0, |_| {});
         assert_eq!(told.commands.reason, Reason::Driving);
         let turn_radps = told.commands.turn_rate_radps;
         assert_eq!(turn_radps > 0.1, is_led, "{blend:?}: {turn_radps}");
@@ -64,8 +64,8 @@ fn the_papers_mixes_are_not_led_along_the_edge() {
     }
     // Just off the map both are.
     for blend in [Blend::Paper, Blend::Route] {
-        let north = behaving_blob_with(&map, blended(blend), "ahead 0 8000");
-        let told = once(&north, (10.0, -0.1), 0.0, |_| {});
+        let east = behaving_blob_with(&map, blended(blend), "ahead 0 8000");
+        let told = once(&east, (10.0, -0.1), 0.0, |_| {});
         assert!(told.commands.turn_rate_radps > 0.1, "{blend:?}: {:?}", told.commands);
     }
 }
