@@ -3,7 +3,9 @@
 //! Three signs raise doubt:
 //! - the course over ground differs by more than [`WRONG_RAD`], while the robot drives fast enough
 //!   and hardly turns. Not on a boat: it drifts, so its course is not its heading;
-//! - the robot turns and the compass does not: it is frozen, or pulled by a magnet on the robot;
+//! - the robot turns and the compass does not: it is frozen, or pulled by a magnet on the robot. One
+//!   that repeats itself to the last bit shows that sooner;
+//! - the robot turns, as it was commanded, and the compass turns the other way: it is late;
 //! - the reading leaps from tick to tick.
 //!
 //! Once the doubt has lasted [`DOUBT_S`], the compass is wrong: course and turn rate give the
@@ -35,6 +37,12 @@ const TURNING_RADPS: f32 = 0.1;
 const TURNED_RAD: f32 = 1.0;
 /// A compass that has moved less than this in that turn is frozen, radians.
 const FROZEN_RAD: f32 = 0.2;
+/// A compass that repeats itself to the last bit in a turn of this angle is frozen, radians.
+const REPEATED_RAD: f32 = 0.25;
+/// A compass that has moved this far against that turn is late, radians.
+const BACK_RAD: f32 = 0.3;
+/// Doubt for that, seconds: two turns show it.
+const DOUBT_PER_BACK_S: f32 = 1.5;
 
 /// After this time without a reading the next one does not count as a leap, seconds.
 const LONGEST_SILENCE_S: f32 = 0.5;
@@ -51,6 +59,8 @@ pub(crate) struct Evidence {
     /// The turn rate is measured. Only then does it prove that the robot turns: one that is stuck
     /// does not do what it is commanded.
     pub(crate) is_turn_measured: bool,
+    /// Turn rate of a robot that does what it is commanded, rad/s.
+    pub(crate) modelled_radps: f32,
     /// Time since the last tick, seconds.
     pub(crate) elapsed_s: f32,
 }
@@ -66,8 +76,12 @@ pub(crate) struct Compass {
     has_agreed: bool,
     /// The reading where the comparison with the turn rate began.
     start_rad: Option<f32>,
-    /// Angle that the robot has turned since then.
+    /// Angle that the robot has turned since then, and what it was commanded to turn.
     turned_rad: f32,
+    modelled_rad: f32,
+    /// The last reading, and the angle that the robot has turned while it was repeated.
+    last_rad: f32,
+    repeated_rad: f32,
     /// The reading after a leap, and for how long it has stayed there, seconds.
     leapt: Option<(f32, f32)>,
     /// Time without a reading, seconds.
@@ -113,17 +127,31 @@ impl Compass {
             self.start_rad = Some(reading_rad);
             return;
         };
+        if core::mem::replace(&mut self.last_rad, reading_rad) != reading_rad {
+            self.repeated_rad = 0.0;
+        }
         if evidence.is_turn_measured && evidence.turn_rate_radps.abs() > TURNING_RADPS {
-            self.turned_rad += evidence.turn_rate_radps * evidence.elapsed_s;
+            let turned_rad = evidence.turn_rate_radps * evidence.elapsed_s;
+            self.turned_rad += turned_rad;
+            self.repeated_rad += turned_rad;
+            self.modelled_rad += evidence.modelled_radps * evidence.elapsed_s;
+        }
+        if self.repeated_rad.abs() > REPEATED_RAD {
+            self.doubt(DOUBT_S);
         }
         if self.turned_rad.abs() > TURNED_RAD {
-            let is_frozen = wrap_angle(reading_rad - start_rad).abs() < FROZEN_RAD;
-            if is_frozen {
+            let moved_rad = wrap_angle(reading_rad - start_rad);
+            let turns_back =
+                |rad: f32| rad * moved_rad < 0.0 && rad.abs().min(moved_rad.abs()) > BACK_RAD;
+            if moved_rad.abs() < FROZEN_RAD {
                 self.doubt(DOUBT_S);
+            } else if turns_back(self.turned_rad) && turns_back(self.modelled_rad) {
+                self.doubt(DOUBT_PER_BACK_S);
             } else if self.is_wrong && self.has_agreed {
                 self.restart();
             }
-            (self.start_rad, self.turned_rad, self.has_agreed) = (Some(reading_rad), 0.0, true);
+            (self.turned_rad, self.modelled_rad) = (0.0, 0.0);
+            (self.start_rad, self.has_agreed) = (Some(reading_rad), true);
         }
     }
 
@@ -173,5 +201,63 @@ impl Compass {
         }
         self.leapt = None;
         Some(reading_rad)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TICK_S: f32 = 0.05;
+
+    /// Judges these readings while the robot turns; returns the number of the tick that finds the
+    /// compass wrong. The function gives the reading, radians, and the measured and the modelled
+    /// turn rate, rad/s, at a time, seconds.
+    fn found(ticks: u16, at: impl Fn(f32) -> (f32, f32, f32)) -> Option<u16> {
+        let mut compass = Compass::default();
+        (0..ticks).find(|tick| {
+            let (reading_rad, turn_rate_radps, modelled_radps) = at(f32::from(*tick) * TICK_S);
+            let evidence = Evidence {
+                expected_rad: None,
+                course: None,
+                turn_rate_radps,
+                is_turn_measured: true,
+                modelled_radps,
+                elapsed_s: TICK_S,
+            };
+            compass.judge(wrap_angle(reading_rad), &evidence);
+            compass.is_wrong()
+        })
+    }
+
+    /// At 1 rad/s, a quarter of a radian takes five ticks. A compass in steps of a tenth repeats
+    /// itself for two.
+    #[test]
+    fn a_compass_that_repeats_itself_to_the_last_bit_in_a_turn_is_frozen() {
+        assert_eq!(found(40, |_| (0.3, 1.0, 1.0)), Some(6));
+        assert_eq!(found(40, |_| (0.3, -1.0, -1.0)), Some(6));
+        let coarse = |time_s: f32| (((10.0 * time_s) as u8 as f32) / 10.0, 1.0, 1.0);
+        assert_eq!(found(200, coarse), None);
+        assert_eq!(found(200, |_| (0.3, 0.05, 0.05)), None, "the bias of a gyroscope");
+    }
+
+    /// The robot turns to the left for a second and to the right for another, at 1.5 rad/s.
+    #[test]
+    fn a_compass_that_turns_against_the_robot_is_late() {
+        let turn = |time_s: f32| if (time_s as u8).is_multiple_of(2) { 1.5 } else { -1.5 };
+        let heading = |time_s: f32| {
+            let part_s = time_s - time_s as u8 as f32;
+            if (time_s as u8).is_multiple_of(2) { 1.5 * part_s } else { 1.5 * (1.0 - part_s) }
+        };
+        let late = |time_s: f32| (heading(time_s + 1.0), turn(time_s), turn(time_s));
+        assert!(found(60, late).is_some());
+        let sound = |time_s: f32| (heading(time_s), turn(time_s), turn(time_s));
+        assert_eq!(found(200, sound), None);
+        // The compass and the commands agree: the gyroscope is late.
+        let gyroscope = |time_s: f32| (heading(time_s), turn(time_s + 1.0), turn(time_s));
+        assert_eq!(found(200, gyroscope), None);
+        // A tenth of the turn, to the other side, is noise.
+        let slight = |time_s: f32| (-0.1 * heading(time_s), turn(time_s), turn(time_s));
+        assert_eq!(found(12, slight), None);
     }
 }

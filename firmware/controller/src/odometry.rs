@@ -183,6 +183,11 @@ impl Odometry {
         self.reference = Some((speed_mps, 0.0));
     }
 
+    /// Turn rate of a robot that does what it is commanded, rad/s.
+    pub(crate) const fn modelled_turn_radps(&self) -> f32 {
+        self.turn.model
+    }
+
     /// Whether the turn rate is measured, and nothing shows that it is wrong.
     pub(crate) fn is_turn_sound(&self) -> bool {
         self.turn.believed.is_some() && self.turn.leapt.is_none() && !self.turn.is_wrong

@@ -12,8 +12,9 @@
 //!   stands sees the same thing, and so does one that drives along a smooth wall without noise. If
 //!   all scans before differed, a short way shows it. A new order to arm begins a new way.
 //! - it has leapt: between two scans, most readings have grown by more than the robot moved, or most
-//!   have shrunk. Obstacles do not do that together, so the zero of the range finder has moved. It
-//!   is trusted again once it leaps back, or once the robot is disarmed.
+//!   have shrunk, or many have changed by the same and few are as before. Obstacles do not do that
+//!   together, so the zero of the range finder has moved. It is trusted again once it leaps back, or
+//!   once the robot is disarmed.
 //! - it is late: after a silence it shows what the robot saw before, see [`crate::late`]. It is
 //!   trusted again once the robot is disarmed.
 //!
@@ -71,7 +72,7 @@ const FROZEN_M: f32 = 2.0;
 /// Scans that stay the same while the robot turns this far are frozen, radians.
 const FROZEN_RAD: f32 = 0.5;
 /// Scans that differed before one of them is repeated: the range finder has noise.
-const NOISY_COUNT: u8 = 20;
+const NOISY_COUNT: u8 = 10;
 /// The share of both limits that is enough for a range finder with noise.
 const NOISY_SHARE: f32 = 0.1;
 /// A robot that moves and turns less than this stands, metres and radians.
@@ -83,6 +84,12 @@ const REPEATED_COUNT: u8 = 3;
 /// A leap counts if this many readings leap in one direction, if they are half of all, and if
 /// none stays as it is.
 const LEAP_COUNT: u8 = 4;
+/// It also counts if this many leap alike, if they are a third of all, and if a third of them at
+/// most stay as they are.
+const LEAP_SHARE: u8 = 3;
+const LEAP_MAJORITY: u8 = 3;
+/// Leaps are alike if they differ by less than this, metres: noise, and what the robot has moved.
+const LEAP_ALIKE_M: f32 = 0.12;
 /// A reading leaps if it changes by more than this, metres.
 const LEAP_M: f32 = 0.25;
 /// It may change by this much more for each metre that the robot has moved.
@@ -154,6 +161,8 @@ struct Differences {
     /// Readings that show no difference.
     same: u8,
     is_repeated: bool,
+    /// The leap that enough readings have in common, metres; 0 if there is none.
+    common_m: f32,
 }
 
 impl RangeTrack {
@@ -168,6 +177,10 @@ impl RangeTrack {
     ) -> RangeTrust {
         self.since_m += moved_m.abs();
         self.since_rad += turned_rad;
+        if percepts.time_us == self.now_us {
+            // While the clock stands, nothing tells how the robot moves.
+            self.by_sector_m = Default::default();
+        }
         if !percepts.operator.is_armed {
             // A new order to arm is a new attempt.
             (self.leapt_m, self.is_late, self.doubt, self.is_doubted) = (0.0, false, 0, false);
@@ -287,12 +300,19 @@ impl RangeTrack {
                 differences.add(by_m, most_m);
             }
         }
+        if differences.may_be_alike() {
+            let changes_m = changes_m(&last_m, &self.by_sector_m);
+            differences.common_m = differences.common_m(&changes_m, most_m);
+        }
         differences
     }
 
     fn watch_repetitions(&mut self, differences: &Differences) {
-        self.unchanged_m += self.since_m;
-        self.unchanged_rad += self.since_rad;
+        // A robot that stands for it seems to turn to and fro, by the noise of its gyroscope.
+        if !self.is_frozen() {
+            self.unchanged_m += self.since_m;
+            self.unchanged_rad += self.since_rad;
+        }
         if differences.is_repeated && differences.count > 0 {
             self.repeated = self.repeated.saturating_add(1);
             return;
@@ -301,6 +321,16 @@ impl RangeTrack {
         self.varied = if self.repeated > 0 { 0 } else { self.varied.saturating_add(1) };
         self.repeated = 0;
     }
+}
+
+/// By how much the distance of each sector has changed, metres.
+#[inline(never)]
+fn changes_m(
+    before_m: &[f32; MAX_RANGES],
+    now_m: &[f32; MAX_RANGES],
+) -> heapless::Vec<f32, MAX_RANGES> {
+    let both = before_m.iter().zip(now_m).filter(|(before, now)| **before > 0.0 && **now > 0.0);
+    both.map(|(before_m, now_m)| now_m - before_m).collect()
 }
 
 impl Differences {
@@ -318,7 +348,26 @@ impl Differences {
         }
     }
 
-    /// By how much most readings have leapt in one direction, metres; 0 if they have not.
+    /// Whether so few readings stay as they are that others may have leapt alike.
+    const fn may_be_alike(&self) -> bool {
+        let changed = if self.grown > self.shrunk { self.grown } else { self.shrunk };
+        changed >= LEAP_COUNT && changed >= LEAP_MAJORITY * self.same
+    }
+
+    /// The leap of more than `most_m` that enough of these changes have in common, metres.
+    fn common_m(&self, changes_m: &[f32], most_m: f32) -> f32 {
+        let alike = |middle_m: f32| {
+            let is_alike = |change_m: &&f32| (**change_m - middle_m).abs() < LEAP_ALIKE_M;
+            changes_m.iter().filter(is_alike).count() as u8
+        };
+        let leaps_m = changes_m.iter().filter(|change_m| change_m.abs() > most_m);
+        let common = leaps_m.map(|change_m| (alike(*change_m), *change_m));
+        let (count, common_m) = common.max_by_key(|(count, _)| *count).unwrap_or_default();
+        let is_enough = count >= LEAP_COUNT && LEAP_SHARE * count >= self.count;
+        if is_enough && count >= LEAP_MAJORITY * self.same { common_m } else { 0.0 }
+    }
+
+    /// By how much the readings have leapt in one direction, metres; 0 if they have not.
     fn leap_m(&self) -> f32 {
         let are_most = |count: u8| count >= LEAP_COUNT && 2 * count >= self.count && self.same == 0;
         if are_most(self.grown) {
@@ -326,7 +375,7 @@ impl Differences {
         } else if are_most(self.shrunk) {
             self.shrunk_m / f32::from(self.shrunk)
         } else {
-            0.0
+            self.common_m
         }
     }
 }
@@ -480,6 +529,88 @@ mod tests {
         }
         let once = noisy.hear(4.01, 50_000, (0.25, 0.0));
         assert_eq!(once, RangeTrust::Fresh { age_us: 50_000 });
+    }
+
+    /// Ten different scans show that a range finder has noise: then a few decimetres are enough.
+    #[test]
+    fn a_range_finder_shows_its_noise_within_ten_scans() {
+        for (scans, expected) in [(9, FRESH), (10, RangeTrust::Faulty)] {
+            let mut rover = Rover::new();
+            for step in 0..scans {
+                let noise_m = if step % 2 == 0 { 0.01 } else { 0.02 };
+                assert_eq!(rover.hear(4.0 + noise_m, 50_000, (0.05, 0.0)), FRESH, "{step}");
+            }
+            let last_m = 4.0 + if scans % 2 == 0 { 0.02 } else { 0.01 };
+            let repeated = (0..5).map(|_| rover.hear(last_m, 50_000, (0.05, 0.0))).last();
+            assert_eq!(repeated, Some(expected), "{scans}");
+        }
+    }
+
+    /// A robot that stands for frozen scans stays standing, however its gyroscope wavers.
+    #[test]
+    fn what_a_standing_robot_seems_to_turn_does_not_make_up_for_frozen_scans() {
+        let mut rover = Rover::new();
+        let turned = (0..12).map(|_| rover.hear(4.0, 50_000, (0.0, 0.049))).last();
+        assert_eq!(turned, Some(RangeTrust::Faulty));
+        for step in 0..40 {
+            let wavering = rover.hear(4.0, 50_000, (0.0, -0.02));
+            assert_eq!(wavering, RangeTrust::Faulty, "{step}");
+        }
+        assert_eq!(rover.hear(4.1, 50_000, (0.0, 0.0)), FRESH, "it goes on");
+    }
+
+    /// Judges two scans; each pair is a distance before and after, metres. The robot turns meanwhile
+    /// by what the clock says, which may stand.
+    fn after_change(changes: &[(f32, f32)], elapsed_us: u64, ticks: u64) -> RangeTrust {
+        let policy = Parameters::default().ranges;
+        let mut track = RangeTrack::default();
+        let mut judge = |time_us, scan: &dyn Fn(&(f32, f32)) -> f32| {
+            let readings = changes.iter().enumerate().map(|(sector, change)| RangeReading {
+                bearing_rad: math::scalar::wrap_angle(sector as f32 * crate::scan::SECTOR_RAD),
+                distance_m: scan(change),
+            });
+            let percepts = Percepts {
+                time_us,
+                scan_us: Some(time_us),
+                ranges: readings.collect(),
+                operator: Operator { is_armed: true, ..Operator::default() },
+                ..Percepts::default()
+            };
+            track.judge(&percepts, &policy, 0.0, 0.0)
+        };
+        for _ in 0..ticks {
+            judge(1_000_000, &|change| change.0);
+        }
+        judge(1_000_000 + elapsed_us, &|change| change.1)
+    }
+
+    /// In clutter, sectors change by chance. Offset readings change by the same, and few stay as they
+    /// are. A robot that drives away from walls sees all of them grow, by a little.
+    #[test]
+    fn readings_that_leap_alike_show_an_offset_among_others_that_change_by_chance() {
+        let judge = |changes: &[f32]| {
+            let changes: Vec<_> = changes.iter().map(|by_m| (6.0, 6.0 + by_m)).collect();
+            after_change(&changes, 50_000, 1)
+        };
+        let chance = [-0.6, -1.9, -4.8, -1.2, 0.2, 0.2];
+        let of = |leaps: &[f32]| judge(&[leaps, &chance].concat());
+        assert_eq!(of(&[0.45, 0.44, 0.5, 0.53]), RangeTrust::Faulty);
+        let shrunk = [-0.45, -0.44, -0.5, -0.53, 0.6, 1.9, 4.8, 1.2, -0.2, -0.2];
+        assert_eq!(judge(&shrunk), RangeTrust::Faulty);
+        assert_eq!(of(&[0.45, 0.44, 0.5, 0.53, 0.05]), RangeTrust::Faulty, "one stays");
+        assert_eq!(of(&[0.45, 0.44, 0.5, 0.53, 0.05, 0.01]), FRESH, "two stay");
+        assert_eq!(of(&[0.45, 0.44, 0.5]), FRESH, "three are too few");
+        assert_eq!(of(&[0.45, 0.44, 0.9, 0.7]), FRESH, "they differ");
+        assert_eq!(of(&[0.45, 0.44, 0.5, 0.53, 0.2, 0.2, 0.2, 0.2]), FRESH, "few of many");
+        assert_eq!(judge(&[0.28, 0.16, 0.3, 0.27]), FRESH, "glancing walls");
+    }
+
+    /// While the clock stands, a robot may turn by any angle: this is not a leap.
+    #[test]
+    fn what_changes_while_the_clock_stands_is_no_leap() {
+        let changes = [(6.0, 6.5); 6];
+        assert_eq!(after_change(&changes, 50_000, 1), RangeTrust::Faulty);
+        assert_eq!(after_change(&changes, 50_000, 2), FRESH);
     }
 
     /// The readings are those of the last sound scan, which is too old after half a second.

@@ -428,6 +428,7 @@ fn find_heading(
             .map(|course_rad| (course_rad, since_us as u32 as f32 * 1e-6)),
         turn_rate_radps: twist.turn_rate_radps,
         is_turn_measured: twist.is_turn_measured,
+        modelled_radps: track.odometry.modelled_turn_radps(),
         elapsed_s: twist.elapsed_s,
     };
     if let Some(compass_rad) = track.compass.judge(reading_rad, &evidence) {
