@@ -3,9 +3,9 @@
 //! Three signs raise doubt:
 //! - the course over ground differs by more than [`WRONG_RAD`], while the robot drives fast enough
 //!   and hardly turns. Not on a boat: it drifts, so its course is not its heading;
-//! - the robot turns and the compass does not: it is frozen, or pulled by a magnet on the robot. One
-//!   that repeats itself to the last bit shows that sooner;
-//! - the robot turns, as it was commanded, and the compass turns the other way: it is late;
+//! - the robot turns as commanded and the compass does not: it is frozen, or pulled by a magnet on the
+//!   robot. One that repeats itself to the last bit shows that sooner;
+//! - the robot turns as commanded and the compass turns the other way: it is late;
 //! - the reading leaps from tick to tick.
 //!
 //! Once the doubt has lasted [`DOUBT_S`], the compass is wrong: course and turn rate give the
@@ -76,9 +76,8 @@ pub(crate) struct Compass {
     has_agreed: bool,
     /// The reading where the comparison with the turn rate began.
     start_rad: Option<f32>,
-    /// Angle that the robot has turned since then, and what it was commanded to turn.
+    /// Angle that the robot has turned since then.
     turned_rad: f32,
-    modelled_rad: f32,
     /// The last reading, and the angle that the robot has turned while it was repeated.
     last_rad: f32,
     repeated_rad: f32,
@@ -130,28 +129,28 @@ impl Compass {
         if core::mem::replace(&mut self.last_rad, reading_rad) != reading_rad {
             self.repeated_rad = 0.0;
         }
-        if evidence.is_turn_measured && evidence.turn_rate_radps.abs() > TURNING_RADPS {
-            let turned_rad = evidence.turn_rate_radps * evidence.elapsed_s;
-            self.turned_rad += turned_rad;
-            self.repeated_rad += turned_rad;
-            self.modelled_rad += evidence.modelled_radps * evidence.elapsed_s;
+        let (measured_radps, modelled_radps) = (evidence.turn_rate_radps, evidence.modelled_radps);
+        // A gyroscope that contradicts the commands may be wrong itself: what both say counts.
+        let rate_radps = measured_radps.abs().min(modelled_radps.abs()).copysign(measured_radps);
+        let is_commanded = measured_radps * modelled_radps > 0.0;
+        if evidence.is_turn_measured && is_commanded && rate_radps.abs() > TURNING_RADPS {
+            self.turned_rad += rate_radps * evidence.elapsed_s;
+            self.repeated_rad += rate_radps * evidence.elapsed_s;
         }
         if self.repeated_rad.abs() > REPEATED_RAD {
             self.doubt(DOUBT_S);
         }
         if self.turned_rad.abs() > TURNED_RAD {
             let moved_rad = wrap_angle(reading_rad - start_rad);
-            let turns_back =
-                |rad: f32| rad * moved_rad < 0.0 && rad.abs().min(moved_rad.abs()) > BACK_RAD;
+            let turns_back = self.turned_rad * moved_rad < 0.0 && moved_rad.abs() > BACK_RAD;
             if moved_rad.abs() < FROZEN_RAD {
                 self.doubt(DOUBT_S);
-            } else if turns_back(self.turned_rad) && turns_back(self.modelled_rad) {
+            } else if turns_back {
                 self.doubt(DOUBT_PER_BACK_S);
             } else if self.is_wrong && self.has_agreed {
                 self.restart();
             }
-            (self.turned_rad, self.modelled_rad) = (0.0, 0.0);
-            (self.start_rad, self.has_agreed) = (Some(reading_rad), true);
+            (self.start_rad, self.turned_rad, self.has_agreed) = (Some(reading_rad), 0.0, true);
         }
     }
 

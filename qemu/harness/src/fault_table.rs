@@ -8,10 +8,11 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use robot_io::Reason;
+use plan_compiler::trace::Trace;
+use robot_io::{CommandRecord, Reason, SensorRecord};
 use sim::{
-    Channel, Conditions, Ending, Fault, HostPilot, PlannedFault, Point, Random, Scenario,
-    SensorSettings, Start, Stream, TICK_US,
+    Channel, Conditions, Ending, Fault, HostPilot, Outcome, Pilot, PilotError, PlannedFault, Point,
+    Random, Recorder, Scenario, SensorSettings, Start, Stream, TICK_US,
 };
 
 use crate::mission::{self, Changes};
@@ -23,14 +24,16 @@ const UNKNOWN_S: f64 = 120.0;
 const STILL: f32 = 0.01;
 /// A robot that is commanded to stand for this long stands still, seconds.
 const STANDS_S: f64 = 30.0;
-/// The same in a run that the simulator ends, because it ends stranded robots sooner.
-const STRANDED_S: f64 = 9.0;
 /// A run may take this many times as long as without a fault.
 const PATIENCE: f64 = 3.0;
 /// And this much longer, seconds.
 const PATIENCE_S: f64 = 60.0;
 /// The robot has confirmed its position after this time, seconds: five fixes.
 const CONFIRMED_S: f64 = 1.2;
+/// The first fix comes before this time, seconds.
+const FIRST_FIX_S: f64 = 0.1;
+/// Seeds of further starts, for the next draw of a start that is too close to the edge of the map.
+const NEXT_START: u64 = 1_000_003;
 
 /// The maps of the table, in `tests/maps`, with the receiver of the robots there.
 const MAPS: [(&str, SensorSettings); 3] = [
@@ -105,6 +108,10 @@ impl Row {
             (Channel::Gps, "offset") => {
                 Some("not detectable: an offset from the first fixes on, before any was confirmed")
             }
+            (Channel::Gps, "delayed") => Some("not detectable: a delay from the first fix on"),
+            (Channel::Ranges, "frozen") => {
+                Some("not detectable: an empty scan that is repeated, as on open ground")
+            }
             // The brakes count on the vehicle's latency.
             (Channel::Actuators, "delayed") => {
                 Some("not judged, not detected: motors that answer later than vehicle.latency says")
@@ -158,6 +165,8 @@ pub struct Run {
     pub has_left: bool,
     /// It touched an obstacle; all are mapped.
     pub has_touched: bool,
+    /// Whether a scan showed anything since the fault began.
+    pub has_seen: bool,
     /// The reason of its last tick.
     pub last: Reason,
     /// How to repeat it.
@@ -180,10 +189,20 @@ pub struct Case {
 }
 
 impl Run {
-    /// Whether nothing went wrong, for this fault.
+    /// Whether nothing went wrong, for this fault, or the fault cannot be detected.
     pub fn is_sound(&self, row: &Row) -> bool {
-        let stands = self.stands_truly(row) || self.was_wrong_from_the_start(row);
-        (self.is_reached || stands) && !self.has_left && !self.has_touched
+        let is_good = self.is_reached || self.stands_truly(row);
+        is_good && !self.has_left && !self.has_touched || !self.is_detectable(row)
+    }
+
+    /// Whether a robot with these sensors can know of the fault; see [`Row::limit`].
+    fn is_detectable(&self, row: &Row) -> bool {
+        match (row.channel, row.kind) {
+            (Channel::Gps, "offset") => self.journey.from_s >= CONFIRMED_S,
+            (Channel::Gps, "delayed") => self.journey.from_s >= FIRST_FIX_S,
+            (Channel::Ranges, "frozen") => self.has_seen,
+            _ => true,
+        }
     }
 
     /// Whether the robot stands in time for a true reason.
@@ -191,15 +210,6 @@ impl Run {
         let is_true =
             |(reason, after_s)| row.true_reasons().contains(&reason) && after_s <= row.within_s();
         self.stood.is_some_and(is_true)
-    }
-
-    /// The position is off from the first fixes on, so the robot stands where it believes to be off
-    /// the map.
-    fn was_wrong_from_the_start(&self, row: &Row) -> bool {
-        let is_offset = (row.channel, row.kind) == (Channel::Gps, "offset");
-        is_offset
-            && self.journey.from_s < CONFIRMED_S
-            && matches!(self.stood, Some((Reason::OffMap, _)))
     }
 }
 
@@ -302,13 +312,17 @@ impl<'m> Journey<'m> {
         sensors: SensorSettings,
         seed: u64,
     ) -> Result<Self, String> {
-        let position = scenario.draw_start(seed).ok_or(format!("{map}: no start is clear"))?;
+        let starts = (0..).map(|draw| scenario.draw_start(seed + draw * NEXT_START));
+        let position = starts
+            .map_while(|start| start)
+            .find(|start| is_on_map(scenario, *start))
+            .ok_or(format!("{map}: no start is clear"))?;
         let heading_rad = Random::new(seed, Stream::Obstacles).between(-PI, PI);
         let start = Start { position, heading_rad, seed, sensors };
         let mut journey = Self { map, scenario, sensors, start, usual_s: UNKNOWN_S, without: None };
-        let (run, time_s) = journey.drive(Vec::new(), 0.0)?;
+        let (run, outcome) = journey.drive(Vec::new(), 0.0)?;
         if run.is_reached {
-            journey.usual_s = time_s;
+            journey.usual_s = outcome.time_s;
         }
         journey.without = Some(run);
         Ok(journey)
@@ -316,15 +330,20 @@ impl<'m> Journey<'m> {
 
     /// Drives with a fault from a random time of the journey on.
     fn run(&self, row: &Row) -> Result<Run, String> {
-        let mut random = Random::new(self.start.seed, Stream::Fault);
-        let from_s = random.between(0.0, 0.9) * self.usual_s;
-        let window_s = from_s..f64::INFINITY;
-        let fault = PlannedFault { channel: row.channel, fault: row.fault, window_s };
+        let (fault, from_s) = self.planned(row);
         Ok(self.drive(vec![fault], from_s)?.0)
     }
 
-    /// Drives until the robot arrives, stands still or takes too long; also returns the time.
-    fn drive(&self, faults: Vec<PlannedFault>, from_s: f64) -> Result<(Run, f64), String> {
+    /// The fault of a row, and when it begins, seconds.
+    fn planned(&self, row: &Row) -> (PlannedFault, f64) {
+        let mut random = Random::new(self.start.seed, Stream::Fault);
+        let from_s = random.between(0.0, 0.9) * self.usual_s;
+        let window_s = from_s..f64::INFINITY;
+        (PlannedFault { channel: row.channel, fault: row.fault, window_s }, from_s)
+    }
+
+    /// The world of a run, and where it begins.
+    fn prepared(&self, faults: Vec<PlannedFault>) -> Result<(Scenario, Start), String> {
         let limit_s = PATIENCE * self.usual_s + PATIENCE_S;
         let [x, y] = self.start.position;
         // A battery that lasts, so that its input can fail.
@@ -336,8 +355,25 @@ impl<'m> Journey<'m> {
         let scenario = Scenario { surroundings: Some(world.parse()?), ..self.scenario.clone() };
         let scenario = scenario.under(conditions);
         let sensors = scenario.conditions.sensors(self.sensors);
-        let start = Start { sensors, ..self.start };
-        let robot = scenario.robot(&start, HostPilot::new(scenario.plan()))?;
+        Ok((scenario, Start { sensors, ..self.start }))
+    }
+
+    fn drive(&self, faults: Vec<PlannedFault>, from_s: f64) -> Result<(Run, Outcome), String> {
+        let (scenario, start) = self.prepared(faults)?;
+        self.drive_by(&scenario, &start, from_s, HostPilot::new(scenario.plan()))
+    }
+
+    /// Lets a pilot drive until the robot arrives, stands still or takes too long.
+    fn drive_by(
+        &self,
+        scenario: &Scenario,
+        start: &Start,
+        from_s: f64,
+        pilot: impl Pilot,
+    ) -> Result<(Run, Outcome), String> {
+        let mut has_seen = false;
+        let pilot = Watched { pilot, from_s, time_s: 0.0, has_seen: &mut has_seen };
+        let robot = scenario.robot(start, pilot)?.to_the_end();
         let plan = scenario.plan();
         let mut simulation = scenario.simulation([robot]);
         let (mut has_left, mut standing) = (false, None);
@@ -355,12 +391,10 @@ impl<'m> Journey<'m> {
                 None => Some(outcome.ticks),
             };
             let stood_s = |since: u64| ((outcome.ticks - since) * TICK_US) as f64 * 1e-6;
-            let is_over = outcome.ending.is_some();
-            let least_s = if is_over { STRANDED_S } else { STANDS_S };
-            let has_stood = standing.is_some_and(|since| stood_s(since) >= least_s);
+            let has_stood = standing.is_some_and(|since| stood_s(since) >= STANDS_S);
             // Before the fault, a robot may wait for its first fix.
-            let has_stood = has_stood && outcome.time_s > from_s + least_s;
-            if !is_over && !has_stood {
+            let has_stood = has_stood && outcome.time_s > from_s + STANDS_S;
+            if outcome.ending.is_none() && !has_stood {
                 continue;
             }
             let is_reached = outcome.ending == Some(Ending::Reached);
@@ -371,6 +405,7 @@ impl<'m> Journey<'m> {
                 stood: since.map(|since| (commands.reason, after_s(since))),
                 has_left,
                 has_touched: outcome.touches > 0,
+                has_seen: false,
                 last: commands.reason,
                 journey: Case {
                     map: self.map,
@@ -380,9 +415,49 @@ impl<'m> Journey<'m> {
                     from_s,
                 },
             };
-            return Ok((run, outcome.time_s));
+            let outcome = outcome.clone();
+            drop(simulation);
+            return Ok((Run { has_seen, ..run }, outcome));
         }
     }
+}
+
+/// Whether the body of a robot there is on the map.
+fn is_on_map(scenario: &Scenario, [x, y]: Point) -> bool {
+    let radius_m = f64::from(scenario.plan().parameters().vehicle.radius_m);
+    let corners =
+        [-radius_m, radius_m].map(|by_m| math::Vec2::new((x + by_m) as f32, (y + by_m) as f32));
+    corners.into_iter().all(|corner| scenario.plan().cell_at(corner).is_some())
+}
+
+/// A pilot, and whether a scan showed it anything since a time.
+struct Watched<'w, P> {
+    pilot: P,
+    from_s: f64,
+    time_s: f64,
+    has_seen: &'w mut bool,
+}
+
+impl<P: Pilot> Pilot for Watched<'_, P> {
+    fn exchange(&mut self, sensors: &SensorRecord) -> Result<CommandRecord, PilotError> {
+        let shows = sensors.ranges.as_ref().is_some_and(|ranges| !ranges.is_empty());
+        *self.has_seen |= shows && self.time_s >= self.from_s;
+        self.time_s += TICK_US as f64 * 1e-6;
+        self.pilot.exchange(sensors)
+    }
+}
+
+/// The trace of a run, for `plan-compiler explain`. The error is a message for the user.
+pub fn record(row: &Row, case: &Case) -> Result<Trace, String> {
+    let (map, sensors) = MAPS.into_iter().find(|(map, _)| *map == case.map).ok_or("no such map")?;
+    let scenario = mission::scenario(&root().join("tests/maps").join(map), &Changes::default())?;
+    let journey = Journey::new(map, &scenario, sensors, case.seed)?;
+    let faults = if *row == Row::WITHOUT { Vec::new() } else { vec![journey.planned(row).0] };
+    let (scenario, start) = journey.prepared(faults)?;
+    let mut recorder = Recorder::new(HostPilot::new(scenario.plan()));
+    let (_, outcome) = journey.drive_by(&scenario, &start, case.from_s, &mut recorder)?;
+    let percepts = recorder.finish();
+    Ok(Trace { blob: scenario.blob.clone(), percepts, hash: outcome.trace_hash })
 }
 
 /// The results of `work` for 0 up to `count`, in this order, computed on all cores.
@@ -423,6 +498,7 @@ mod tests {
             stood: None,
             has_left: false,
             has_touched: false,
+            has_seen: true,
             last: Reason::Driving,
             journey: Case { from_s: 9.0, ..Case::default() },
         };
@@ -432,11 +508,13 @@ mod tests {
         };
         let stood = |reason| after(3.0, reason);
         let early = Case { from_s: 0.5, ..Case::default() };
+        let first = Case { from_s: 0.05, ..Case::default() };
         let row = |channel, kind| {
             let has = |row: &Row| (row.channel, row.kind) == (channel, kind);
             rows().into_iter().find(has).expect("a row")
         };
         let (lost, offset) = (row(Channel::Gps, "lost"), row(Channel::Gps, "offset"));
+        let (delayed, frozen) = (row(Channel::Gps, "delayed"), row(Channel::Ranges, "frozen"));
         for (run, row, is_sound) in [
             (reached, lost, true),
             (stood(Reason::StaleFix), lost, true),
@@ -448,8 +526,14 @@ mod tests {
             (Run { has_touched: true, ..stood(Reason::StaleFix) }, lost, false),
             (stood(Reason::JumpedFix), offset, true),
             (stood(Reason::OffMap), offset, false),
+            // What cannot be detected is not judged.
             (Run { journey: early, ..stood(Reason::OffMap) }, offset, true),
-            (Run { journey: early, ..stood(Reason::AtGoal) }, offset, false),
+            (Run { journey: early, ..stood(Reason::OffMap) }, lost, false),
+            (Run { journey: early, ..stood(Reason::OffMap) }, delayed, false),
+            (Run { journey: first, ..stood(Reason::OffMap) }, delayed, true),
+            (Run { has_touched: true, ..reached }, frozen, false),
+            (Run { has_touched: true, has_seen: false, ..reached }, frozen, true),
+            (Run { has_touched: true, has_seen: false, ..reached }, lost, false),
             (stood(Reason::StaleFix), row(Channel::Odometry, "offset"), false),
         ] {
             assert_eq!(run.is_sound(&row), is_sound, "{run:?} {row:?}");

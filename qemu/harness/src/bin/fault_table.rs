@@ -1,10 +1,11 @@
 //! `cargo fault-table`: every fault of every part of the robot, on three maps.
 
 use std::io::Write as _;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use harness::fault_table::{Case, Filled, Row, Run, fill, rows, run_count};
+use harness::fault_table::{Case, Filled, Row, Run, fill, record, rows, run_count};
 use indicatif::{ProgressBar, ProgressStyle};
 
 const JUDGEMENT: &str = "\
@@ -17,7 +18,7 @@ robot stood. Notes below the table say what no robot with these sensors can know
 is without a fault; there, every robot must arrive.
 
 Exit status: 0 all judged runs are sound, 1 some are not, 2 the command line is wrong, 3 a map of the
-table is missing or wrong.";
+table is missing or wrong, or a trace could not be written.";
 
 /// Tries every fault of every part of the robot from random times on three maps.
 #[derive(Parser)]
@@ -38,6 +39,9 @@ struct Arguments {
     /// List the runs that are not sound, with what repeats them in a world file
     #[arg(long)]
     failures: bool,
+    /// Write a trace of each run that is not sound to this folder, for `plan-compiler explain`
+    #[arg(long, value_name = "FOLDER")]
+    traces: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -67,6 +71,12 @@ fn main() -> ExitCode {
             return ExitCode::from(3);
         }
     };
+    if let Some(folder) = &arguments.traces
+        && let Err(message) = write_traces(folder, &table)
+    {
+        eprintln!("{message}");
+        return ExitCode::from(3);
+    }
     let mut text = if arguments.json { json(&table) } else { text(&table) };
     if arguments.failures && !arguments.json {
         table.iter().for_each(|filled| text += &failures(filled));
@@ -74,6 +84,21 @@ fn main() -> ExitCode {
     // A closed pipe does not change the exit status.
     let _ = std::io::stdout().write_all(text.as_bytes());
     ExitCode::from(u8::from(!table.iter().all(Filled::is_sound)))
+}
+
+fn write_traces(folder: &Path, table: &[Filled]) -> Result<(), String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    for filled in table {
+        for run in filled.failures() {
+            let Case { map, seed, .. } = run.journey;
+            let name = format!("{}-{}-{map}-{seed}.trace", name(filled), filled.row.kind);
+            let path = folder.join(name);
+            let trace = record(&filled.row, &run.journey)?;
+            let written = std::fs::write(&path, trace.to_bytes());
+            written.map_err(|error| format!("{}: {error}", path.display()))?;
+        }
+    }
+    Ok(())
 }
 
 fn text(table: &[Filled]) -> String {
