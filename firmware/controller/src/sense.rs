@@ -29,8 +29,8 @@ use crate::source::{Anchor, Source};
 /// Below this speed the course over ground does not show the heading, m/s.
 pub const COURSE_SPEED_MPS: f32 = 0.5;
 
-/// Longest time of one dead-reckoning step, microseconds. After a longer pause only the next fix
-/// shows where the robot is.
+/// Longest time of one dead-reckoning step, microseconds. After a longer one the clock was set, or the
+/// robot has paused: only the next fix shows where it is.
 const LONGEST_STEP_US: u64 = 1_000_000;
 
 /// Measured speeds and turn rates count up to this many times the vehicle's limits, which slopes
@@ -165,13 +165,14 @@ impl Track {
         let stands = now_us == self.now_us;
         self.standing_ticks = if stands { self.standing_ticks.saturating_add(1) } else { 0 };
         let step_us = now_us.saturating_sub(self.now_us);
+        self.clock_doubt = self.clock_doubt.saturating_sub(1);
+        self.now_us = now_us;
         if step_us > LONGEST_STEP_US {
             self.fixes.clock_was_set();
             self.poses.clock_was_set();
+            return 0.0;
         }
-        self.clock_doubt = self.clock_doubt.saturating_sub(1);
-        self.now_us = now_us;
-        step_us.min(LONGEST_STEP_US) as u32 as f32 * 1e-6
+        step_us as u32 as f32 * 1e-6
     }
 
     /// Speed and turn rate: measured ones if [`crate::odometry`] trusts them and the vehicle can

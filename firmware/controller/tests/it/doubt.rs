@@ -1,7 +1,7 @@
 //! Sensors that lie: what the robot notices, and what it then does.
 
 use crate::bench::{ORIGIN, Robot, ahead, blob, blob_at, open_field};
-use math::{Vec2, vector};
+use math::{Vec2, scalar, vector};
 use plan_format::parameters::{Gains, OnNoProgress, Steering};
 use plan_format::{Blob, Parameters};
 use robot_io::{Checks, Commands, Percepts, Pose, RangeReading, Reason};
@@ -177,24 +177,28 @@ fn a_receiver_that_sets_its_time_is_not_late() {
     }
 }
 
-/// The robot turns while its clock goes back by a second.
+/// The robot turns as commanded while its clock goes back by a second, or ahead by 100 s.
 #[test]
-fn a_clock_that_goes_back_does_not_make_the_compass_wrong() {
-    let blob = field(Parameters::default());
-    let blob = Blob::parse(&blob).expect("the blob is valid");
-    let mut robot = Robot::new(blob, START.0, START.1);
-    for tick in 0..60 {
-        robot.heading_rad += 0.05;
-        let mut percepts = Percepts { turn_rate_radps: Some(1.0), ..robot.percepts() };
-        if tick >= 40 {
-            percepts.time_us -= 1_000_000;
-            percepts.fix = None;
+fn a_clock_that_is_set_does_not_make_the_compass_wrong() {
+    for set_us in [-1_000_000, 100_000_000] {
+        let blob = field(Parameters::default());
+        let blob = Blob::parse(&blob).expect("the blob is valid");
+        let mut robot = Robot::new(blob, START.0, START.1);
+        for tick in 0..60 {
+            robot.heading_rad = scalar::wrap_angle(robot.heading_rad + 0.05);
+            let mut percepts = Percepts { turn_rate_radps: Some(1.0), ..robot.percepts() };
+            if tick >= 40 {
+                percepts.time_us = percepts.time_us.saturating_add_signed(set_us);
+                percepts.fix = None;
+            }
+            let blob = robot.blob;
+            let sensed = controller::explain(&blob, &mut robot.state, &percepts).sensed;
+            assert!(!sensed.is_compass_wrong, "{set_us} {tick}");
+            assert_eq!(sensed.heading_rad, Some(robot.heading_rad), "{set_us} {tick}");
+            let turn = Commands { turn_rate_radps: 1.0, ..Commands::stop(Reason::Driving) };
+            robot.state.track.commanded(&turn);
+            robot.time_us += crate::bench::TICK_US;
         }
-        let blob = robot.blob;
-        let sensed = controller::explain(&blob, &mut robot.state, &percepts).sensed;
-        assert!(!sensed.is_compass_wrong, "{tick}");
-        assert_eq!(sensed.heading_rad, Some(robot.heading_rad), "{tick}");
-        robot.time_us += crate::bench::TICK_US;
     }
 }
 
