@@ -41,8 +41,6 @@ const FROZEN_RAD: f32 = 0.2;
 const REPEATED_RAD: f32 = 0.25;
 /// A compass that has moved this far against that turn is late, radians.
 const BACK_RAD: f32 = 0.3;
-/// Doubt for that, seconds: two turns show it.
-const DOUBT_PER_BACK_S: f32 = 1.5;
 
 /// After this time without a reading the next one does not count as a leap, seconds.
 const LONGEST_SILENCE_S: f32 = 0.5;
@@ -143,10 +141,8 @@ impl Compass {
         if self.turned_rad.abs() > TURNED_RAD {
             let moved_rad = wrap_angle(reading_rad - start_rad);
             let turns_back = self.turned_rad * moved_rad < 0.0 && moved_rad.abs() > BACK_RAD;
-            if moved_rad.abs() < FROZEN_RAD {
+            if moved_rad.abs() < FROZEN_RAD || turns_back {
                 self.doubt(DOUBT_S);
-            } else if turns_back {
-                self.doubt(DOUBT_PER_BACK_S);
             } else if self.is_wrong && self.has_agreed {
                 self.restart();
             }
