@@ -49,6 +49,11 @@ const STANDING_TICKS: u8 = 10;
 const LEAP_DOUBT: u8 = 20;
 /// With this doubt the clock is wrong: it may be set now and then, not again and again.
 const CLOCK_DOUBT: u8 = 50;
+/// Doubt for a tick with the time of the last one: a clock that stands at every second tick is wrong
+/// within seconds.
+const STANDING_DOUBT: u8 = 3;
+/// A clock that goes again is trusted again once this doubt has faded to the limit above: in 5 s.
+const MOST_CLOCK_DOUBT: u8 = 150;
 
 /// The robot stops to creep after this time without a heading, seconds. At the speed of creeping a
 /// receiver gives a course after one or two.
@@ -158,14 +163,15 @@ impl Track {
         if now_us < self.now_us {
             // The clock ran backwards: earlier percepts belong to another history.
             let (fixes, poses) = (self.fixes.restarted(), self.poses.restarted());
-            let clock_doubt = self.clock_doubt.saturating_add(LEAP_DOUBT);
+            let clock_doubt = (self.clock_doubt + LEAP_DOUBT).min(MOST_CLOCK_DOUBT);
             *self = Self { fixes, poses, now_us, clock_doubt, ..Self::default() };
             return 0.0;
         }
         let stands = now_us == self.now_us;
         self.standing_ticks = if stands { self.standing_ticks.saturating_add(1) } else { 0 };
         let step_us = now_us.saturating_sub(self.now_us);
-        self.clock_doubt = self.clock_doubt.saturating_sub(1);
+        let doubt = if stands { STANDING_DOUBT } else { 0 };
+        self.clock_doubt = (self.clock_doubt + doubt).saturating_sub(1).min(MOST_CLOCK_DOUBT);
         self.now_us = now_us;
         if step_us > LONGEST_STEP_US {
             self.fixes.clock_was_set();

@@ -97,7 +97,7 @@ impl Row {
             (Channel::Ranges, "garbled") => 60.0,
             (Channel::Actuators, "intermittent") => 300.0,
             (Channel::Actuators, _) => 15.0,
-            (Channel::Clock, "intermittent") => 600.0,
+            (Channel::Clock, "intermittent") => 30.0,
             _ => 5.0,
         }
     }

@@ -539,6 +539,22 @@ fn a_clock_that_stands_stops_the_robot() {
     assert_eq!(story(reasons), [Reason::Driving, Reason::ClockStopped, Reason::Driving]);
 }
 
+/// A clock that stands at every second tick is wrong within 10 s; one at every fifth tick is merely
+/// coarse.
+#[test]
+fn a_clock_that_stands_at_every_second_tick_stops_the_robot() {
+    for (every, is_wrong) in [(2, true), (5, false)] {
+        let blob = field(Parameters::default());
+        let (_, reasons) = drive(&blob, 300, false, |index, percepts| {
+            if index >= 100 && index % every == 0 {
+                percepts.time_us -= crate::bench::TICK_US;
+                percepts.scan_us = Some(percepts.time_us);
+            }
+        });
+        assert_eq!(reasons[299] == Reason::ClockStopped, is_wrong, "{every}: {:?}", reasons[299]);
+    }
+}
+
 /// Set once, a clock is right again; one that shows any time is not.
 #[test]
 fn a_clock_that_leaps_again_and_again_stops_the_robot() {
