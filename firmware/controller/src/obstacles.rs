@@ -411,15 +411,144 @@ mod tests {
         assert!(let_pass(0.1) && !let_pass(0.3) && !let_pass(0.8));
     }
 
+    /// Whether a robot with a radius of 0.3 m may drive straight on past an obstacle that moves.
+    fn lets_pass(place: (f32, f32), velocity: Vec2, length_m: f32, time_s: f32) -> bool {
+        let mut near = at(&[place]);
+        near.points[0].velocity = velocity;
+        near.points[0].speed_mps = vector::length(velocity);
+        near.let_pass(&body(0.3), &Arc::new(length_m, 0.0), time_s)
+    }
+
+    /// What moves counts on its own way and straight towards the robot, up to where it is at the end.
+    #[test]
+    fn what_moves_is_met_where_it_may_be() {
+        let (towards, across, away) =
+            (Vec2::new(-1.0, 0.0), Vec2::new(0.0, -1.0), Vec2::new(0.0, 1.0));
+        for (place, velocity, length_m, time_s, passes) in [
+            ((1.0, 0.0), Vec2::zeros(), 1.0, 0.5, true),
+            ((1.5, 0.0), towards, 1.0, 0.1, true),
+            ((1.5, 0.0), towards, 1.0, 0.5, false),
+            ((1.4, 0.0), towards, 1.0, 0.2, false),
+            // It may turn towards the robot.
+            ((1.5, 0.0), across, 1.0, 0.5, false),
+            ((0.0, 1.7), away, 1.0, 1.0, true),
+            // It crosses the way ahead, or does not reach it.
+            ((2.5, 1.0), across, 3.0, 0.8, false),
+            ((2.5, 1.2), across, 3.0, 0.8, true),
+            // It overtakes the robot, or stays behind.
+            ((-0.5, 0.0), Vec2::new(2.0, 0.0), 1.0, 0.5, false),
+            ((-0.9, 0.0), Vec2::new(1.0, 0.0), 1.0, 0.4, true),
+        ] {
+            assert_eq!(
+                lets_pass(place, velocity, length_m, time_s),
+                passes,
+                "{place:?} {velocity}"
+            );
+        }
+    }
+
+    /// Seen from behind, what is ahead and what moves ahead are behind.
+    #[test]
+    fn half_a_turn_turns_places_and_velocities() {
+        let mut near = at(&[(1.5, 0.5)]);
+        near.points[0].velocity = Vec2::new(0.3, -0.2);
+        let astern = near.astern().points[0];
+        assert_eq!((astern.seen, astern.velocity), (-near.points[0].seen, Vec2::new(-0.3, 0.2)));
+        assert!(at(&[]).is_empty() && !near.is_empty());
+    }
+
+    /// An obstacle 3 m ahead was 3.4 m away 0.4 s before: it counts beyond 1 m because it moves.
+    #[test]
+    fn an_obstacle_that_moves_counts_farther_away() {
+        let scan = |distance_m: f32| [RangeReading { bearing_rad: 0.0, distance_m }];
+        for (before_m, speed_mps) in [(3.4, 1.0), (3.0, 0.0)] {
+            let mut closing = crate::closing::Closing::default();
+            let still = crate::drive::Twist { speed_mps: 0.0, turn_rate_radps: 0.0 };
+            for (scan_us, distance_m) in [(0, before_m), (400_000, 3.0)] {
+                let percepts = robot_io::Percepts {
+                    scan_us: Some(scan_us),
+                    ranges: scan(distance_m).into_iter().collect(),
+                    ..robot_io::Percepts::default()
+                };
+                closing.update(&percepts, &points(&percepts.ranges), &still, 0.4);
+            }
+            let readings = scan(3.0);
+            let near =
+                Obstacles::near(&readings, &points(&readings), 1.0, &closing.compared(), 5.0);
+            assert_eq!(near.is_empty(), speed_mps == 0.0);
+            let [point, ..] = near.points;
+            assert!((point.speed_mps - speed_mps).abs() < 1e-3, "{point:?}");
+            assert!((point.velocity.x + speed_mps).abs() < 1e-3, "{point:?}");
+        }
+    }
+
+    /// A body with a radius of 0.5 m that shall keep 0.1 m. Closer to a point than that, it may use up
+    /// 2 % of the distance, down to a centimetre, and there it approaches no more.
+    #[test]
+    fn a_body_that_is_too_near_may_pass_and_not_approach() {
+        let body = Body { radius_m: 0.5, aside_m: 0.1 };
+        for (distance_m, reach_m) in [(0.7, 0.6), (0.6, 0.588), (0.515, 0.51), (0.505, 0.50495)] {
+            let found = body.reach_m(distance_m);
+            assert!((found - reach_m).abs() < 1e-5, "{distance_m}: {found}");
+        }
+    }
+
+    /// An obstacle 2 m ahead closes 13.9 degrees to either side of a way of 1.8 m, and 14.5 degrees of
+    /// a way that passes it.
+    #[test]
+    fn an_obstacle_closes_the_directions_that_meet_it() {
+        let opens = |length_m: f32, degrees: f32| {
+            let openings = at(&[(2.0, 0.0)]).openings(&body(0.5), length_m);
+            openings.contain(vector::from_angle(degrees.to_radians()))
+        };
+        for (length_m, closed, open) in [(1.6, 9.0, 10.2), (1.8, 13.4, 14.3), (3.0, 14.0, 15.0)] {
+            assert!(!opens(length_m, closed) && !opens(length_m, -closed), "{length_m}");
+            assert!(opens(length_m, open) && opens(length_m, -open), "{length_m}");
+        }
+        assert!(opens(1.4, 0.0), "it ends before the obstacle");
+    }
+
+    /// The same rules for a place whose distance is not known yet.
+    #[test]
+    fn a_place_is_met_as_a_reading_there_is() {
+        for (place, is_clear) in [
+            ((1.2, 0.0), false),
+            ((1.4, 0.0), true),
+            ((-0.2, 0.0), true),
+            ((0.5, 0.31), true),
+            ((0.5, 0.29), false),
+            ((0.0, 0.2), true),
+            ((0.1, 0.2), false),
+        ] {
+            let place = Vec2::new(place.0, place.1);
+            let found = Arc::new(1.0, 0.0).is_clear_of_place(&body(0.3), place);
+            assert_eq!(found, is_clear, "{place}");
+        }
+        // More than a quarter turn leads back to what was behind.
+        let turn = Arc::new(3.6, 1.0);
+        assert!(!at(&[(-0.6, 1.0)]).leave_free(Kind::Seen, &body(0.95), &turn));
+    }
+
     #[test]
     fn a_hidden_obstacle_is_at_the_edge_of_the_sector_towards_the_way() {
         let reading =
             |degrees: f32| RangeReading { bearing_rad: degrees.to_radians(), distance_m: 1.0 };
-        for (degrees, edge) in [(5.0, 0.0), (30.0, 11.25), (-30.0, -11.25), (80.0, 78.75)] {
-            let readings = [reading(degrees)];
-            let hidden = Obstacles::near(&readings, &points(&readings), 2.0, &[], 0.0);
-            let found = vector::angle(hidden.points[0].hidden).to_degrees();
+        for (degrees, edge) in [
+            (5.0, 0.0),
+            (30.0, 11.25),
+            (-30.0, -11.25),
+            (80.0, 78.75),
+            (120.0, 101.25),
+            (140.0, 123.75),
+            (165.0, 146.25),
+            (-175.0, -168.75),
+        ] {
+            let readings = [RangeReading { distance_m: 1.5, ..reading(degrees) }];
+            let near = Obstacles::near(&readings, &points(&readings), 2.0, &[], 0.0);
+            let hidden = near.points[0].hidden;
+            let found = vector::angle(hidden).to_degrees();
             assert!((found - edge).abs() < 0.2, "{degrees}: {found}");
+            assert!((vector::length(hidden) - 1.5).abs() < 1e-3, "{degrees}: {hidden}");
         }
         let readings = [reading(150.0)];
         let astern = Obstacles::near(&readings, &points(&readings), 2.0, &[], 0.0).astern();
