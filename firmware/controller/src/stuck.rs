@@ -59,6 +59,9 @@ impl Progress {
             Driving | Escaping | NoPlan | NoRoute | OffMap | ObstacleStop if moves => {
                 self.driven_s += sensed.elapsed_s;
             }
+            NoProgress => return,
+            // Noise carries a robot that stands to its goal and back.
+            Reason::AtGoal if self.is_none => return,
             Reason::AtGoal
             | Reason::Holding
             | Reason::Idle
@@ -69,7 +72,6 @@ impl Progress {
                 *self = Self::default();
                 return;
             }
-            NoProgress => return,
             _ => {}
         }
         let Ok(position) = sensed.position else { return };
@@ -132,5 +134,23 @@ mod tests {
             assert_eq!(progress.is_none(), expected, "{commands:?}");
             assert_eq!(progress.reason(&parameters.progress).is_some(), expected);
         }
+    }
+
+    /// A robot that stands without progress near its goal seems to be there now and then. Disarmed, it
+    /// begins anew.
+    #[test]
+    fn a_robot_that_stands_without_progress_does_not_begin_anew_at_its_goal() {
+        let parameters = Parameters::default();
+        let mut progress = Progress::default();
+        let mut detours = Detours::default();
+        let stuck = Sensed { is_stuck: true, ..RESTING };
+        let mut update = |sensed: &Sensed, reason| {
+            progress.update(sensed, &Commands::stop(reason), &parameters, &mut detours);
+            progress.is_none()
+        };
+        assert!(update(&stuck, Reason::Driving));
+        assert!(update(&RESTING, Reason::AtGoal));
+        assert!(update(&RESTING, Reason::NoProgress));
+        assert!(!update(&RESTING, Reason::Disarmed));
     }
 }
