@@ -273,3 +273,151 @@ impl World for Surroundings<'_, '_> {
         schemas::is_docked(position, heading_rad, &dock, tolerance_m)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use behaviour::RunningAction;
+    use core::f32::consts::FRAC_PI_2;
+    use maps::Bitmap;
+    use math::GeoPoint;
+    use plan_compiler::pack::pack;
+    use plan_compiler::search::{Corners, Query, solve};
+    use plan_compiler::terrain::Terrain;
+    use plan_format::{
+        Cell, Draft, Grid, LayerDraft, Origin, PackedLayer, Parameters, PlanDraft, write,
+    };
+    use std::vec::Vec;
+
+    /// A map of 5 by 2 cells of 1 m with the goal in the south-eastern cell. The second layer
+    /// blocks the cell (2, 0). The map's y axis points to the east.
+    fn two_layers() -> Vec<u8> {
+        let grid = Grid { columns: 5, rows: 2, resolution_m: 1.0, corner_m: [0.0, 0.0] };
+        let goal = Cell::new(4, 0);
+        let packed = |blocks: bool| -> PackedLayer {
+            let blocked = Bitmap::from_fn(5, 2, |cell| blocks && cell == Cell::new(2, 0));
+            let terrain = Terrain::new(blocked);
+            let corners = Corners::Forbid;
+            pack(&solve(&Query { terrain: &terrain, goals: &[goal], corners }))
+        };
+        let layer = |(name, rank, blocks): (&str, u8, bool)| LayerDraft {
+            name: name.into(),
+            rank,
+            packed: packed(blocks),
+        };
+        let layers = [("free", 0, false), ("walled", 1, true)].map(layer).into();
+        let plans = Vec::from([PlanDraft {
+            name: "goal".into(),
+            goals_m: Vec::from([grid.centre(goal)]),
+            layers,
+        }]);
+        let origin = Some(Origin {
+            place: GeoPoint { lat_e7: 337_756_000, lon_e7: -843_990_000 },
+            at_m: [0.0, 0.0],
+            heading_rad: f64::from(FRAC_PI_2),
+        });
+        let parameters = Parameters::default();
+        write(&Draft { grid, origin, parameters, plans, mission: Default::default() })
+            .expect("the draft is sound")
+    }
+
+    fn assert_near(found: Option<f32>, expected: f32) {
+        assert!(found.is_some_and(|found| (found - expected).abs() < 1e-3), "{found:?}");
+    }
+
+    /// The behaviours' questions are answered from the robot's cell. The goal's tolerance is 1 m.
+    #[test]
+    fn questions_about_the_position_are_answered_from_the_plan() {
+        let bytes = two_layers();
+        let blob = Blob::parse(&bytes).expect("the blob is valid");
+        let at = |x: f32, y: f32| Surroundings {
+            blob: &blob,
+            position: Some(Vec2::new(x, y)),
+            heading_rad: Some(FRAC_PI_2),
+        };
+        // Straight it is 4 m. Around the blocked cell there are two diagonals and two cells.
+        let far = at(0.5, 0.5);
+        assert_near(far.cost_to_goal(0), 4.8284);
+        assert_near(far.price(0, 1), 0.8284);
+        // Where the second layer has no route, the first one counts.
+        assert_near(at(2.5, 0.5).cost_to_goal(0), 2.0);
+        assert_eq!(at(2.5, 0.5).price(0, 1), None);
+        for (x, is_at_goal) in [(0.5, false), (3.1, false), (3.9, true), (4.1, true)] {
+            assert_eq!(at(x, 0.5).is_at_goal(0), is_at_goal, "{x}");
+        }
+        for (x, is_at) in [(1.9, false), (2.1, true), (3.9, true), (4.1, false)] {
+            assert_eq!(at(x, 0.5).is_at(Vec2::new(3.0, 0.5)), is_at, "{x}");
+        }
+        // East on the globe is the map's y axis.
+        for (direction_rad, is_docked) in [(0.0, true), (FRAC_PI_2, false), (-FRAC_PI_2, false)] {
+            assert_eq!(at(2.0, 0.5).is_docked(Vec2::new(2.0, 1.2), direction_rad), is_docked);
+        }
+    }
+
+    fn running(kind: ActionKind, max_speed_mps: f32, min_distance_m: f32) -> RunningAction {
+        RunningAction { behaviour: 0, component: 0, action: 0, kind, max_speed_mps, min_distance_m }
+    }
+
+    /// What actions make of an idle intent.
+    fn intent(actions: &[RunningAction]) -> Intent {
+        let idle = Intent {
+            errand: Errand::None(Reason::Idle),
+            noise: 0.25,
+            max_speed_mps: f32::INFINITY,
+            min_distance_m: 0.0,
+            outputs: 0,
+            signal: 0,
+        };
+        idle.of(&actions.iter().copied().collect())
+    }
+
+    /// Beside an action that drives, a hold only waits. Alone it stands still.
+    #[test]
+    fn a_hold_does_not_stop_an_action_that_drives() {
+        let hold = running(ActionKind::Hold { for_ms: 1 }, f32::INFINITY, 0.0);
+        let go = running(ActionKind::GoTo { x_m: 3.0, y_m: 4.0 }, f32::INFINITY, 0.0);
+        assert_eq!(intent(&[hold]).errand, Errand::None(Reason::Holding));
+        for both in [[go, hold], [hold, go]] {
+            assert_eq!(intent(&both).errand, Errand::GoTo(Vec2::new(3.0, 4.0)));
+        }
+    }
+
+    /// The lowest speed and the largest distance of all actions limit the vehicle.
+    #[test]
+    fn the_strictest_action_limits_the_vehicle() {
+        let go = ActionKind::GoTo { x_m: 3.0, y_m: 4.0 };
+        let hold = ActionKind::Hold { for_ms: 1 };
+        let both = intent(&[running(go, 0.75, 2.0), running(hold, 0.5, 1.5)]);
+        let mut vehicle = Parameters::default().vehicle;
+        (vehicle.max_speed_mps, vehicle.stop_distance_m) = (1.0, 0.1);
+        let limited = both.constrained(&vehicle);
+        assert_eq!((limited.max_speed_mps, limited.stop_distance_m), (0.5, 2.0));
+        (vehicle.max_speed_mps, vehicle.stop_distance_m) = (0.25, 3.0);
+        let limited = both.constrained(&vehicle);
+        assert_eq!((limited.max_speed_mps, limited.stop_distance_m), (0.25, 3.0));
+    }
+
+    /// Directions on the globe become directions on the map, whose y axis points to the east. The
+    /// goal of a robot that moves ahead is 100 m away.
+    #[test]
+    fn directions_on_the_globe_are_turned_into_the_maps_axes() {
+        let position = Vec2::new(1.0, 2.0);
+        let approach = |kind| {
+            let approach = intent(&[running(kind, 1.0, 0.0)]).approach(position, FRAC_PI_2);
+            match approach.expect("it drives") {
+                Approach::Straight(guidance, attraction) => (guidance.goal, attraction),
+                Approach::ByPlan(_) => panic!("it has a plan"),
+            }
+        };
+        let (goal, attraction) = approach(ActionKind::MoveAhead { direction_rad: 0.0, for_ms: 1 });
+        assert!(vector::length(goal - Vec2::new(1.0, 102.0)) < 1e-3, "{goal:?}");
+        assert_eq!(attraction, Attraction::Ahead(FRAC_PI_2));
+        let (goal, attraction) =
+            approach(ActionKind::Dock { x_m: 5.0, y_m: 6.0, direction_rad: 0.5, radius_cm: 400 });
+        let at = Vec2::new(5.0, 6.0);
+        let dock = Dock { at, direction_rad: 0.5 + FRAC_PI_2, radius_m: 4.0 };
+        assert_eq!((goal, attraction), (at, Attraction::Dock(dock)));
+    }
+}

@@ -234,3 +234,249 @@ fn speed_limits(vehicle: &Vehicle) -> Limits {
 }
 
 const TURN: Limits = Limits { margin: 0.6, rate: 6.0, off: 0.6, memory_s: 2.0 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plan_format::Parameters;
+
+    /// A binary fraction: sums of ticks are exact, and 16 ticks are a second.
+    const TICK_S: f32 = 0.0625;
+
+    /// The limits of the speed for a vehicle that brakes at 2 m/s^2: 0.125 m/s in a tick.
+    const SPEED: Limits = Limits { margin: 0.3, rate: 2.0, off: 0.8, memory_s: 4.0 };
+
+    fn is_close(value: f32, expected: f32) -> bool {
+        (value - expected).abs() < 1e-4
+    }
+
+    /// Gives an axis the same reading and command for some ticks; returns the last motion.
+    fn judge(axis: &mut Axis, ticks: u16, reading: Option<f32>, command: f32) -> f32 {
+        (0..ticks).fold(0.0, |_, _| axis.judge(reading, command, TICK_S, &SPEED))
+    }
+
+    /// Gives an odometry the same readings and commands for a tick.
+    fn tick(
+        odometry: &mut Odometry,
+        readings: (Option<f32>, Option<f32>),
+        commanded: (f32, f32),
+        heading_rad: Option<f32>,
+    ) -> (f32, f32) {
+        let vehicle = Parameters::default().vehicle;
+        odometry.judge(readings, commanded, heading_rad, &vehicle, TICK_S)
+    }
+
+    /// The number of the tick that finds the motors dead, if one of the first 160 does.
+    fn dead_after(
+        odometry: &mut Odometry,
+        readings: (f32, f32),
+        commanded: (f32, f32),
+    ) -> Option<u16> {
+        let readings = (Some(readings.0), Some(readings.1));
+        (1..=160).find(|_| {
+            tick(odometry, readings, commanded, None);
+            odometry.are_motors_dead()
+        })
+    }
+
+    /// The model gains 0.125 m/s in a tick. After a second at 0.9 m/s the robot has measured 0.9 m;
+    /// the model has gone 0.28125 m in eight ticks and 0.5 m in another eight.
+    #[test]
+    fn the_ways_are_those_of_the_readings_and_of_a_robot_that_gains_speed() {
+        let mut axis = Axis::default();
+        assert!(is_close(judge(&mut axis, 4, Some(0.9), 1.0), 0.9));
+        assert!(is_close(axis.model, 0.5), "{axis:?}");
+        judge(&mut axis, 12, Some(0.9), 1.0);
+        assert!(is_close(axis.measured, 0.9) && is_close(axis.modelled, 0.78125), "{axis:?}");
+        assert!(is_close(judge(&mut axis, 1, None, 0.7), 0.7), "without a reading");
+    }
+
+    /// A reading is possible between the last one and the command, and up to 0.3 m/s beside each.
+    #[test]
+    fn a_reading_leaps_if_it_is_far_from_the_last_one_and_the_command() {
+        for (last, command, reading, is_possible) in [
+            (0.0, 0.0, 0.2, true),
+            (0.0, 1.0, -0.2, true),
+            (0.0, 1.0, 1.2, true),
+            (0.0, 1.0, 0.5, true),
+            (1.0, 0.0, 0.5, true),
+            (0.0, 2.0, 1.5, true),
+            (0.0, 0.0, 0.5, false),
+            (0.0, 1.0, 1.5, false),
+            (0.0, 1.0, -0.5, false),
+            (-0.4, -0.5, 0.5, false),
+            (2.0, 3.0, 0.4, false),
+        ] {
+            let mut axis = Axis { believed: Some(last), ..Axis::default() };
+            axis.judge(Some(reading), command, TICK_S, &SPEED);
+            assert_eq!(axis.leapt.is_none(), is_possible, "{last} {command} {reading}");
+        }
+    }
+
+    /// The model stands in for a reading that leaps. After a second the reading counts.
+    #[test]
+    fn a_reading_that_leaps_counts_after_it_has_stayed_for_a_second() {
+        let mut axis = Axis::default();
+        assert!(is_close(judge(&mut axis, 1, Some(0.0), 0.0), 0.0));
+        assert!(is_close(judge(&mut axis, 1, Some(2.0), 0.0), 0.0), "a leap");
+        assert!(is_close(judge(&mut axis, 15, Some(2.0), 0.0), 0.0), "{axis:?}");
+        assert!(is_close(axis.leaps, 1.0), "{axis:?}");
+        assert!(is_close(judge(&mut axis, 1, Some(2.0), 0.0), 2.0), "{axis:?}");
+    }
+
+    /// The eighth leap in a row shows that the measurement is wrong. With four sound readings after
+    /// each leap it is the thirteenth, with eleven none.
+    #[test]
+    fn readings_that_leap_again_and_again_are_wrong_until_they_are_calm() {
+        for (sound, expected) in [(0, Some(8)), (4, Some(13)), (11, None)] {
+            let mut axis = Axis::default();
+            judge(&mut axis, 1, Some(0.0), 0.0);
+            let found = (1..=40_u16).find(|leap| {
+                let reading = if leap.is_multiple_of(2) { 5.0 } else { 10.0 };
+                judge(&mut axis, 1, Some(reading), 0.0);
+                let is_wrong = axis.is_wrong;
+                judge(&mut axis, sound, Some(0.0), 0.0);
+                is_wrong
+            });
+            assert_eq!(found, expected, "{sound} {axis:?}");
+        }
+        let mut axis = Axis { is_wrong: true, leaps: 8.0, ..Axis::default() };
+        assert!(is_close(judge(&mut axis, 79, Some(0.2), 0.0), 0.0), "the model stands in");
+        assert!(axis.is_wrong, "{axis:?}");
+        judge(&mut axis, 1, Some(0.2), 0.0);
+        assert!(!axis.is_wrong, "five seconds of sound readings: {axis:?}");
+    }
+
+    /// The reference contradicts the measurement by more than 0.8 m, and the model by less than
+    /// half of that. From 0.4 m on, the measurement is not calm either.
+    #[test]
+    fn a_measurement_that_alone_contradicts_the_reference_is_wrong() {
+        for (measured, modelled, is_wrong, is_calm) in [
+            (0.3, 0.0, false, true),
+            (0.4, 0.0, false, true),
+            (0.5, 0.0, false, false),
+            (0.8, 0.0, false, false),
+            (0.9, 0.0, true, false),
+            (-0.9, 0.3, true, false),
+            (0.9, 0.4, false, false),
+            (0.9, 0.9, false, false),
+        ] {
+            let mut axis = Axis { measured, modelled, calm_s: 3.0, ..Axis::default() };
+            axis.compare(0.0, 1.0, &SPEED);
+            assert_eq!((axis.is_wrong, axis.calm_s > 0.0), (is_wrong, is_calm), "{axis:?}");
+        }
+        // A second later, three quarters of the difference remain.
+        let mut axis = Axis::default();
+        for off in [0.2, 0.35] {
+            (axis.measured, axis.modelled) = (0.5, 0.9);
+            axis.compare(0.7, 1.0, &SPEED);
+            assert!(is_close(axis.measured_off, -off), "{axis:?}");
+            assert!(is_close(axis.modelled_off, off), "{axis:?}");
+        }
+    }
+
+    /// The compass turns at 0.75 rad/s, as commanded. A gyroscope that shows this agrees; one that
+    /// shows 0 is wrong after 0.6 rad, and the command stands in.
+    #[test]
+    fn a_gyroscope_that_contradicts_compass_and_commands_is_wrong() {
+        for (reading, is_sound) in [(0.75, true), (0.0, false)] {
+            let mut odometry = Odometry::default();
+            let mut motion = (0.0, 0.0);
+            for step in 0..32_u8 {
+                let heading_rad = scalar::wrap_angle(2.0 + 0.75 * TICK_S * f32::from(step));
+                let readings = (Some(0.0), Some(reading));
+                motion = tick(&mut odometry, readings, (0.0, 0.75), Some(heading_rad));
+            }
+            assert_eq!(odometry.is_turn_sound(), is_sound, "{odometry:?}");
+            assert!(is_close(motion.1, 0.75), "{motion:?}");
+            assert!(is_close(odometry.modelled_turn_radps(), 0.75), "{odometry:?}");
+            assert_eq!(is_close(odometry.turn.measured_off, 0.0), is_sound, "{odometry:?}");
+        }
+    }
+
+    /// The turn rate is not sound without a reading, after a leap and while it is wrong.
+    #[test]
+    fn a_turn_rate_is_sound_if_it_is_measured_and_possible() {
+        for (believed, leapt, is_wrong, is_sound) in [
+            (Some(0.0), None, false, true),
+            (None, None, false, false),
+            (Some(0.0), Some((3.0, 0.0)), false, false),
+            (Some(0.0), None, true, false),
+            (None, None, true, false),
+        ] {
+            let turn = Axis { believed, leapt, is_wrong, ..Axis::default() };
+            let odometry = Odometry { turn, ..Odometry::default() };
+            assert_eq!(odometry.is_turn_sound(), is_sound, "{odometry:?}");
+        }
+    }
+
+    /// The receiver reports a speed without a sign: a robot whose command is to drive back drives
+    /// back, and any other drives ahead. Fixes a second apart are not compared.
+    #[test]
+    fn a_fix_compares_the_way_since_the_last_one() {
+        let vehicle = Parameters::default().vehicle;
+        for (ticks, reading_mps, commanded_mps, fix_mps, off_m) in [
+            (8, 1.0, 1.0, 1.0, 0.0),
+            (8, -1.0, -1.0, 1.0, 0.0),
+            (8, 0.5, 0.0, 0.5, 0.0),
+            (8, 1.0, 1.0, 0.5, 0.25),
+            (15, 1.0, 1.0, 0.0, 0.9375),
+            (16, 1.0, 1.0, 0.0, 0.0),
+        ] {
+            let mut odometry = Odometry::default();
+            odometry.hear(fix_mps, &vehicle);
+            for _ in 0..ticks {
+                tick(&mut odometry, (Some(reading_mps), None), (commanded_mps, 0.0), None);
+            }
+            odometry.hear(fix_mps, &vehicle);
+            assert!(is_close(odometry.speed.measured_off, off_m), "{ticks} {odometry:?}");
+        }
+    }
+
+    /// Motors that do less than a quarter of a command for three seconds are dead. Slow commands
+    /// and a wrong measurement show nothing.
+    #[test]
+    fn motors_that_do_less_than_a_quarter_of_a_command_are_dead() {
+        for (readings, commanded, expected) in [
+            ((0.0, 0.0), (1.0, 0.0), Some(48)),
+            ((-0.3, 0.0), (-2.0, 0.0), Some(48)),
+            ((0.25, 0.0), (1.0, 0.0), None),
+            ((0.0, 0.0), (0.0625, 0.0), None),
+            ((0.0, 0.0), (0.0, 1.0), Some(48)),
+            ((0.0, -0.3), (0.0, -2.0), Some(48)),
+            ((0.0, 0.5), (0.0, 2.0), None),
+            ((0.0, 0.0), (0.0, 0.25), None),
+        ] {
+            let found = dead_after(&mut Odometry::default(), readings, commanded);
+            assert_eq!(found, expected, "{readings:?} {commanded:?}");
+        }
+        let wrong = Axis { is_wrong: true, ..Axis::default() };
+        let mut odometry = Odometry { speed: wrong, turn: wrong, ..Odometry::default() };
+        for commanded in [(1.0, 0.0), (0.0, 1.0)] {
+            for _ in 0..32 {
+                tick(&mut odometry, (Some(0.0), Some(0.0)), commanded, None);
+            }
+            assert!(is_close(odometry.dead_s, 0.0), "{odometry:?}");
+        }
+    }
+
+    /// A fix shows for less than a second that the robot moves. Ticks in which it obeys count
+    /// twice, and a new order to arm begins anew.
+    #[test]
+    fn motors_that_move_the_robot_are_not_dead() {
+        for (fix_mps, expected) in [(0.0, Some(48)), (0.2, Some(48)), (0.25, Some(63))] {
+            let reference = Some((fix_mps, 0.0));
+            let mut odometry = Odometry { reference, ..Odometry::default() };
+            let found = dead_after(&mut odometry, (0.0, 0.0), (1.0, 0.0));
+            assert_eq!(found, expected, "{fix_mps}");
+        }
+        let mut odometry = Odometry { dead_s: 2.0, ..Odometry::default() };
+        for _ in 0..8 {
+            tick(&mut odometry, (Some(1.0), None), (1.0, 0.0), None);
+        }
+        assert_eq!(dead_after(&mut odometry, (0.0, 0.0), (1.0, 0.0)), Some(32));
+        odometry.restart();
+        assert!(!odometry.are_motors_dead());
+        assert_eq!(dead_after(&mut odometry, (0.0, 0.0), (1.0, 0.0)), Some(48));
+    }
+}

@@ -323,14 +323,16 @@ impl RangeTrack {
     }
 }
 
-/// By how much the distance of each sector has changed, metres.
+/// By how much the distance of each sector has changed, metres; 0 where that is unknown.
 #[inline(never)]
-fn changes_m(
-    before_m: &[f32; MAX_RANGES],
-    now_m: &[f32; MAX_RANGES],
-) -> heapless::Vec<f32, MAX_RANGES> {
-    let both = before_m.iter().zip(now_m).filter(|(before, now)| **before > 0.0 && **now > 0.0);
-    both.map(|(before_m, now_m)| now_m - before_m).collect()
+fn changes_m(before_m: &[f32; MAX_RANGES], now_m: &[f32; MAX_RANGES]) -> [f32; MAX_RANGES] {
+    let mut changes_m = [0.0; MAX_RANGES];
+    for (change_m, (before_m, now_m)) in changes_m.iter_mut().zip(before_m.iter().zip(now_m)) {
+        if *before_m > 0.0 && *now_m > 0.0 {
+            *change_m = now_m - before_m;
+        }
+    }
+    changes_m
 }
 
 impl Differences {
@@ -355,7 +357,7 @@ impl Differences {
     }
 
     /// The leap of more than `most_m` that enough of these changes have in common, metres.
-    fn common_m(&self, changes_m: &[f32], most_m: f32) -> f32 {
+    fn common_m(&self, changes_m: &[f32; MAX_RANGES], most_m: f32) -> f32 {
         let alike = |middle_m: f32| {
             let is_alike = |change_m: &&f32| (**change_m - middle_m).abs() < LEAP_ALIKE_M;
             changes_m.iter().filter(is_alike).count() as u8

@@ -6,6 +6,7 @@ mod behaving;
 mod bench;
 mod blending;
 mod doubt;
+mod guiding;
 mod reasons;
 mod replay;
 mod reported;
