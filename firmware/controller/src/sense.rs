@@ -462,3 +462,163 @@ fn no_fix(receiver: Receiver) -> Reason {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use math::GeoPoint;
+    use plan_format::{Origin, Parameters};
+    use robot_io::Operator;
+
+    /// A robot without a map, 10 m east and 20 m north of where the axes begin, ten ticks a second.
+    struct Robot<'b> {
+        blob: Blob<'b>,
+        track: Track,
+        time_us: u64,
+    }
+
+    impl Robot<'_> {
+        /// `has_place` tells whether fixes have a meaning.
+        fn new(has_place: bool) -> Self {
+            let place = GeoPoint::from_degrees(45.0, 8.0).expect("a place on the globe");
+            let origin = Origin { place, at_m: [10.0, 20.0], heading_rad: 0.0 };
+            let origin = Some(origin).filter(|_| has_place);
+            let blob = Blob::without_map(Parameters::default(), origin, None);
+            Self { blob, track: Track::default(), time_us: 1_000_000 }
+        }
+
+        /// What an armed robot senses 0.1 s later.
+        fn sense(&mut self, percepts: Percepts) -> Sensed {
+            self.time_us += 100_000;
+            let operator = Operator { is_armed: true, ..percepts.operator };
+            let percepts = Percepts { time_us: self.time_us, operator, ..percepts };
+            sense(&self.blob, &mut self.track, &percepts)
+        }
+
+        /// The next fix, where the robot began.
+        fn fix(&self, accuracy_mm: u32) -> Option<Fix> {
+            let frame = self.blob.map_frame()?;
+            Some(Fix {
+                time_us: self.time_us + 100_000,
+                is_valid: true,
+                place: frame.to_geodetic(Vec2::new(10.0, 20.0)),
+                accuracy_mm,
+                velocity_mmps: None,
+                receiver_ms: None,
+            })
+        }
+
+        fn pose(&self, accuracy_mm: u32, heading_rad: Option<f32>) -> Option<Pose> {
+            let (time_us, position_m) = (self.time_us + 100_000, [3.0, 4.0]);
+            Some(Pose { time_us, position_m, heading_rad, accuracy_mm })
+        }
+
+        fn begin_at_a_fix(&mut self) {
+            let fix = self.fix(500);
+            self.sense(Percepts { fix, heading_rad: Some(0.0), ..Percepts::default() });
+        }
+    }
+
+    /// The default limit is 5 m. Accuracies are in metres.
+    #[test]
+    fn positions_up_to_the_worst_accuracy_count() {
+        for (accuracy_mm, expected) in [(5_000, Ok(5.0)), (5_001, Err(Reason::PoorFix))] {
+            let mut robot = Robot::new(true);
+            let fix = robot.fix(accuracy_mm);
+            let by_fix = robot.sense(Percepts { fix, ..Percepts::default() });
+            assert_eq!(by_fix.position.map(|_| by_fix.accuracy_m), expected);
+            let mut robot = Robot::new(false);
+            let pose = robot.pose(accuracy_mm, None);
+            let by_pose = robot.sense(Percepts { pose, ..Percepts::default() });
+            assert_eq!(by_pose.position.map(|_| by_pose.accuracy_m), expected);
+        }
+    }
+
+    /// A vehicle for 1.6 m/s may be pushed to 1.5 x 1.6 + 1 = 3.4 m/s. A faster reading is wrong, and
+    /// the commands, which are 0, stand in.
+    #[test]
+    fn a_speed_that_the_vehicle_cannot_reach_does_not_count() {
+        for (speed_mps, moved_m) in [(3.3, 3.3), (3.5, 0.0)] {
+            let mut robot = Robot::new(true);
+            robot.begin_at_a_fix();
+            let driving = Percepts { speed_mps: Some(speed_mps), ..Percepts::default() };
+            let last = (0..10).map(|_| robot.sense(driving.clone()).position).last();
+            let x = last.and_then(Result::ok).expect("the fix is fresh").x;
+            assert!((x - 10.0 - moved_m).abs() < 0.05, "{speed_mps}: {x}");
+        }
+    }
+
+    /// The gyroscope shows 0.5 rad/s, compass and commands show none.
+    #[test]
+    fn a_gyroscope_that_contradicts_a_sound_compass_does_not_count() {
+        let mut robot = Robot::new(true);
+        for tick in 0..50_u8 {
+            let heading_rad = Some(0.01 * f32::from(tick % 3));
+            let turn_rate_radps = Some(0.5);
+            robot.sense(Percepts { heading_rad, turn_rate_radps, ..Percepts::default() });
+        }
+        assert_eq!(robot.track.twist.1, 0.0);
+    }
+
+    /// A robot may creep for 15 s. It does so only if it is commanded to, and disarming it begins
+    /// anew.
+    #[test]
+    fn only_creeping_without_a_heading_uses_up_its_time() {
+        let creep = Commands { speed_mps: 0.3, ..Commands::stop(Reason::NoHeading) };
+        for (commands, disarms, may_creep) in [
+            (creep, false, false),
+            (creep, true, true),
+            (Commands::stop(Reason::NoHeading), false, true),
+            (Commands { reason: Reason::Driving, ..creep }, false, true),
+        ] {
+            let mut robot = Robot::new(true);
+            let mut last = None;
+            for tick in 0..200 {
+                if disarms && tick == 100 {
+                    robot.time_us += 100_000;
+                    let percepts = Percepts { time_us: robot.time_us, ..Percepts::default() };
+                    sense(&robot.blob, &mut robot.track, &percepts);
+                }
+                last = Some(robot.sense(Percepts::default()).may_creep);
+                robot.track.commanded(&commands);
+            }
+            assert_eq!(last, Some(may_creep), "{commands:?} {disarms}");
+        }
+    }
+
+    /// The reason is that of the source that the robot has heard; fixes come first.
+    #[test]
+    fn a_lost_position_names_the_source_that_was_heard() {
+        for (has_place, hears_fix, hears_pose, expected) in [
+            (true, false, false, Reason::NoFix),
+            (true, true, false, Reason::PoorFix),
+            (true, true, true, Reason::PoorFix),
+            (true, false, true, Reason::StaleFix),
+            (false, false, true, Reason::StaleFix),
+            (false, false, false, Reason::NoOrigin),
+        ] {
+            let mut robot = Robot::new(has_place);
+            for accuracy_mm in [500, 6_000] {
+                let fix = robot.fix(accuracy_mm).filter(|_| hears_fix);
+                let pose = robot.pose(500, None).filter(|_| hears_pose && accuracy_mm == 500);
+                robot.sense(Percepts { fix, pose, ..Percepts::default() });
+            }
+            let lost = (0..30).map(|_| robot.sense(Percepts::default()).position).last();
+            assert_eq!(lost, Some(Err(expected)), "{has_place} {hears_fix} {hears_pose}");
+        }
+    }
+
+    /// A pose with a heading outranks the compass while it is fresh. One without leaves it alone.
+    #[test]
+    fn the_compass_counts_unless_a_fresh_pose_has_a_heading() {
+        for (pose_rad, at_once, later) in [(Some(1.0), 1.0, 0.5), (None, 0.5, 0.5)] {
+            let mut robot = Robot::new(true);
+            let pose = robot.pose(500, pose_rad);
+            let compass = Percepts { heading_rad: Some(0.5), ..Percepts::default() };
+            let sensed = robot.sense(Percepts { pose, ..compass.clone() });
+            assert_eq!(sensed.heading_rad, Some(at_once));
+            let last = (0..80).filter_map(|_| robot.sense(compass.clone()).heading_rad).last();
+            assert_eq!(last, Some(later), "{pose_rad:?}");
+        }
+    }
+}
