@@ -423,4 +423,42 @@ mod tests {
             }
         }
     }
+
+    /// What a robot that has turned meanwhile reads in its scans of two moments, 0.4 s apart, of an
+    /// obstacle that was ahead.
+    fn velocity_after(turned_rad: f32, before: Vec2, now: Vec2) -> Vec2 {
+        let mut closing = Closing::default();
+        let turn = Twist { speed_mps: 0.0, turn_rate_radps: turned_rad / 0.4 };
+        let seen = vector::rotated(now, -turned_rad);
+        for (scan_us, elapsed_s, point) in [(0, 0.0, before), (400_000, 0.4, seen)] {
+            let bearing_rad = vector::angle(point);
+            let reading = RangeReading { bearing_rad, distance_m: vector::length(point) };
+            let ranges = [reading].into_iter().collect();
+            let percepts = Percepts { scan_us: Some(scan_us), ranges, ..Percepts::default() };
+            closing.update(&percepts, &points(&percepts.ranges), &turn, elapsed_s);
+        }
+        let [Some(compared), _] = closing.compared() else { panic!("the first scan is 0.4 s old") };
+        compared.velocity(seen)
+    }
+
+    /// The obstacle moves to the left and back at 0.7 m/s each. For a robot that has turned to the left
+    /// by an eighth, it moves to the left.
+    #[test]
+    fn velocities_are_in_the_axes_of_the_robot_as_it_is_now() {
+        let (before, now) = (Vec2::new(3.4, 0.0), Vec2::new(3.12, 0.28));
+        for (turned_rad, expected) in [(0.0, (-0.7, 0.7)), (0.25 * scalar::PI, (0.0, 0.99))] {
+            let found = velocity_after(turned_rad, before, now);
+            let off = found - Vec2::new(expected.0, expected.1);
+            assert!(vector::length(off) < 0.02, "{turned_rad}: {found}");
+        }
+    }
+
+    /// In 0.4 s nothing moves by more than 0.8 m: an obstacle that seems to was not seen before.
+    #[test]
+    fn what_would_be_too_fast_does_not_move() {
+        let now = Vec2::new(3.0, 0.0);
+        let found = velocity_after(0.0, Vec2::new(3.75, 0.0), now);
+        assert!((found.x + 1.875).abs() < 0.01, "{found}");
+        assert_eq!(velocity_after(0.0, Vec2::new(3.9, 0.0), now), Vec2::zeros());
+    }
 }

@@ -200,3 +200,22 @@ fn with_tolls_the_steps_to_the_goal_are_counted() {
         assert_eq!(reason(map, 1.0, eighths, 50.0, (x, 0.5)), expected, "{map}, {eighths}, {x}");
     }
 }
+
+/// A robot just beyond the edge is in the nearest cell, whatever the size of the cells.
+#[test]
+fn a_robot_just_off_its_map_is_in_the_nearest_cell() {
+    let map = "
+        .....
+        G....
+        .....";
+    for resolution_m in [0.5, 2.0] {
+        let bytes = scaled(map, resolution_m, 8, Parameters::default());
+        let blob = Blob::parse(&bytes).expect("the blob is valid");
+        let side_m = resolution_m as f32;
+        let cell = |x: f32, y: f32| controller::edge::cell(&blob, Vec2::new(x, y));
+        assert_eq!(cell(-0.1, 1.5 * side_m), Some(Cell::new(0, 1)));
+        assert_eq!(cell(5.0 * side_m + 0.1, 2.5 * side_m), Some(Cell::new(4, 2)));
+        assert_eq!(cell(2.5 * side_m, -0.1), Some(Cell::new(2, 0)));
+        assert_eq!(cell(-1.0, 1.5 * side_m), None, "farther than its radius");
+    }
+}
