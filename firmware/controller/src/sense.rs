@@ -621,4 +621,19 @@ mod tests {
             assert_eq!(last, Some(later), "{pose_rad:?}");
         }
     }
+
+    /// The clock goes back by 3 s. The pose from before is not a new one, and the next tick is 0.1 s
+    /// long.
+    #[test]
+    fn a_clock_that_goes_back_does_not_make_an_old_pose_new() {
+        let mut robot = Robot::new(false);
+        robot.time_us = 8_000_000;
+        let pose = robot.pose(500, None);
+        let held = Percepts { pose, ..Percepts::default() };
+        assert!(robot.sense(held.clone()).position.is_ok());
+        robot.time_us = 5_000_000;
+        let back = robot.sense(held.clone());
+        assert!(back.position.is_err() && back.elapsed_s == 0.0, "{back:?}");
+        assert_eq!(robot.sense(held).elapsed_s, 0.1);
+    }
 }
