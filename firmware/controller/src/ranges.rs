@@ -561,8 +561,8 @@ mod tests {
         assert_eq!(rover.hear(4.1, 50_000, (0.0, 0.0)), FRESH, "it goes on");
     }
 
-    /// Judges two scans; each pair is a distance before and after, metres. The robot turns meanwhile
-    /// by what the clock says, which may stand.
+    /// Judges two scans; each pair is a distance before and after, metres. The first scan has `ticks`
+    /// ticks, all with one time.
     fn after_change(changes: &[(f32, f32)], elapsed_us: u64, ticks: u64) -> RangeTrust {
         let policy = Parameters::default().ranges;
         let mut track = RangeTrack::default();

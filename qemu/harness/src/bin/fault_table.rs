@@ -91,7 +91,9 @@ fn write_traces(folder: &Path, table: &[Filled]) -> Result<(), String> {
     for filled in table {
         for run in filled.failures() {
             let Case { map, seed, .. } = run.journey;
-            let name = format!("{}-{}-{map}-{seed}.trace", name(filled), filled.row.kind);
+            let is_without = filled.row == Row::WITHOUT;
+            let part = if is_without { "without" } else { filled.row.channel.name() };
+            let name = format!("{part}-{}-{map}-{seed}.trace", filled.row.kind);
             let path = folder.join(name);
             let trace = record(&filled.row, &run.journey)?;
             let written = std::fs::write(&path, trace.to_bytes());
