@@ -391,6 +391,18 @@ mod tests {
     use robot_io::Operator;
     use std::vec::Vec;
 
+    /// What an armed robot perceives that has got a scan of these bearings and distances.
+    fn heard(time_us: u64, scan_us: u64, scan: impl IntoIterator<Item = (f32, f32)>) -> Percepts {
+        let reading = |(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
+        Percepts {
+            time_us,
+            scan_us: Some(scan_us),
+            ranges: scan.into_iter().map(reading).collect(),
+            operator: Operator { is_armed: true, ..Operator::default() },
+            ..Percepts::default()
+        }
+    }
+
     /// Judges a scan before a silence of a second and one after it. The robot has moved and turned
     /// in between.
     fn after_silence(
@@ -402,14 +414,7 @@ mod tests {
         let policy = Parameters::default().ranges;
         let mut track = RangeTrack::default();
         let mut judge = |time_us, scan_us, scan: &[(f32, f32)], moved_m, turned_rad| {
-            let reading = |&(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
-            let percepts = Percepts {
-                time_us,
-                scan_us: Some(scan_us),
-                ranges: scan.iter().map(reading).collect(),
-                operator: Operator { is_armed: true, ..Operator::default() },
-                ..Percepts::default()
-            };
+            let percepts = heard(time_us, scan_us, scan.iter().copied());
             track.judge(&percepts, &policy, moved_m, turned_rad)
         };
         let first = judge(1_000_000, 1_000_000, before, 0.0, 0.0);
@@ -428,15 +433,9 @@ mod tests {
         let mut time_us = 0;
         let mut judge = |distance_m: f32, moved_m, is_armed| {
             time_us += 50_000;
-            let ranges = [(0.0, distance_m), (1.0, distance_m + 0.5)];
-            let reading = |(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
-            let percepts = Percepts {
-                time_us,
-                scan_us: Some(time_us),
-                ranges: ranges.into_iter().map(reading).collect(),
-                operator: Operator { is_armed, ..Operator::default() },
-                ..Percepts::default()
-            };
+            let scan = [(0.0, distance_m), (1.0, distance_m + 0.5)];
+            let operator = Operator { is_armed, ..Operator::default() };
+            let percepts = Percepts { operator, ..heard(time_us, time_us, scan) };
             track.judge(&percepts, &policy, moved_m, 0.0)
         };
         let fresh = RangeTrust::Fresh { age_us: 0 };
@@ -487,16 +486,8 @@ mod tests {
             garbled_ranges: u8,
         ) -> RangeTrust {
             self.time_us += after_us;
-            let ranges = [(0.0, distance_m), (1.0, distance_m + 0.5)];
-            let reading = |(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
-            let percepts = Percepts {
-                time_us: self.time_us,
-                scan_us: Some(self.time_us),
-                ranges: ranges.into_iter().map(reading).collect(),
-                garbled_ranges,
-                operator: Operator { is_armed: true, ..Operator::default() },
-                ..Percepts::default()
-            };
+            let scan = [(0.0, distance_m), (1.0, distance_m + 0.5)];
+            let percepts = Percepts { garbled_ranges, ..heard(self.time_us, self.time_us, scan) };
             self.track.judge(&percepts, &Parameters::default().ranges, moved_m, turned_rad)
         }
     }
@@ -563,27 +554,19 @@ mod tests {
 
     /// Judges two scans; each pair is a distance before and after, metres. The first scan has `ticks`
     /// ticks, all with one time.
-    fn after_change(changes: &[(f32, f32)], elapsed_us: u64, ticks: u64) -> RangeTrust {
+    fn after_change(changes: &[(f32, f32)], ticks: u64) -> RangeTrust {
         let policy = Parameters::default().ranges;
         let mut track = RangeTrack::default();
         let mut judge = |time_us, scan: &dyn Fn(&(f32, f32)) -> f32| {
-            let readings = changes.iter().enumerate().map(|(sector, change)| RangeReading {
-                bearing_rad: math::scalar::wrap_angle(sector as f32 * crate::scan::SECTOR_RAD),
-                distance_m: scan(change),
+            let by_sector = changes.iter().enumerate().map(|(sector, change)| {
+                (math::scalar::wrap_angle(sector as f32 * crate::scan::SECTOR_RAD), scan(change))
             });
-            let percepts = Percepts {
-                time_us,
-                scan_us: Some(time_us),
-                ranges: readings.collect(),
-                operator: Operator { is_armed: true, ..Operator::default() },
-                ..Percepts::default()
-            };
-            track.judge(&percepts, &policy, 0.0, 0.0)
+            track.judge(&heard(time_us, time_us, by_sector), &policy, 0.0, 0.0)
         };
         for _ in 0..ticks {
             judge(1_000_000, &|change| change.0);
         }
-        judge(1_000_000 + elapsed_us, &|change| change.1)
+        judge(1_050_000, &|change| change.1)
     }
 
     /// In clutter, sectors change by chance. Offset readings change by the same, and few stay as they
@@ -592,7 +575,7 @@ mod tests {
     fn readings_that_leap_alike_show_an_offset_among_others_that_change_by_chance() {
         let judge = |changes: &[f32]| {
             let changes: Vec<_> = changes.iter().map(|by_m| (6.0, 6.0 + by_m)).collect();
-            after_change(&changes, 50_000, 1)
+            after_change(&changes, 1)
         };
         let chance = [-0.6, -1.9, -4.8, -1.2, 0.2, 0.2];
         let of = |leaps: &[f32]| judge(&[leaps, &chance].concat());
@@ -611,8 +594,8 @@ mod tests {
     #[test]
     fn what_changes_while_the_clock_stands_is_no_leap() {
         let changes = [(6.0, 6.5); 6];
-        assert_eq!(after_change(&changes, 50_000, 1), RangeTrust::Faulty);
-        assert_eq!(after_change(&changes, 50_000, 2), FRESH);
+        assert_eq!(after_change(&changes, 1), RangeTrust::Faulty);
+        assert_eq!(after_change(&changes, 2), FRESH);
     }
 
     /// The readings are those of the last sound scan, which is too old after half a second.

@@ -4,6 +4,7 @@
 //! the end. Runs are independent and seeded, so the table is the same on every machine and with any
 //! number of threads.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -371,8 +372,8 @@ impl<'m> Journey<'m> {
         from_s: f64,
         pilot: impl Pilot,
     ) -> Result<(Run, Outcome), String> {
-        let mut has_seen = false;
-        let pilot = Watched { pilot, from_s, time_s: 0.0, has_seen: &mut has_seen };
+        let has_seen = Cell::new(false);
+        let pilot = Watched { pilot, from_s, time_s: 0.0, has_seen: &has_seen };
         let robot = scenario.robot(start, pilot)?.to_the_end();
         let plan = scenario.plan();
         let mut simulation = scenario.simulation([robot]);
@@ -405,7 +406,7 @@ impl<'m> Journey<'m> {
                 stood: since.map(|since| (commands.reason, after_s(since))),
                 has_left,
                 has_touched: outcome.touches > 0,
-                has_seen: false,
+                has_seen: has_seen.get(),
                 last: commands.reason,
                 journey: Case {
                     map: self.map,
@@ -415,9 +416,7 @@ impl<'m> Journey<'m> {
                     from_s,
                 },
             };
-            let outcome = outcome.clone();
-            drop(simulation);
-            return Ok((Run { has_seen, ..run }, outcome));
+            return Ok((run, outcome.clone()));
         }
     }
 }
@@ -435,13 +434,13 @@ struct Watched<'w, P> {
     pilot: P,
     from_s: f64,
     time_s: f64,
-    has_seen: &'w mut bool,
+    has_seen: &'w Cell<bool>,
 }
 
 impl<P: Pilot> Pilot for Watched<'_, P> {
     fn exchange(&mut self, sensors: &SensorRecord) -> Result<CommandRecord, PilotError> {
         let shows = sensors.ranges.as_ref().is_some_and(|ranges| !ranges.is_empty());
-        *self.has_seen |= shows && self.time_s >= self.from_s;
+        self.has_seen.set(self.has_seen.get() || shows && self.time_s >= self.from_s);
         self.time_s += TICK_US as f64 * 1e-6;
         self.pilot.exchange(sensors)
     }
