@@ -6,6 +6,7 @@ use math::{GeoPoint, Vec2, vector};
 use plan_compiler::pack::{pack, with_goals};
 use plan_compiler::search::{Corners, Query, solve};
 use plan_compiler::terrain::Terrain;
+use plan_compiler::tolls::Tolls;
 use plan_format::mission::MissionDraft;
 use plan_format::{Blob, Cell, Draft, Grid, LayerDraft, Origin, Parameters, PlanDraft, write};
 use robot_io::{Commands, Fix, Operator, Percepts, RangeReading};
@@ -74,18 +75,38 @@ fn mission_of(criticality: &str, actions: &str) -> MissionDraft {
     fixtures::mission(&mission)
 }
 
+/// The size of cells, metres, and what a step out of one costs, in eighths of its length.
+#[derive(Clone, Copy)]
+pub(crate) struct Ground {
+    pub(crate) resolution_m: f64,
+    pub(crate) eighths: u32,
+}
+
 fn blob_with(
     layers: &[&str],
     parameters: Parameters,
     origin: Option<Origin>,
     mission: MissionDraft,
 ) -> Vec<u8> {
+    let ground = Ground { resolution_m: 1.0, eighths: 8 };
+    blob_on(ground, layers, parameters, origin, mission)
+}
+
+/// As [`blob`], on other ground.
+pub(crate) fn blob_on(
+    ground: Ground,
+    layers: &[&str],
+    parameters: Parameters,
+    origin: Option<Origin>,
+    mission: MissionDraft,
+) -> Vec<u8> {
+    let Ground { resolution_m, eighths } = ground;
     let drawings: Vec<Vec<&[u8]>> = layers
         .iter()
         .map(|layer| layer.split_whitespace().rev().map(str::as_bytes).collect())
         .collect();
     let (columns, rows) = (drawings[0][0].len() as u32, drawings[0].len() as u32);
-    let grid = Grid { columns, rows, resolution_m: 1.0, corner_m: [0.0, 0.0] };
+    let grid = Grid { columns, rows, resolution_m, corner_m: [0.0, 0.0] };
     let character =
         |drawing: &Vec<&[u8]>, cell: Cell| drawing[cell.row as usize][cell.column as usize];
     let goals: Vec<Cell> = (0..rows)
@@ -94,8 +115,9 @@ fn blob_with(
         .collect();
     let layer = |(index, drawing): (usize, &Vec<&[u8]>)| {
         let blocked = Bitmap::from_fn(columns, rows, |cell| character(drawing, cell) == b'#');
+        let tolls = Tolls::from_fn(columns, rows, |_| eighths);
         let packed = pack(&solve(&Query {
-            terrain: &Terrain::new(blocked),
+            terrain: &Terrain::new(blocked).with_tolls(tolls),
             goals: &goals,
             corners: Corners::Forbid,
         }));

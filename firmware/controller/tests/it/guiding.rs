@@ -1,41 +1,18 @@
 //! What [`guide`] tells the schemas: where the route leads, which goal counts, when it is reached.
 
-use crate::bench::blob;
+use crate::bench::{Ground, blob, blob_on};
 use controller::guidance::{Guidance, Progress, Target, guide};
-use maps::Bitmap;
 use math::{Vec2, vector};
-use plan_compiler::pack::pack;
-use plan_compiler::search::{Corners, Query, solve};
-use plan_compiler::terrain::Terrain;
-use plan_compiler::tolls::Tolls;
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::{Blend, Gains};
-use plan_format::{Blob, Cell, Draft, Grid, LayerDraft, Parameters, PlanDraft, write};
+use plan_format::{Blob, Cell, Parameters};
 use robot_io::Reason;
 
-/// A blob with one goal and one layer, drawn as in the bench, with cells of another size. A step
-/// out of every cell costs `eighths` of its length.
+/// A blob with one layer, drawn as in the bench, with cells of another size. A step out of every cell
+/// costs `eighths` of its length.
 fn scaled(map: &str, resolution_m: f64, eighths: u32, parameters: Parameters) -> Vec<u8> {
-    let drawing: Vec<&[u8]> = map.split_whitespace().rev().map(str::as_bytes).collect();
-    let (columns, rows) = (drawing[0].len() as u32, drawing.len() as u32);
-    let is = |character: u8| {
-        Bitmap::from_fn(columns, rows, |cell| {
-            drawing[cell.row as usize][cell.column as usize] == character
-        })
-    };
-    let goals: Vec<Cell> = is(b'G').iter().collect();
-    let tolls = Tolls::from_fn(columns, rows, |_| eighths);
-    let terrain = Terrain::new(is(b'#')).with_tolls(tolls);
-    let query = Query { terrain: &terrain, goals: &goals, corners: Corners::Forbid };
-    let packed = pack(&solve(&query));
-    let grid = Grid { columns, rows, resolution_m, corner_m: [0.0, 0.0] };
-    let plan = PlanDraft {
-        name: "goal".into(),
-        goals_m: goals.iter().map(|&goal| grid.centre(goal)).collect(),
-        layers: vec![LayerDraft { name: "layer".into(), rank: 0, packed }],
-    };
-    let mission = MissionDraft::default();
-    write(&Draft { grid, origin: None, parameters, plans: vec![plan], mission }).expect("valid")
+    let ground = Ground { resolution_m, eighths };
+    blob_on(ground, &[map], parameters, None, MissionDraft::default())
 }
 
 /// The first guidance of an armed robot at a position, with its progress.
