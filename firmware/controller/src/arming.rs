@@ -57,6 +57,11 @@ impl Arming {
         self.checks
     }
 
+    /// Whether the order to arm is given and the checks have passed since.
+    pub const fn is_armed(&self) -> bool {
+        self.is_armed
+    }
+
     /// Takes over one tick.
     pub fn update(&mut self, blob: &Blob<'_>, percepts: &Percepts, sensed: &Sensed) {
         let parameters = blob.parameters();
@@ -95,18 +100,22 @@ impl Arming {
         self.low_s >= LOW_FOR_S
     }
 
-    /// The limited commands with the reason that counts. A stop keeps its own reason, which says
-    /// more than that a check fails; `wanted` are the commands before the limits.
+    /// The limited commands with the reason that counts; until the robot is armed all outputs are
+    /// off. A stop keeps its own reason, which says more than that a check fails; `wanted` are the
+    /// commands before the limits.
     pub fn explained(&self, limited: Commands, wanted: &Commands, percepts: &Percepts) -> Commands {
+        if self.is_armed {
+            return limited;
+        }
         let moves = wanted.speed_mps != 0.0 || wanted.turn_rate_radps != 0.0;
         let reason = match limited.reason {
             Reason::Disarmed if percepts.is_link_lost => Reason::LinkLost,
             Reason::Disarmed | Reason::EmergencyStop => limited.reason,
-            Reason::Manual if !self.is_armed => Reason::NotReady,
-            _ if moves && !self.is_armed => Reason::NotReady,
+            Reason::Manual | Reason::Idle => Reason::NotReady,
+            _ if moves => Reason::NotReady,
             reason => reason,
         };
-        Commands { reason, ..limited }
+        Commands { reason, outputs: 0, ..limited }
     }
 
     /// The reason for which a robot that drives by itself must stand still.

@@ -77,16 +77,28 @@ pub enum Attraction {
 /// A robot that moves ahead has a goal this far ahead, metres: far enough never to be reached in a tick.
 const AHEAD_M: f32 = 100.0;
 
+/// What the step of a tick depends on.
+#[derive(Clone, Copy, Debug)]
+pub struct Situation<'s> {
+    /// The percepts.
+    pub percepts: &'s Percepts,
+    /// The estimate of position and heading.
+    pub sensed: &'s Sensed,
+    /// The mates of which news came.
+    pub mates: &'s [behaviour::Mate],
+    /// Whether the robot is armed: plans pause until its checks have passed.
+    pub is_armed: bool,
+}
+
 /// Advances the behaviours by one step and returns what they want. Their decisions go into
 /// the report.
 pub fn behave(
     blob: &Blob<'_>,
     behaviours: &mut Behaviours,
-    percepts: &Percepts,
-    sensed: &Sensed,
-    mates: &[behaviour::Mate],
+    situation: &Situation<'_>,
     report: &mut Report,
 ) -> Intent {
+    let &Situation { percepts, sensed, mates, is_armed } = situation;
     let parameters = blob.parameters();
     let mission = blob.mission();
     let intent = Intent {
@@ -101,7 +113,7 @@ pub fn behave(
         let target = Target { plan: parameters.plan, gains: parameters.gains };
         return Intent { errand: Errand::Follow(target), ..intent };
     }
-    if !percepts.operator.is_armed || percepts.operator.is_emergency_stop {
+    if !is_armed || percepts.operator.is_emergency_stop {
         behaviours.pause(percepts.time_us);
         return intent;
     }

@@ -275,8 +275,10 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let mut report = behaviour::Report::default();
     let position = sensed.position.ok();
     let mates = state.team.listen(&blob.parameters().team, &percepts);
-    let intent =
-        behave::behave(blob, &mut state.behaviours, &percepts, &sensed, &mates, &mut report);
+    let is_armed = state.arming.is_armed();
+    let situation =
+        behave::Situation { percepts: &percepts, sensed: &sensed, mates: &mates, is_armed };
+    let intent = behave::behave(blob, &mut state.behaviours, &situation, &mut report);
     let vehicle = intent.constrained(&blob.parameters().vehicle);
     let now = state.commanded.now(&percepts, sensed.ranges.age_s(), &vehicle);
     let points = scan::points(&percepts.ranges);
@@ -347,7 +349,7 @@ fn decide(
         return Err(Reason::ClockStopped);
     }
     let position = sensed.position?;
-    let is_armed = percepts.operator.is_armed;
+    let is_armed = state.arming.is_armed();
     let (guidance, attraction) = match intent.approach(position, behave::north_rad(blob))? {
         Approach::Straight(..) if edge::is_lost(blob, position) => return Err(Reason::OffMap),
         Approach::ByPlan(target) => {

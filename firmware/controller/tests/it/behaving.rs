@@ -134,6 +134,23 @@ fn outputs_are_off_while_the_robot_is_stopped() {
     assert_eq!(robot.tick_with(|_| {}).outputs, 8);
 }
 
+/// An order to arm does not arm the robot while a check fails: its plans wait and its outputs stay off.
+#[test]
+fn plans_and_outputs_wait_until_the_checks_have_passed() {
+    let actions = "set 3 on, hold 100, set 3 off, set 4 on, hold 60000";
+    let blob = behaving_blob(&open_field(30, 30, (25, 15)), "PS", actions);
+    let mut robot = Robot::new(Blob::parse(&blob).expect("the blob is valid"), 5.5, 15.5);
+    for tick in 0..40 {
+        let commands = robot.tick_with(|percepts| percepts.heading_rad = None);
+        assert_eq!((commands.reason, commands.outputs), (Reason::NotReady, 0), "{tick}");
+    }
+    let commands = robot.tick_with(|_| {});
+    assert_eq!((commands.reason, commands.outputs), (Reason::Holding, 8));
+    // An armed robot goes on without its heading.
+    let after = (0..4).map(|_| robot.tick_with(|percepts| percepts.heading_rad = None)).last();
+    assert_eq!(after.map(|commands| commands.outputs), Some(16));
+}
+
 /// Off the map, actions without a plan stand still like those with one, unless the mission lets the
 /// robot drive there.
 #[test]
