@@ -121,7 +121,7 @@ impl Behaviours {
                 _ => {}
             }
             self.observe(index, &input, seen);
-            let value = self.sensed_value(index, &input, seen.time_us);
+            let value = self.sensed_value(index, &input);
             self.senses.set(index, &input, value);
         }
         self.track_progress(mission, seen);
@@ -250,7 +250,7 @@ impl Behaviours {
         };
         let slot = self.senses.last.get_mut(index);
         if let (Some(slot), Some(value)) = (slot, value.filter(|value| value.is_finite())) {
-            *slot = Some((value, seen.time_us));
+            *slot = Some((value, self.now_us));
         }
     }
 
@@ -259,9 +259,9 @@ impl Behaviours {
         self.senses.values.get(index).copied().unwrap_or(0.0)
     }
 
-    fn sensed_value(&self, index: usize, input: &Input, time_us: u64) -> f32 {
+    fn sensed_value(&self, index: usize, input: &Input) -> f32 {
         match self.senses.last.get(index).copied().flatten() {
-            Some((value, at)) if !is_over(at, input.hold_ms, time_us) => value,
+            Some((value, at)) if !is_over(at, input.hold_ms, self.now_us) => value,
             _ => input.missing,
         }
     }

@@ -63,8 +63,6 @@ pub struct Situation<'s> {
     pub vehicle: &'s Vehicle,
     /// What is near.
     pub near: &'s Obstacles,
-    /// All readings as points in the robot's axes.
-    pub seen: &'s Points,
     /// The edge of the map.
     pub edge: &'s Edge<'s>,
     /// Present motion.
@@ -83,13 +81,7 @@ impl BackingOut {
     /// in the robot's axes.
     pub fn choose(&mut self, situation: &Situation<'_>, wanted: Vec2) -> Option<Twist> {
         let circle_m = slow_circle_m(situation.vehicle)?;
-        self.sees_astern |= situation.seen.iter().any(|point| point.x < -point.y.abs());
-        let may_back_out = match situation.vehicle.back_out {
-            BackOut::Never => false,
-            BackOut::Seen => self.sees_astern,
-            BackOut::Always => true,
-        };
-        if wanted == Vec2::zeros() || !may_back_out {
+        if wanted == Vec2::zeros() || !self.may_go_astern(situation.vehicle) {
             self.leg = None;
             return None;
         }
@@ -105,6 +97,21 @@ impl BackingOut {
         };
         let speed_mps = situation.vehicle.cautious_speed_mps;
         Some(Twist { speed_mps: -speed_mps, turn_rate_radps: curvature_per_m * speed_mps })
+    }
+
+    /// Takes note of whether the sensors see something astern. `seen` are all readings as points in the
+    /// robot's axes.
+    pub fn look(&mut self, seen: &Points) {
+        self.sees_astern |= seen.iter().any(|point| point.x < -point.y.abs());
+    }
+
+    /// Whether the robot may drive astern by itself.
+    pub fn may_go_astern(&self, vehicle: &Vehicle) -> bool {
+        match vehicle.back_out {
+            BackOut::Never => false,
+            BackOut::Seen => self.sees_astern,
+            BackOut::Always => true,
+        }
     }
 
     /// A new leg, if the robot cannot begin its way ahead.
@@ -226,7 +233,8 @@ mod tests {
         let readings: heapless::Vec<RangeReading, 16> = readings.iter().map(reading).collect();
         let seen = points(&readings);
         let near = Obstacles::near(&readings, &seen, 5.0, &[], 0.0);
-        backing.choose(&Situation { vehicle, near: &near, seen: &seen, edge, now: &now }, wanted)
+        backing.look(&seen);
+        backing.choose(&Situation { vehicle, near: &near, edge, now: &now }, wanted)
     }
 
     /// The same without a map.

@@ -102,7 +102,7 @@ struct Best {
 /// What the choice of a tick depends on.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation<'p> {
-    /// Time of the tick.
+    /// Time that never goes back, microseconds.
     pub time_us: u64,
     /// The destination, map metres; only compared with that of the tick before.
     pub destination: Vec2,

@@ -7,7 +7,7 @@
 //! - Ackermann: keeps some speed, because it cannot turn without;
 //! - boat: keeps at least the cautious speed, because its rudder needs flow.
 //!
-//! The last two reverse, while turning, from an obstacle close ahead.
+//! The last two reverse, while turning, from an obstacle close ahead, if they may drive astern.
 //!
 //! [`crate::limit`] applies the limits.
 
@@ -45,7 +45,8 @@ impl Twist {
     }
 }
 
-/// The twist along `blended` (the robot's axes, length 1 = base speed). `is_repelled`: the sum contains an obstacle within the margin.
+/// The twist along `blended` (the robot's axes, length 1 = base speed). `is_repelled`: the sum contains
+/// an obstacle within the margin. `may_go_astern`: see [`crate::back_out`].
 ///
 /// ```
 /// use controller::drive::drive;
@@ -53,11 +54,11 @@ impl Twist {
 /// let vehicle = plan_format::Parameters::default().vehicle;
 /// // Half a radian to the left of the heading: a turn rate of twice the error, and the base
 /// // speed of 1.6 m/s times the cosine.
-/// let twist = drive(&vehicle, vector::from_angle(0.5), false);
+/// let twist = drive(&vehicle, vector::from_angle(0.5), false, true);
 /// assert!((twist.turn_rate_radps - 1.0).abs() < 0.01);
 /// assert!((twist.speed_mps - 1.6 * 0.8776).abs() < 0.005);
 /// ```
-pub fn drive(vehicle: &Vehicle, blended: Vec2, is_repelled: bool) -> Twist {
+pub fn drive(vehicle: &Vehicle, blended: Vec2, is_repelled: bool, may_go_astern: bool) -> Twist {
     let length = vector::length(blended);
     if length == 0.0 {
         return Twist { speed_mps: 0.0, turn_rate_radps: 0.0 };
@@ -68,7 +69,7 @@ pub fn drive(vehicle: &Vehicle, blended: Vec2, is_repelled: bool) -> Twist {
     let cosine = blended.x / length;
     let speed_mps = match vehicle.steering {
         Steering::Differential => speed_mps * scalar::clamp(cosine, 0.0, 1.0),
-        _ if cosine < 0.0 && is_repelled => -speed_mps,
+        _ if cosine < 0.0 && is_repelled && may_go_astern => -speed_mps,
         Steering::Ackermann => speed_mps * scalar::clamp(cosine, MIN_SPEED_SHARE, 1.0),
         Steering::Boat => (speed_mps * cosine).max(speed_mps.min(vehicle.cautious_speed_mps)),
     };
@@ -136,10 +137,20 @@ mod tests {
         ];
         for (steering, length, angle_rad, is_repelled, speed_mps, turn_rate_radps) in table {
             let blended = vector::from_angle(angle_rad) * length;
-            let twist = drive(&vehicle(steering), blended, is_repelled);
+            let twist = drive(&vehicle(steering), blended, is_repelled, true);
             let case = (steering, length, angle_rad);
             assert!((twist.speed_mps - speed_mps).abs() < 5e-3, "{case:?}: {twist:?}");
             assert!((twist.turn_rate_radps - turn_rate_radps).abs() < 1e-2, "{case:?}: {twist:?}");
+        }
+    }
+
+    /// A car or a boat that must not drive astern turns away ahead instead, as far as the brakes let it.
+    #[test]
+    fn a_vehicle_that_must_not_drive_astern_does_not_reverse_from_an_obstacle() {
+        for (steering, speed_mps) in [(Ackermann, 0.3 * 0.3), (Boat, 0.3)] {
+            let away = vector::from_angle(2.0) * 900.0;
+            let twist = drive(&vehicle(steering), away, true, false);
+            assert!((twist.speed_mps - speed_mps).abs() < 5e-3, "{steering:?}: {twist:?}");
         }
     }
 

@@ -141,6 +141,7 @@ pub mod arming;
 pub mod back_out;
 pub mod behave;
 pub mod brake;
+mod clock;
 pub mod closing;
 mod compass;
 pub mod detour;
@@ -387,7 +388,7 @@ fn decide(
         avoid: vector::rotated(repulsion.vector, heading_rad),
         robots: team::steer(blob.parameters(), mates, position),
         past: if schema.past_gain > 0.0 {
-            state.past.repel(position, percepts.time_us, schema.past_sphere_m)
+            state.past.repel(position, sensed.passed_us, schema.past_sphere_m)
         } else {
             Vec2::zeros()
         },
@@ -402,7 +403,7 @@ fn decide(
     let ahead = vector::rotated(on_map, -heading_rad);
     let (ahead, rule) = if parameters.blend == Route {
         let situation = detour::Situation {
-            time_us: percepts.time_us,
+            time_us: sensed.passed_us,
             destination: guidance.destination,
             way_m: guidance.way_m,
             vehicle,
@@ -416,16 +417,17 @@ fn decide(
     let is_repelled = guidance.gains.reactive * schema.avoid_gain > 0.0 && repulsion.is_saturated;
     let limit_mps = guidance::speed_limit(blob, &state.progress, guidance.layer, position);
     let vehicle = limit::in_speed_zone(vehicle, limit_mps);
+    state.backing_out.look(points);
+    let may_go_astern = state.backing_out.may_go_astern(&vehicle);
     let backing = if parameters.blend == Route {
-        let situation =
-            back_out::Situation { vehicle: &vehicle, near, seen: points, edge: &edge, now };
+        let situation = back_out::Situation { vehicle: &vehicle, near, edge: &edge, now };
         state.backing_out.choose(&situation, ahead)
     } else {
         None
     };
     let (twist, rule) = match backing {
         Some(twist) => (twist, detour::Rule::BackOut),
-        None => (drive::drive(&vehicle, ahead, is_repelled), rule),
+        None => (drive::drive(&vehicle, ahead, is_repelled, may_go_astern), rule),
     };
     let twist = kept_on_map(&edge, &vehicle, now, twist)?;
     let commands = twist.because(guidance.reason);

@@ -198,6 +198,13 @@ impl Odometry {
         self.dead_s >= DEAD_S
     }
 
+    /// The robot's clock was set: nothing tells how far the robot has moved meanwhile.
+    pub(crate) fn clock_was_set(&mut self) {
+        (self.reference, self.heading_rad) = (None, None);
+        self.speed.begin();
+        self.turn.begin();
+    }
+
     fn watch_motors(
         &mut self,
         (speed, turn): (Option<f32>, Option<f32>),

@@ -120,6 +120,8 @@ const MOST_DOUBT: u8 = 16;
 pub struct RangeTrack {
     /// Time of the last tick.
     now_us: u64,
+    /// Time stamp of the last scan, as it came: none is judged twice.
+    judged_us: Option<u64>,
     /// Time of the last scan, sound or not.
     heard_us: Option<u64>,
     /// Time of the last sound scan.
@@ -188,10 +190,12 @@ impl RangeTrack {
             self.trial.end();
         }
         self.trial.advance(moved_m, turned_rad);
+        let is_new = percepts.scan_us.is_some() && percepts.scan_us != self.judged_us;
+        self.judged_us = percepts.scan_us.or(self.judged_us);
         // A time stamp from the future would never become stale.
         let scan_us = percepts.scan_us.map(|scan_us| scan_us.min(percepts.time_us));
         let step = (moved_m, turned_rad);
-        let is_sound = scan_us != self.heard_us && self.hear(percepts, scan_us, step);
+        let is_sound = is_new && self.hear(percepts, scan_us, step);
         if is_sound {
             self.sound_us = scan_us;
             (self.moved, self.is_kept) = (Moved::default(), false);
@@ -211,6 +215,13 @@ impl RangeTrack {
             }
             _ => RangeTrust::Faulty,
         }
+    }
+
+    /// The robot's clock was set back: scans keep their age.
+    pub(crate) fn clock_was_set(&mut self, before_us: u64, now_us: u64) {
+        let set = |then_us: u64| now_us.saturating_sub(before_us.saturating_sub(then_us));
+        (self.heard_us, self.sound_us) = (self.heard_us.map(set), self.sound_us.map(set));
+        self.now_us = now_us;
     }
 
     /// Replaces the readings by those of the last sound scan, as they are from where the robot is

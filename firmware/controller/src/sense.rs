@@ -20,6 +20,7 @@ use plan_format::parameters::{FixPolicy, Parameters, Steering, Vehicle};
 use robot_io::{Commands, Fix, Percepts, Pose, Reason, Receiver};
 use serde::{Deserialize, Serialize};
 
+use crate::clock::{Clock, LONGEST_STEP_US, Step};
 use crate::compass::{Compass, Evidence};
 use crate::odometry::Odometry;
 use crate::ranges::{RangeTrack, RangeTrust};
@@ -28,10 +29,6 @@ use crate::source::{Anchor, Source};
 
 /// Below this speed the course over ground does not show the heading, m/s.
 pub const COURSE_SPEED_MPS: f32 = 0.5;
-
-/// Longest time of one dead-reckoning step, microseconds. After a longer one the clock was set, or the
-/// robot has paused: only the next fix shows where it is.
-const LONGEST_STEP_US: u64 = 1_000_000;
 
 /// Measured speeds and turn rates count up to this many times the vehicle's limits, which slopes
 /// and braking exceed.
@@ -42,18 +39,6 @@ const LIMIT_MARGIN: f32 = 1.0;
 
 /// A heading that changes by more than this at once was wrong before, radians.
 const LEAP_RAD: f32 = 0.5;
-
-/// The clock stands still if it has had one time for this many ticks.
-const STANDING_TICKS: u8 = 10;
-/// Doubt for one leap of the clock back; each tick without one takes 1 away.
-const LEAP_DOUBT: u8 = 20;
-/// With this doubt the clock is wrong: it may be set now and then, not again and again.
-const CLOCK_DOUBT: u8 = 50;
-/// Doubt for a tick with the time of the last one: a clock that stands at every second tick is wrong
-/// within seconds.
-const STANDING_DOUBT: u8 = 3;
-/// A clock that goes again is trusted again once this doubt has faded to the limit above: in 5 s.
-const MOST_CLOCK_DOUBT: u8 = 150;
 
 /// The robot stops to creep after this time without a heading, seconds. At the speed of creeping a
 /// receiver gives a course after one or two.
@@ -82,6 +67,8 @@ pub struct Sensed {
     pub is_stuck: bool,
     /// Time since the last tick, seconds; at most one.
     pub elapsed_s: f32,
+    /// Sum of these times, microseconds. It never goes back, as the clock may.
+    pub passed_us: u64,
 }
 
 impl Sensed {
@@ -101,11 +88,7 @@ impl Sensed {
 /// What the estimate keeps from tick to tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Track {
-    /// Time of the last tick.
-    now_us: u64,
-    /// Ticks since the clock last advanced.
-    standing_ticks: u8,
-    clock_doubt: u8,
+    clock: Clock,
     fixes: Source,
     poses: Source,
     slip: Slip,
@@ -160,25 +143,26 @@ impl Track {
 
     /// Sets the clock. Returns the time since the last tick, seconds.
     fn advance(&mut self, now_us: u64) -> f32 {
-        if now_us < self.now_us {
-            // The clock ran backwards: earlier percepts belong to another history.
-            let (fixes, poses) = (self.fixes.restarted(), self.poses.restarted());
-            let clock_doubt = (self.clock_doubt + LEAP_DOUBT).min(MOST_CLOCK_DOUBT);
-            *self = Self { fixes, poses, now_us, clock_doubt, ..Self::default() };
-            return 0.0;
+        let before_us = self.clock.now_us();
+        match self.clock.advance(now_us) {
+            Step::Passed(elapsed_s) => elapsed_s,
+            // Only the next position shows where the robot is.
+            Step::Ahead => {
+                self.fixes.clock_was_set();
+                self.poses.clock_was_set();
+                self.odometry.clock_was_set();
+                0.0
+            }
+            // Positions of before belong to another history. What was found out about the sensors holds.
+            Step::Back => {
+                (self.fixes, self.poses) = (self.fixes.restarted(), self.poses.restarted());
+                self.slip.restart();
+                self.odometry.clock_was_set();
+                self.ranges.clock_was_set(before_us, now_us);
+                self.course_us = now_us;
+                0.0
+            }
         }
-        let stands = now_us == self.now_us;
-        self.standing_ticks = if stands { self.standing_ticks.saturating_add(1) } else { 0 };
-        let step_us = now_us.saturating_sub(self.now_us);
-        let doubt = if stands { STANDING_DOUBT } else { 0 };
-        self.clock_doubt = (self.clock_doubt + doubt).saturating_sub(1).min(MOST_CLOCK_DOUBT);
-        self.now_us = now_us;
-        if step_us > LONGEST_STEP_US {
-            self.fixes.clock_was_set();
-            self.poses.clock_was_set();
-            return 0.0;
-        }
-        step_us as u32 as f32 * 1e-6
     }
 
     /// Speed and turn rate: measured ones if [`crate::odometry`] trusts them and the vehicle can
@@ -242,7 +226,7 @@ impl Track {
             })
         };
         let estimate = self.position_m.into();
-        let Some(anchor) = self.poses.judge(next, self.now_us, estimate, policy) else {
+        let Some(anchor) = self.poses.judge(next, self.clock.now_us(), estimate, policy) else {
             return false;
         };
         self.has_pose_heading = pose.heading_rad.is_some();
@@ -274,7 +258,7 @@ impl Track {
             })
         };
         let estimate = self.position_m.into();
-        let Some(anchor) = self.fixes.judge(next, self.now_us, estimate, policy) else {
+        let Some(anchor) = self.fixes.judge(next, self.clock.now_us(), estimate, policy) else {
             return (None, false);
         };
         let velocity = fix.velocity_mmps.map(|velocity| {
@@ -285,7 +269,7 @@ impl Track {
         if let Some(speed_mps) = speed_mps {
             self.odometry.hear(speed_mps, vehicle);
         }
-        let is_stuck = !self.poses.is_fresh(self.now_us, policy)
+        let is_stuck = !self.poses.is_fresh(self.clock.now_us(), policy)
             && self.arrive(&anchor, speed_mps, Leads::Fixes);
         let course_rad = velocity.filter(|_| speed_mps.is_some_and(|mps| mps > COURSE_SPEED_MPS));
         let course_rad = course_rad.map(|velocity| {
@@ -307,7 +291,9 @@ impl Track {
         } else {
             &self.poses
         };
-        if self.fixes.is_fresh(self.now_us, policy) || self.poses.is_fresh(self.now_us, policy) {
+        if self.fixes.is_fresh(self.clock.now_us(), policy)
+            || self.poses.is_fresh(self.clock.now_us(), policy)
+        {
             Ok(self.position_m.into())
         } else if source.was_heard() {
             Err(source.refusal().unwrap_or(Reason::StaleFix))
@@ -359,7 +345,7 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
     let ranges = track.ranges.judge(percepts, &parameters.ranges, moved_m, turned_rad);
     track.carry_on(&twist);
     // Without time, nothing explains how positions change.
-    let is_timeless = track.standing_ticks > 0 && track.position_was_heard();
+    let is_timeless = track.clock.stands() && track.position_was_heard();
     let pose = percepts.pose.filter(|_| !is_timeless);
     let mut is_stuck = pose.is_some_and(|pose| track.hear_pose(&pose, &parameters.fixes));
     let mut course_rad = None;
@@ -392,10 +378,10 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
         is_heading_wrong: track.compass.is_wrong() && !gives_course(percepts),
         may_creep: track.crept_s < LONGEST_CREEP_S,
         ranges,
-        is_clock_stopped: track.standing_ticks >= STANDING_TICKS
-            || track.clock_doubt >= CLOCK_DOUBT,
+        is_clock_stopped: track.clock.is_wrong(),
         is_stuck: is_stuck || track.odometry.are_motors_dead(),
         elapsed_s,
+        passed_us: track.clock.passed_us(),
     }
 }
 
@@ -409,13 +395,13 @@ fn find_heading(
     course_rad: Option<f32>,
     policy: &FixPolicy,
 ) {
-    if track.has_pose_heading && track.poses.is_fresh(track.now_us, policy) {
+    if track.has_pose_heading && track.poses.is_fresh(track.clock.now_us(), policy) {
         return;
     }
     let expected_rad = track.heading_rad;
-    let since_us = track.now_us.saturating_sub(track.course_us).min(LONGEST_STEP_US);
+    let since_us = track.clock.now_us().saturating_sub(track.course_us).min(LONGEST_STEP_US);
     if let Some(course_rad) = course_rad {
-        track.course_us = track.now_us;
+        track.course_us = track.clock.now_us();
         track.heading_rad = Some(course_rad);
         if expected_rad.is_some_and(|rad| scalar::wrap_angle(course_rad - rad).abs() > LEAP_RAD) {
             track.slip.restart();

@@ -111,6 +111,7 @@ mod tests {
         is_clock_stopped: false,
         is_stuck: false,
         elapsed_s: 0.1,
+        passed_us: 0,
     };
 
     /// Turning and driving both count as attempts to get on, waiting does not.

@@ -38,7 +38,9 @@ impl Team {
         let mut mates = Mates::new();
         for mate in &percepts.mates {
             let Heard { news, quality } = mate.heard;
-            if policy.mates() & 1_u8.wrapping_shl(news.robot.into()) == 0 {
+            // News of the future are from before the clock was set back.
+            let is_known = policy.mates() & 1_u8.wrapping_shl(news.robot.into()) != 0;
+            if !is_known || mate.time_us > percepts.time_us {
                 continue;
             }
             let is_good = quality >= policy.min_quality;
@@ -73,8 +75,11 @@ impl Team {
         else {
             return false;
         };
+        if heard.is_some_and(|heard_us| heard_us > now_us) {
+            (*heard, *since) = (None, None);
+        }
         if is_good {
-            *heard = Some(arrived_us.min(now_us));
+            *heard = Some(arrived_us);
         }
         let silence_us = heard.map(|heard_us| now_us.saturating_sub(heard_us));
         let is_silent = silence_us.is_none_or(|silence| silence >= policy.lost_after_us.into());
@@ -170,6 +175,24 @@ mod tests {
         // Single news every 16 ticks never make a link, nor do news of a poor quality.
         assert_eq!(first(&links(200, 1.0, |tick| tick.is_multiple_of(16)), true, 0), None);
         assert_eq!(first(&links(200, 0.1, |_| true), true, 0), None);
+    }
+
+    /// After ten seconds the clock is set back by eight. The mate that is still heard is linked again
+    /// as soon as at the start, and the one that has fallen silent is not.
+    #[test]
+    fn links_begin_anew_after_the_clock_was_set_back() {
+        let mut team = Team::default();
+        let links = (0..240_u64).map(|tick| {
+            let set_us = |tick: u64| tick * 50_000 - if tick < 200 { 0 } else { 8_000_000 };
+            let heard = [arrived(set_us(tick), 1, 1.0), arrived(set_us(tick.min(199)), 2, 1.0)];
+            let (time_us, mates) = (set_us(tick), heard.into_iter().collect());
+            let mates = team.listen(&POLICY, &Percepts { time_us, mates, ..Percepts::default() });
+            [1, 2].map(|robot| mates.iter().any(|mate| mate.robot == robot && mate.is_linked))
+        });
+        let links: std::vec::Vec<_> = links.collect();
+        assert_eq!((links[199], links[200]), ([true, true], [false, false]));
+        let again = (200..240).find(|&tick| links[tick][0]);
+        assert_eq!((again, links[239]), (Some(210), [true, false]));
     }
 
     #[test]

@@ -569,6 +569,41 @@ fn a_clock_that_leaps_again_and_again_stops_the_robot() {
     }
 }
 
+/// The range finder leaps by half a metre; then the clock is set back. The readings are still wrong.
+#[test]
+fn a_clock_that_is_set_back_does_not_make_a_sensor_right_again() {
+    let blob = field(Parameters::default());
+    let (_, reasons) = drive(&blob, 200, false, |index, percepts| {
+        let off_m = if index >= 100 { 0.5 } else { 0.0 };
+        percepts.ranges = (0..6)
+            .map(|sector| RangeReading {
+                bearing_rad: sector as f32 * 0.8 - 2.0,
+                distance_m: 5.0 + off_m,
+            })
+            .collect();
+        // A part of the noise that every range finder has.
+        percepts.ranges[0].distance_m += 0.01 * (index % 3) as f32;
+        let set_back_us = if index >= 150 { 3_000_000 } else { 0 };
+        percepts.time_us -= set_back_us;
+        percepts.scan_us = Some(percepts.time_us);
+        percepts.fix = percepts.fix.map(|fix| robot_io::Fix { time_us: percepts.time_us, ..fix });
+    });
+    assert_eq!(story(reasons), [Reason::Driving, Reason::FaultyRanges]);
+}
+
+/// The last scan before the range finder falls silent has a time stamp of the future, as after a clock
+/// that was set back: it becomes too old all the same.
+#[test]
+fn a_scan_with_a_time_stamp_of_the_future_is_one_scan() {
+    let blob = field(Parameters::default());
+    let (_, reasons) = drive(&blob, 200, false, |index, percepts| {
+        let silent_from = 1_000_000 + 100 * crate::bench::TICK_US;
+        percepts.scan_us =
+            Some(if index < 100 { percepts.time_us } else { silent_from + 60_000_000 });
+    });
+    assert_eq!(story(reasons), [Reason::Driving, Reason::SilentRanges]);
+}
+
 /// From tick 60 on the odometry is off, frozen, or any number; the receiver reports the truth.
 #[test]
 fn odometry_that_contradicts_commands_and_receiver_does_not_count() {
