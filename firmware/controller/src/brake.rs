@@ -79,9 +79,15 @@ pub fn drift_m(vehicle: &Vehicle, drift_mps: f32, turn: &Twist, speed_mps: f32) 
     drift_mps * (DRIFT_S + 0.5 * stopping_s)
 }
 
+/// The fastest that the robot may be, m/s: its limit, or on a slope or after a faster action its present
+/// speed.
+fn top_mps(vehicle: &Vehicle, moving: &Moving) -> f32 {
+    vehicle.max_speed_mps.max(moving.twist.speed_mps.abs())
+}
+
 /// Readings farther away than this do not limit the speed, metres.
-pub fn within_m(vehicle: &Vehicle, age_s: f32) -> f32 {
-    let top_mps = vehicle.max_speed_mps;
+pub fn within_m(vehicle: &Vehicle, moving: &Moving) -> f32 {
+    let (top_mps, age_s) = (top_mps(vehicle, moving), moving.age_s);
     let stopping_m = vehicle.stopping_distance_m(top_mps) + top_mps * age_s;
     let fastest = Twist { speed_mps: top_mps, turn_rate_radps: vehicle.max_turn_rate_radps };
     let drift_m = drift_m(vehicle, 0.0, &fastest, top_mps);
@@ -99,9 +105,9 @@ fn stopping_s(vehicle: &Vehicle, speed_mps: f32) -> f32 {
 }
 
 /// Obstacles that move and are farther away than this do not limit the speed, metres.
-pub fn coming_m(vehicle: &Vehicle, age_s: f32) -> f32 {
-    let time_s = stopping_s(vehicle, vehicle.max_speed_mps) + age_s;
-    within_m(vehicle, age_s) + FASTEST_MPS * time_s
+pub fn coming_m(vehicle: &Vehicle, moving: &Moving) -> f32 {
+    let time_s = stopping_s(vehicle, top_mps(vehicle, moving)) + moving.age_s;
+    within_m(vehicle, moving) + FASTEST_MPS * time_s
 }
 
 /// Limits `wanted`. `ahead` are the readings nearer than [`within_m`]. `None` if obstacles leave
@@ -212,6 +218,15 @@ mod tests {
         plan_format::Parameters::default().vehicle
     }
 
+    const RESTING: Moving = Moving {
+        twist: Twist { speed_mps: 0.0, turn_rate_radps: 0.0 },
+        drift_mps: 0.0,
+        elapsed_s: 0.05,
+        age_s: 0.0,
+    };
+    /// With readings that are half a second old.
+    const LATE: Moving = Moving { age_s: 0.5, ..RESTING };
+
     fn assert_close(found: f32, expected: f32) {
         assert!((found - expected).abs() < 1e-3, "{found} instead of {expected}");
     }
@@ -220,15 +235,27 @@ mod tests {
     /// obstacle, and keeps 6.3 cm from what it passes. In the age of its readings it drives on.
     #[test]
     fn readings_count_as_far_as_the_robot_needs_to_stop() {
-        assert_close(within_m(&rover(), 0.0), 0.3 + 0.8 + 0.02 + 0.063);
-        assert_close(within_m(&rover(), 0.5), 1.183 + 0.5 * 1.6);
+        assert_close(within_m(&rover(), &RESTING), 0.3 + 0.8 + 0.02 + 0.063);
+        assert_close(within_m(&rover(), &LATE), 1.183 + 0.5 * 1.6);
         // A steady turn at 1.6 m/s and 2 rad/s drifts at 1.6 m/s. The boat stops after 0.9 s, and its
         // drift ends after as long as 0.95 s at that speed.
         let boat = Vehicle { steering: Steering::Boat, max_turn_rate_radps: 2.0, ..rover() };
-        assert_close(within_m(&boat, 0.0), 1.183 + 0.95 * 1.6);
+        assert_close(within_m(&boat, &RESTING), 1.183 + 0.95 * 1.6);
         // The body is smaller than the distance at which it stops.
         let small = Vehicle { radius_m: 0.1, stop_distance_m: 0.2, ..rover() };
-        assert_close(within_m(&small, 0.0), 0.2 + 0.8 + 0.2 + 0.063);
+        assert_close(within_m(&small, &RESTING), 0.2 + 0.8 + 0.2 + 0.063);
+    }
+
+    /// A robot that is faster than it may be, on a slope or after a faster action, needs longer to stop.
+    #[test]
+    fn readings_count_as_far_as_the_present_speed_needs() {
+        let slow = Vehicle { max_speed_mps: 0.3, ..rover() };
+        assert_close(within_m(&slow, &RESTING), 0.3 + 0.0525 + 0.02 + 0.024);
+        for speed_mps in [1.6, -1.6] {
+            let fast = Moving { twist: Twist { speed_mps, ..RESTING.twist }, ..RESTING };
+            assert_close(within_m(&slow, &fast), within_m(&rover(), &RESTING));
+            assert_close(coming_m(&slow, &fast), coming_m(&rover(), &RESTING));
+        }
     }
 
     /// The rover stands after 0.9 s; 0.3 s more count. In that time an obstacle comes 2 m/s x 1.2 s
@@ -236,8 +263,8 @@ mod tests {
     #[test]
     fn what_moves_counts_as_far_as_it_comes_meanwhile() {
         assert_close(stopping_s(&rover(), 1.6), 1.2);
-        assert_close(coming_m(&rover(), 0.0), 1.183 + 2.4);
-        assert_close(coming_m(&rover(), 0.5), 1.983 + 3.4);
+        assert_close(coming_m(&rover(), &RESTING), 1.183 + 2.4);
+        assert_close(coming_m(&rover(), &LATE), 1.983 + 3.4);
     }
 
     /// At 1.6 m/s, with brakes of 2 m/s^2, the robot has 1.5 m/s a tick later, whatever it does.

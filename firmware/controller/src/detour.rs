@@ -15,7 +15,8 @@
 //! ends a detour as soon as the wanted direction is open. A detour without progress ends after a time;
 //! the next one takes the other side and lasts twice as long, up to eight times the first. If the
 //! longest ones to either side did not help, the obstacle closes the way, as far as the robot can
-//! tell.
+//! tell. A detour also ends once there has been nothing on the obstacle's side for a whole turn: the
+//! obstacle has gone.
 //!
 //! Sources: MissionLab's swirl schema; Lumelsky and Stepanov 1987, "Path-planning strategies for a
 //! point mobile automaton", and Kamon and Rivlin 1997, DistBug, for the rules of leaving.
@@ -83,18 +84,31 @@ impl Side {
 pub struct Detours {
     /// The shortest way to the goal so far, and when; `None` before the first tick.
     best: Option<Best>,
-    /// The detour under way: its side and when it began.
-    under_way: Option<(Side, u64)>,
+    /// Time in which the robot drove, microseconds: the times below are counted by it, so that waiting
+    /// for something else does not begin a detour.
+    now_us: u64,
+    under_way: Option<UnderWay>,
     /// Side of the last detour that did not help.
     last: Option<Side>,
     /// Detours that did not help since the last progress.
     tried: u8,
 }
 
+/// A detour under way.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct UnderWay {
+    side: Side,
+    since_us: u64,
+    /// Angle that the robot has turned since there was something on the obstacle's side, radians.
+    lost_rad: f32,
+}
+
 /// The shortest way to a goal so far.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Best {
     destination_m: [f32; 2],
+    /// The layer that says how long the way is.
+    layer: Option<u8>,
     way_m: f32,
     time_us: u64,
 }
@@ -102,12 +116,16 @@ struct Best {
 /// What the choice of a tick depends on.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation<'p> {
-    /// Time that never goes back, microseconds.
-    pub time_us: u64,
+    /// Time since the last tick, seconds.
+    pub elapsed_s: f32,
+    /// Present turn rate, rad/s.
+    pub turn_rate_radps: f32,
     /// The destination, map metres; only compared with that of the tick before.
     pub destination: Vec2,
     /// Length of the way to the goal, metres.
     pub way_m: f32,
+    /// The layer that was followed; only compared with that of the tick before.
+    pub layer: Option<u8>,
     /// The vehicle.
     pub vehicle: &'p Vehicle,
     /// What is near.
@@ -138,13 +156,16 @@ impl Detours {
         let is_open = |direction: Vec2| openings.contain(direction);
         let ahead = wanted / length;
         let is_ahead_open = is_open(ahead);
+        // Adding a half rounds to the nearest microsecond.
+        self.now_us += (situation.elapsed_s * 1e6 + 0.5) as u64;
         self.advance(situation, is_ahead_open);
         let (chosen, rule) = match self.under_way {
             None if is_ahead_open => return (wanted, Rule::None),
             None => (self.swirl(situation, ahead, is_open), Rule::Swirl),
-            Some((side, _)) => {
-                let start = vector::from_angle(-side.sign() * HUG_RAD);
-                let mut around = directions(start, side);
+            Some(detour) => {
+                let start = vector::from_angle(-detour.side.sign() * HUG_RAD);
+                self.watch(detour, is_open(start), situation);
+                let mut around = directions(start, detour.side);
                 (around.find(|&direction| is_open(direction)), Rule::Detour)
             }
         };
@@ -154,29 +175,50 @@ impl Detours {
 
     /// Takes note of progress, and ends a detour that helped or lasted too long.
     fn advance(&mut self, situation: &Situation<'_>, is_ahead_open: bool) {
-        let &Situation { time_us, destination, way_m, .. } = situation;
-        let fresh = Best { destination_m: destination.into(), way_m, time_us };
+        let &Situation { destination, layer, way_m, .. } = situation;
+        let time_us = self.now_us;
+        let fresh = Best { destination_m: destination.into(), layer, way_m, time_us };
         let best = match self.best {
-            Some(best) if best.destination_m == fresh.destination_m => best,
+            Some(best) if best.destination_m == fresh.destination_m && best.layer == layer => best,
+            // Ways of different layers do not compare.
+            Some(best) if best.destination_m == fresh.destination_m => {
+                Best { layer, way_m, ..best }
+            }
             _ => {
-                *self = Self { best: Some(fresh), ..Self::default() };
+                *self = Self { now_us: time_us, best: Some(fresh), ..Self::default() };
                 return;
             }
         };
+        self.best = Some(best);
         if way_m < best.way_m - PROGRESS_M {
             let under_way = self.under_way.filter(|_| !is_ahead_open);
-            *self = Self { best: Some(fresh), under_way, ..Self::default() };
+            *self = Self { now_us: time_us, best: Some(fresh), under_way, ..Self::default() };
             return;
         }
-        let Some((side, since_us)) = self.under_way else { return };
+        let Some(detour) = self.under_way else { return };
         let limit_us = FIRST_DETOUR_US << self.tried.min(MOST_DOUBLINGS);
-        if time_us.saturating_sub(since_us) > limit_us {
-            self.under_way = None;
-            self.last = Some(side);
+        if time_us.saturating_sub(detour.since_us) > limit_us {
+            self.last = Some(detour.side);
             self.tried = self.tried.saturating_add(1);
-            // The next detour needs the same patience as the first.
-            self.best = Some(Best { time_us, ..best });
+            self.end();
         }
+    }
+
+    /// Ends a detour whose obstacle has gone: a whole turn has not shown it. The robot turns towards where
+    /// it was, as around a corner, and would turn on and on.
+    fn watch(&mut self, detour: UnderWay, is_lost: bool, situation: &Situation<'_>) {
+        let turned_rad = situation.turn_rate_radps.abs() * situation.elapsed_s;
+        let lost_rad = if is_lost { detour.lost_rad + turned_rad } else { 0.0 };
+        self.under_way = Some(UnderWay { lost_rad, ..detour });
+        if lost_rad > scalar::TAU {
+            self.end();
+        }
+    }
+
+    /// Ends a detour. The next one needs the same patience as the first.
+    fn end(&mut self) {
+        self.under_way = None;
+        self.best = self.best.map(|best| Best { time_us: self.now_us, ..best });
     }
 
     /// The open direction nearest to `ahead`, on either side. Begins a detour if there was no
@@ -198,10 +240,10 @@ impl Detours {
             }
         });
         let (direction, side) = found.next()?;
-        let best_us = self.best.map_or(situation.time_us, |best| best.time_us);
-        if situation.time_us.saturating_sub(best_us) > u64::from(situation.patience_us) {
+        let best_us = self.best.map_or(self.now_us, |best| best.time_us);
+        if self.now_us.saturating_sub(best_us) > u64::from(situation.patience_us) {
             let side = self.last.map_or(side, Side::other);
-            self.under_way = Some((side, situation.time_us));
+            self.under_way = Some(UnderWay { side, since_us: self.now_us, lost_rad: 0.0 });
         }
         Some(direction)
     }
@@ -221,4 +263,100 @@ fn directions(start: Vec2, side: Side) -> impl Iterator<Item = Vec2> {
         direction
     })
     .take(DIRECTIONS)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use crate::scan::points;
+    use plan_format::Parameters;
+    use robot_io::RangeReading;
+    use std::vec::Vec;
+
+    /// A wall across the way, closer than the body can drive up to.
+    const WALL: &[(f32, f32)] = &[(-0.5, 0.45), (0.0, 0.4), (0.5, 0.45)];
+    const TICK_S: f32 = 0.05;
+    /// The patience of these tests: 20 ticks.
+    const PATIENCE_US: u32 = 1_000_000;
+
+    /// The rule and the direction of one tick of a robot that wants to go straight ahead.
+    fn tick(
+        detours: &mut Detours,
+        readings: &[(f32, f32)],
+        layer: Option<u8>,
+        way_m: f32,
+    ) -> (Vec2, Rule) {
+        let reading = |&(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
+        let readings: Vec<RangeReading> = readings.iter().map(reading).collect();
+        let near = Obstacles::near(&readings, &points(&readings), 5.0, &[], 0.0);
+        let situation = Situation {
+            elapsed_s: TICK_S,
+            turn_rate_radps: 2.0,
+            destination: Vec2::new(9.0, 0.0),
+            way_m,
+            layer,
+            vehicle: &Parameters::default().vehicle,
+            near: &near,
+            patience_us: PATIENCE_US,
+        };
+        detours.choose(&situation, Vec2::new(1.0, 0.0))
+    }
+
+    /// The numbers of the ticks that make a detour, of so many.
+    fn detour_ticks(ticks: u32, mut at: impl FnMut(u32) -> (Vec2, Rule)) -> Vec<u32> {
+        (0..ticks).filter(|&tick| at(tick).1 == Rule::Detour).collect()
+    }
+
+    /// A robot that is held up begins a detour after its patience, along the wall.
+    #[test]
+    fn a_detour_begins_after_the_patience_and_ends_with_progress() {
+        let mut detours = Detours::default();
+        let held = detour_ticks(40, |_| tick(&mut detours, WALL, None, 5.0));
+        assert_eq!(held.first(), Some(&22));
+        let (direction, rule) = tick(&mut detours, WALL, None, 4.8);
+        assert_eq!(rule, Rule::Detour, "the way is shorter, but closed");
+        assert!(direction.x.abs() < 0.5, "along the wall: {direction:?}");
+        assert_eq!(tick(&mut detours, &[], None, 4.6).1, Rule::None);
+    }
+
+    /// Somebody stood in the way and has gone. The robot turns towards where he was, as it does around a
+    /// corner: after a whole turn, of 63 ticks at 2 rad/s, it goes on.
+    #[test]
+    fn a_detour_ends_once_its_obstacle_has_gone() {
+        // An obstacle at its side, whichever that is.
+        const BESIDE: &[(f32, f32)] = &[(-1.7, 0.4), (1.7, 0.4)];
+        let mut detours = Detours::default();
+        detour_ticks(30, |_| tick(&mut detours, WALL, None, 5.0));
+        assert_eq!(tick(&mut detours, BESIDE, None, 5.0).1, Rule::Detour);
+        let alone = detour_ticks(100, |_| tick(&mut detours, &[], None, 5.0));
+        assert_eq!(alone, (0..63).collect::<Vec<_>>());
+        // A corner that comes into sight again in time goes on being passed.
+        let mut detours = Detours::default();
+        detour_ticks(30, |_| tick(&mut detours, WALL, None, 5.0));
+        let corner = detour_ticks(100, |at| {
+            tick(&mut detours, if at % 30 == 0 { BESIDE } else { &[] }, None, 5.0)
+        });
+        assert_eq!(corner.len(), 100);
+    }
+
+    /// Ways by different layers do not compare: over the shorter one, the robot seemed to have come
+    /// close to its goal.
+    #[test]
+    fn another_layer_begins_a_new_comparison_of_ways() {
+        let mut detours = Detours::default();
+        let mut way = (0..200).map(|at| {
+            (Some(u8::from(at == 10)), if at == 10 { 30.0 } else { 50.0 - 0.2 * at as f32 })
+        });
+        let mut at = |readings: &[(f32, f32)]| {
+            let (layer, way_m) = way.next().expect("there are more");
+            tick(&mut detours, readings, layer, way_m).1
+        };
+        for _ in 0..60 {
+            assert_eq!(at(&[]), Rule::None);
+        }
+        // It has got on until now, so a wall begins no detour at once.
+        assert_eq!([at(WALL), at(WALL)], [Rule::Swirl; 2]);
+    }
 }

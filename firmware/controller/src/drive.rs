@@ -13,9 +13,9 @@
 
 use math::{Vec2, scalar, vector};
 use plan_format::parameters::{Steering, Vehicle};
-use robot_io::{Commands, Percepts, Reason, Receiver};
+use robot_io::{Commands, Percepts, Reason};
 
-use crate::sense::COURSE_SPEED_MPS;
+use crate::sense::{COURSE_SPEED_MPS, gives_course};
 
 /// Turn rate per radian of heading error, 1/s. The error halves in about a third of a second:
 /// several ticks, and slower than any vehicle's own steering.
@@ -89,11 +89,9 @@ pub fn circle_m(vehicle: &Vehicle) -> f32 {
 /// Drives straight ahead until the course over ground gives the heading. An error if the
 /// vehicle may not creep or if creeping cannot give a course.
 pub fn creep(vehicle: &Vehicle, percepts: &Percepts) -> Result<Commands, Reason> {
-    // Many receivers omit the course while they stand still.
-    let gives_course = percepts.receiver == Receiver::Sound
-        || percepts.fix.is_some_and(|fix| fix.velocity_mmps.is_some());
-    if vehicle.may_creep && gives_course && vehicle.max_speed_mps > COURSE_SPEED_MPS {
-        let twist = Twist { speed_mps: CREEP_SPEED_MPS, turn_rate_radps: 0.0 };
+    if vehicle.may_creep && gives_course(percepts) && vehicle.max_speed_mps > COURSE_SPEED_MPS {
+        let speed_mps = CREEP_SPEED_MPS.min(vehicle.max_speed_mps);
+        let twist = Twist { speed_mps, turn_rate_radps: 0.0 };
         Ok(twist.because(Reason::NoHeading))
     } else {
         Err(Reason::NoHeading)
@@ -157,7 +155,7 @@ mod tests {
     #[test]
     fn creeping_needs_permission_and_a_prospect() {
         use math::GeoPoint;
-        use robot_io::Fix;
+        use robot_io::{Fix, Receiver};
         let fix = Fix {
             time_us: 0,
             is_valid: true,

@@ -284,8 +284,8 @@ pub fn explain(blob: &Blob<'_>, state: &mut State, percepts: &Percepts) -> Expla
     let now = state.commanded.now(&percepts, sensed.ranges.age_s(), &vehicle);
     let points = scan::points(&percepts.ranges);
     state.closing.update(&percepts, &points, &now.twist, sensed.elapsed_s);
-    let within_m = brake::within_m(&vehicle, sensed.ranges.age_s());
-    let coming_m = brake::coming_m(&vehicle, sensed.ranges.age_s());
+    let within_m = brake::within_m(&vehicle, &now);
+    let coming_m = brake::coming_m(&vehicle, &now);
     let coming = state.closing.compared();
     let near = Obstacles::near(&percepts.ranges, &points, within_m, &coming, coming_m);
     let seen = Seen {
@@ -365,6 +365,8 @@ fn decide(
     if let Some(reason) = trouble.or(sensed.heading_reason()).or(state.stuck.reason(progress)) {
         return Err(reason);
     }
+    let limit_mps = guidance::speed_limit(blob, &state.progress, guidance.layer, position);
+    let vehicle = &limit::in_speed_zone(vehicle, limit_mps);
     let Some(heading_rad) = sensed.heading_rad else {
         return drive::creep(vehicle, percepts).map(|commands| (commands, None));
     };
@@ -403,9 +405,11 @@ fn decide(
     let ahead = vector::rotated(on_map, -heading_rad);
     let (ahead, rule) = if parameters.blend == Route {
         let situation = detour::Situation {
-            time_us: sensed.passed_us,
+            elapsed_s: sensed.elapsed_s,
+            turn_rate_radps: now.twist.turn_rate_radps,
             destination: guidance.destination,
             way_m: guidance.way_m,
+            layer: guidance.layer,
             vehicle,
             near,
             patience_us: schema.detour_after_us,
@@ -415,21 +419,19 @@ fn decide(
         (ahead, detour::Rule::None)
     };
     let is_repelled = guidance.gains.reactive * schema.avoid_gain > 0.0 && repulsion.is_saturated;
-    let limit_mps = guidance::speed_limit(blob, &state.progress, guidance.layer, position);
-    let vehicle = limit::in_speed_zone(vehicle, limit_mps);
     state.backing_out.look(points);
-    let may_go_astern = state.backing_out.may_go_astern(&vehicle);
+    let may_go_astern = state.backing_out.may_go_astern(vehicle);
     let backing = if parameters.blend == Route {
-        let situation = back_out::Situation { vehicle: &vehicle, near, edge: &edge, now };
+        let situation = back_out::Situation { vehicle, near, edge: &edge, now };
         state.backing_out.choose(&situation, ahead)
     } else {
         None
     };
     let (twist, rule) = match backing {
         Some(twist) => (twist, detour::Rule::BackOut),
-        None => (drive::drive(&vehicle, ahead, is_repelled, may_go_astern), rule),
+        None => (drive::drive(vehicle, ahead, is_repelled, may_go_astern), rule),
     };
-    let twist = kept_on_map(&edge, &vehicle, now, twist)?;
+    let twist = kept_on_map(&edge, vehicle, now, twist)?;
     let commands = twist.because(guidance.reason);
     Ok((commands, Some(Blend { guidance, vectors, sum, rule })))
 }

@@ -169,8 +169,8 @@ mod tests {
     /// Limits the commands of a robot that has just begun to drive them.
     fn limit(vehicle: &Vehicle, percepts: &Percepts, wanted: Commands) -> Commands {
         let seen = points(&percepts.ranges);
-        let near = Obstacles::near(&percepts.ranges, &seen, within_m(vehicle, 0.0), &[], 0.0);
         let now = Commanded::default().now(percepts, 0.0, vehicle);
+        let near = Obstacles::near(&percepts.ranges, &seen, within_m(vehicle, &now), &[], 0.0);
         super::limit(vehicle, percepts, &near, &now, wanted)
     }
 

@@ -69,7 +69,8 @@ impl Progress {
             | Reason::Disarmed
             | Reason::LinkLost
             | Reason::EmergencyStop => {
-                *self = Self::default();
+                // What the robot tried on its last way says little about the next.
+                (*self, *detours) = (Self::default(), Detours::default());
                 return;
             }
             _ => {}

@@ -3,7 +3,8 @@
 use controller::{State, tick};
 use maps::Bitmap;
 use math::{GeoPoint, Vec2, vector};
-use plan_compiler::pack::{pack, with_goals};
+use plan_compiler::layers::Limits;
+use plan_compiler::pack::{pack_with_limits, with_goals};
 use plan_compiler::search::{Corners, Query, solve};
 use plan_compiler::terrain::Terrain;
 use plan_compiler::tolls::Tolls;
@@ -75,12 +76,17 @@ fn mission_of(criticality: &str, actions: &str) -> MissionDraft {
     fixtures::mission(&mission)
 }
 
-/// The size of cells, metres, and what a step out of one costs, in eighths of its length.
+/// The size of cells, metres, what a step out of one costs, in eighths of its length, and how fast the
+/// robot may be there, m/s.
 #[derive(Clone, Copy)]
 pub(crate) struct Ground {
     pub(crate) resolution_m: f64,
     pub(crate) eighths: u32,
+    pub(crate) limit_mps: Option<f64>,
 }
+
+/// Cells of 1 m that cost their length.
+pub(crate) const PLAIN: Ground = Ground { resolution_m: 1.0, eighths: 8, limit_mps: None };
 
 fn blob_with(
     layers: &[&str],
@@ -88,8 +94,7 @@ fn blob_with(
     origin: Option<Origin>,
     mission: MissionDraft,
 ) -> Vec<u8> {
-    let ground = Ground { resolution_m: 1.0, eighths: 8 };
-    blob_on(ground, layers, parameters, origin, mission)
+    blob_on(PLAIN, layers, parameters, origin, mission)
 }
 
 /// As [`blob`], on other ground.
@@ -100,7 +105,7 @@ pub(crate) fn blob_on(
     origin: Option<Origin>,
     mission: MissionDraft,
 ) -> Vec<u8> {
-    let Ground { resolution_m, eighths } = ground;
+    let Ground { resolution_m, eighths, limit_mps } = ground;
     let drawings: Vec<Vec<&[u8]>> = layers
         .iter()
         .map(|layer| layer.split_whitespace().rev().map(str::as_bytes).collect())
@@ -116,11 +121,15 @@ pub(crate) fn blob_on(
     let layer = |(index, drawing): (usize, &Vec<&[u8]>)| {
         let blocked = Bitmap::from_fn(columns, rows, |cell| character(drawing, cell) == b'#');
         let tolls = Tolls::from_fn(columns, rows, |_| eighths);
-        let packed = pack(&solve(&Query {
+        let field = solve(&Query {
             terrain: &Terrain::new(blocked).with_tolls(tolls),
             goals: &goals,
             corners: Corners::Forbid,
-        }));
+        });
+        let mut limits = Limits::default();
+        let everywhere = Bitmap::from_fn(columns, rows, |_| true);
+        limit_mps.iter().for_each(|limit_mps| limits.lower(&everywhere, *limit_mps));
+        let packed = pack_with_limits(&field, &limits);
         let numbered: Vec<_> = (0..).zip(goals.iter().copied()).collect();
         let packed = match goals.len() {
             1 => packed,

@@ -1,17 +1,17 @@
 //! What [`guide`] tells the schemas: where the route leads, which goal counts, when it is reached.
 
-use crate::bench::{Ground, blob, blob_on};
+use crate::bench::{Ground, ORIGIN, PLAIN, Robot, blob, blob_on, open_field};
 use controller::guidance::{Guidance, Progress, Target, guide};
 use math::{Vec2, vector};
 use plan_format::mission::MissionDraft;
 use plan_format::parameters::{Blend, Gains};
 use plan_format::{Blob, Cell, Parameters};
-use robot_io::Reason;
+use robot_io::{Reason, Receiver};
 
 /// A blob with one layer, drawn as in the bench, with cells of another size. A step out of every cell
 /// costs `eighths` of its length.
 fn scaled(map: &str, resolution_m: f64, eighths: u32, parameters: Parameters) -> Vec<u8> {
-    let ground = Ground { resolution_m, eighths };
+    let ground = Ground { resolution_m, eighths, limit_mps: None };
     blob_on(ground, &[map], parameters, None, MissionDraft::default())
 }
 
@@ -194,5 +194,24 @@ fn a_robot_just_off_its_map_is_in_the_nearest_cell() {
         assert_eq!(cell(5.0 * side_m + 0.1, 2.5 * side_m), Some(Cell::new(4, 2)));
         assert_eq!(cell(2.5 * side_m, -0.1), Some(Cell::new(2, 0)));
         assert_eq!(cell(-1.0, 1.5 * side_m), None, "farther than its radius");
+    }
+}
+
+/// A robot that looks for its heading obeys the limit where it is: a slow zone allows no speed that shows
+/// a course.
+#[test]
+fn creeping_obeys_the_speed_limit() {
+    for (limit_mps, expected_mps) in [(None, 0.6), (Some(0.55), 0.55), (Some(0.3), 0.0)] {
+        let ground = Ground { limit_mps, ..PLAIN };
+        let drawing = open_field(30, 30, (25, 15));
+        let parameters = Parameters::default();
+        let bytes = blob_on(ground, &[&drawing], parameters, Some(ORIGIN), MissionDraft::default());
+        let mut robot = Robot::new(Blob::parse(&bytes).expect("the blob is valid"), 5.5, 15.5);
+        let commands = robot.tick_with(|percepts| {
+            percepts.heading_rad = None;
+            percepts.receiver = Receiver::Sound;
+        });
+        let found = (commands.reason, commands.speed_mps);
+        assert_eq!(found, (Reason::NoHeading, expected_mps), "{limit_mps:?}");
     }
 }

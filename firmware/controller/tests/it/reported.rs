@@ -1,7 +1,8 @@
 //! Cases after public reports about other autopilots and robots.
 
-use crate::bench::{ORIGIN, Robot};
+use crate::bench::{ORIGIN, Robot, ahead};
 use crate::doubt::{START, drive, field, story};
+use controller::detour::Rule;
 use controller::{State, tick};
 use math::Vec2;
 use plan_format::parameters::ArmingChecks;
@@ -125,4 +126,28 @@ fn a_position_that_stays_the_same_at_rest_is_not_frozen() {
         });
     }
     assert_eq!(robot.tick_with(|_| {}).reason, Reason::Driving);
+}
+
+/// Somebody stands before a robot that waits to be armed for a minute. Then it has its whole patience:
+/// the time of waiting begins no detour.
+#[test]
+fn waiting_for_the_operator_begins_no_detour() {
+    let mut parameters = Parameters::default();
+    parameters.schemas.detour_after_us = 1_000_000;
+    let blob = field(parameters);
+    let blob = Blob::parse(&blob).expect("the blob is valid");
+    let mut robot = Robot::new(blob, START.0, START.1);
+    let mut rules = Vec::new();
+    for index in 0..1_300 {
+        let mut percepts = robot.percepts();
+        percepts.operator.is_armed = index >= 1_200;
+        percepts.scan_us = Some(percepts.time_us);
+        percepts.ranges = [ahead(0.45)].into_iter().collect();
+        (percepts.speed_mps, percepts.turn_rate_radps) = (Some(0.0), Some(0.0));
+        let explained = controller::explain(&robot.blob, &mut robot.state, &percepts);
+        rules.push(explained.blend.map(|blend| blend.rule));
+        robot.time_us += crate::bench::TICK_US;
+    }
+    assert_eq!(rules[1_200..1_220], [Some(Rule::Swirl); 20]);
+    assert_eq!(rules[1_225], Some(Rule::Detour), "after 1 s");
 }
