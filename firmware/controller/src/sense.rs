@@ -37,6 +37,10 @@ const LIMIT_SHARE: f32 = 1.5;
 /// pushed.
 const LIMIT_MARGIN: f32 = 1.0;
 
+/// A course counts while an antenna at the robot's rim moves sideways, in a turn, by less than this share
+/// of the speed: it is wrong by half a radian at most.
+const MOST_ASIDE_SHARE: f32 = 0.5;
+
 /// A heading that changes by more than this at once was wrong before, radians.
 const LEAP_RAD: f32 = 0.5;
 
@@ -104,6 +108,8 @@ pub struct Track {
     /// Accuracy of the last good position.
     accuracy_m: f32,
     heading_rad: Option<f32>,
+    /// The last fix has a velocity.
+    has_velocity: bool,
     /// The last good pose has a heading.
     has_pose_heading: bool,
     /// Speed of the last commands.
@@ -257,25 +263,44 @@ impl Track {
                 source_ms: fix.receiver_ms,
             })
         };
-        let estimate = self.position_m.into();
-        let Some(anchor) = self.fixes.judge(next, self.clock.now_us(), estimate, policy) else {
-            return (None, false);
-        };
         let velocity = fix.velocity_mmps.map(|velocity| {
             let [east, north] = velocity.map(|mmps| mmps as f32 * 1e-3);
             frame.turned(east, north)
         });
         let speed_mps = velocity.map(vector::length);
+        // A receiver may send the velocity of a position after the position.
+        let had_velocity = core::mem::replace(&mut self.has_velocity, velocity.is_some());
+        let is_completed =
+            velocity.is_some() && !had_velocity && next.is_ok_and(|next| self.fixes.repeats(&next));
+        let estimate = self.position_m.into();
+        let mut is_stuck = false;
+        if !is_completed {
+            let Some(anchor) = self.fixes.judge(next, self.clock.now_us(), estimate, policy) else {
+                return (None, false);
+            };
+            is_stuck = !self.poses.is_fresh(self.clock.now_us(), policy)
+                && self.arrive(&anchor, speed_mps, Leads::Fixes);
+        }
         if let Some(speed_mps) = speed_mps {
             self.odometry.hear(speed_mps, vehicle);
         }
-        let is_stuck = !self.poses.is_fresh(self.clock.now_us(), policy)
-            && self.arrive(&anchor, speed_mps, Leads::Fixes);
-        let course_rad = velocity.filter(|_| speed_mps.is_some_and(|mps| mps > COURSE_SPEED_MPS));
+        // An antenna beside the middle of a robot that turns moves sideways.
+        let aside_mps = vehicle.radius_m * twist.turn_rate_radps.abs();
+        let shows_course =
+            |mps: &f32| *mps > COURSE_SPEED_MPS && aside_mps < MOST_ASIDE_SHARE * *mps;
+        let course_rad = velocity.filter(|_| speed_mps.as_ref().is_some_and(shows_course));
         let course_rad = course_rad.map(|velocity| {
             vector::angle(if twist.speed_mps < 0.0 { -velocity } else { velocity })
         });
         (course_rad, is_stuck)
+    }
+
+    /// Whether no fix was ever good, and the last one came long ago: the receiver's state says more.
+    fn has_only_heard_poor_fixes(&self, policy: &FixPolicy) -> bool {
+        self.fixes.refusal() == Some(Reason::PoorFix)
+            && !self.fixes.has_anchor()
+            && !self.poses.was_heard()
+            && !self.fixes.is_heard(self.clock.now_us(), policy)
     }
 
     fn position_was_heard(&self) -> bool {
@@ -295,6 +320,8 @@ impl Track {
             || self.poses.is_fresh(self.clock.now_us(), policy)
         {
             Ok(self.position_m.into())
+        } else if self.has_only_heard_poor_fixes(policy) {
+            Err(no_fix(receiver))
         } else if source.was_heard() {
             Err(source.refusal().unwrap_or(Reason::StaleFix))
         } else if has_frame {

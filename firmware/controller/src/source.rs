@@ -136,6 +136,21 @@ impl Source {
         self.anchor.is_some() || self.refusal.is_some()
     }
 
+    /// Whether a position was ever good.
+    pub(crate) fn has_anchor(&self) -> bool {
+        self.anchor.is_some()
+    }
+
+    /// Whether this is the last good position once more.
+    pub(crate) fn repeats(&self, next: &Anchor) -> bool {
+        self.anchor.is_some_and(|anchor| next.repeats(&anchor))
+    }
+
+    /// Whether a position, good or not, was judged within the stale time before `now_us`.
+    pub(crate) fn is_heard(&self, now_us: u64, policy: &FixPolicy) -> bool {
+        self.judged_us.is_some_and(|judged_us| !is_stale(now_us, judged_us, policy))
+    }
+
     /// Whether there is a good position that is not stale at `now_us`.
     pub(crate) fn is_fresh(&self, now_us: u64, policy: &FixPolicy) -> bool {
         self.anchor.is_some_and(|anchor| !is_stale(now_us, anchor.time_us, policy))
@@ -163,6 +178,8 @@ impl Source {
         self.anchor = judged.ok().or(self.anchor);
         if judged.is_ok() {
             self.confirmed = self.confirmed.saturating_add(1).min(PROVED_COUNT);
+        } else if self.refusal == Some(Reason::JumpedFix) && self.confirmed < PROVED_COUNT {
+            self.confirmed = 0;
         }
         judged.ok()
     }

@@ -523,7 +523,7 @@ pub const KEYS: &[Key] = &[
         "low",
         "",
         "0.0",
-        "The robot stops if its battery, the first input channel, is below this; 0 for never.",
+        "The robot stops if its battery, the first input channel, is below this; 0 for never. A battery with a threshold must be read before the robot may be armed.",
         |m, v| m.parameters.safety.battery_low = v as f32,
     ),
     number(

@@ -6,7 +6,7 @@ use controller::{State, tick};
 use math::Vec2;
 use plan_format::parameters::ArmingChecks;
 use plan_format::{Blob, Parameters};
-use robot_io::{Checks, Manual, Operator, Percepts, Reason};
+use robot_io::{Checks, Manual, Operator, Percepts, Pose, Reason};
 
 #[test]
 fn the_fence_lies_around_the_place_of_arming() {
@@ -84,6 +84,74 @@ fn the_checks_name_what_is_missing_and_gate_the_first_motion_only() {
     let armed = Operator { is_armed: true, ..Operator::default() };
     tick(&nothing, &mut state, &Percepts { operator: armed, ..Percepts::default() });
     assert_eq!(state.checks().names().collect::<Vec<_>>(), ["position", "heading", "plan"]);
+}
+
+/// What a robot that is armed inside its fence of 20 m reports while this changes from tick 100 on.
+fn fenced(mut change: impl FnMut(usize, &mut Percepts)) -> Vec<Reason> {
+    let mut parameters = Parameters::default();
+    parameters.safety.fence_radius_m = 20.0;
+    let blob = field(parameters);
+    let (_, reasons) = drive(&blob, 200, false, |index, percepts| {
+        if index >= 100 {
+            change(index, percepts);
+        }
+    });
+    story(reasons)
+}
+
+/// paparazzi 3105, betaflight 15454: a fix that cannot be used is no proof that the robot is outside. It
+/// dead-reckons, and poses take over where the fixes end.
+#[test]
+fn a_fix_that_cannot_be_used_does_not_put_the_robot_outside_its_fence() {
+    let now_and_then = |index: usize| index.is_multiple_of(4);
+    let void = fenced(|index, percepts| {
+        let fix = percepts.fix.as_mut().expect("a fix");
+        fix.is_valid = now_and_then(index);
+    });
+    assert_eq!(void, [Reason::Driving]);
+    let poor = fenced(|index, percepts| {
+        let fix = percepts.fix.as_mut().expect("a fix");
+        fix.accuracy_mm = if now_and_then(index) { 10 } else { 6_000 };
+    });
+    assert_eq!(poor, [Reason::Driving]);
+    let mut start = None;
+    let poses = fenced(|_, percepts| {
+        // The robot drives east.
+        let from = *start.get_or_insert(percepts.time_us);
+        let x_m = 16.2 + 1.6e-6 * (percepts.time_us - from) as f32;
+        percepts.pose = Some(Pose {
+            time_us: percepts.time_us,
+            position_m: [x_m, 50.0],
+            heading_rad: Some(0.0),
+            accuracy_mm: 20,
+        });
+        percepts.fix = None;
+    });
+    assert_eq!(poses, [Reason::Driving]);
+}
+
+/// A battery that has a threshold and is not read keeps the robot from being armed; readings that are
+/// missing now and then do not make up for low ones.
+#[test]
+fn a_battery_that_is_not_read_is_not_full() {
+    let mut parameters = Parameters::default();
+    parameters.safety.battery_low = 10.5;
+    let blob = field(parameters);
+    let (robot, reasons) = drive(&blob, 20, false, |_, _| {});
+    assert_eq!(story(reasons), [Reason::NotReady]);
+    assert_eq!(robot.state.checks().names().collect::<Vec<_>>(), ["battery"]);
+    let (_, reasons) = drive(&blob, 300, false, |index, percepts| {
+        let volts = if index < 100 { 11.5 } else { 10.0 };
+        percepts.inputs[0] = Some(volts).filter(|_| index % 2 == 0);
+    });
+    assert_eq!(story(reasons), [Reason::Driving, Reason::LowBattery]);
+    // Armed, it drives on without a reading; armed anew, it does not.
+    let (robot, reasons) = drive(&blob, 300, false, |index, percepts| {
+        percepts.inputs[0] = Some(11.5).filter(|_| index < 100);
+        percepts.operator.is_armed = index != 290;
+    });
+    assert_eq!(story(reasons), [Reason::Driving, Reason::Disarmed, Reason::NotReady]);
+    assert!(robot.state.checks().has(Checks::BATTERY));
 }
 
 /// By default a battery that is low when the robot is armed keeps it from driving by hand too.

@@ -111,8 +111,10 @@ fn w14_w23_every_reason_is_reached_and_defined() {
     let waits = blob(&[MAP], waits);
     let plan_only = Parameters { gains: Gains::PLAN_ONLY, ..Parameters::paper() };
     let plan_only = blob(&[MAP], plan_only);
+    let mut fenced = Parameters::default();
+    fenced.safety.fence_radius_m = 2.0;
+    let fenced = blob(&[MAP], fenced);
     let mut guarded = Parameters::default();
-    guarded.safety.fence_radius_m = 2.0;
     guarded.safety.battery_low = 10.0;
     let guarded = blob(&[MAP], guarded);
     let unknown_place = blob_at(&[MAP], Parameters::default(), None);
@@ -216,7 +218,7 @@ fn w14_w23_every_reason_is_reached_and_defined() {
         ("wheels that turn in place", &stops, START, 42, &standing, Reason::NoProgress, Stops),
         ("a frozen compass", &stops, START, 24, &turning, Reason::WrongHeading, Stops),
         ("a clock that stands", &stops, START, 12, &same_time, Reason::ClockStopped, Stops),
-        ("outside the fence", &guarded, START, 2, &moved, Reason::OutsideFence, Stops),
+        ("outside the fence", &fenced, START, 2, &moved, Reason::OutsideFence, Stops),
         ("a low battery", &guarded, START, 42, &low, Reason::LowBattery, Stops),
         ("not ready", &guarded, START, 1, &low_by_hand, Reason::NotReady, Stops),
         ("the link is lost", &stops, START, 1, &lost_link, Reason::LinkLost, Stops),

@@ -7,7 +7,7 @@ use controller::{State, tick};
 use math::Vec2;
 use plan_format::parameters::ArmingChecks;
 use plan_format::{Blob, Parameters};
-use robot_io::{Checks, Fix, Manual, Operator, Percepts, RangeReading, Reason};
+use robot_io::{Checks, Fix, Manual, Operator, Percepts, RangeReading, Reason, Receiver};
 
 /// PX4-ECL 957: a range finder once found stuck stayed so, although it worked again.
 #[test]
@@ -150,4 +150,25 @@ fn waiting_for_the_operator_begins_no_detour() {
     }
     assert_eq!(rules[1_200..1_220], [Some(Rule::Swirl); 20]);
     assert_eq!(rules[1_225], Some(Rule::Detour), "after 1 s");
+}
+
+/// DevSidus 33: a receiver that has reported that it has no fix falls silent, or its bytes become noise.
+/// Its state is the reason, not what it said before.
+#[test]
+fn the_state_of_a_receiver_without_a_good_fix_is_the_reason() {
+    for (receiver, expected) in [
+        (Receiver::NoFix, Reason::PoorFix),
+        (Receiver::Unreadable, Reason::UnreadableReceiver),
+        (Receiver::Unchecked, Reason::UncheckedReceiver),
+        (Receiver::NoPosition, Reason::NoPositionMessage),
+        (Receiver::Silent, Reason::NoFix),
+    ] {
+        let blob = field(Parameters::default());
+        let (_, reasons) = drive(&blob, 200, false, |index, percepts| {
+            let fix = percepts.fix.as_mut().expect("a fix");
+            (fix.is_valid, fix.time_us) = (false, fix.time_us.min(2_000_000));
+            percepts.receiver = if index < 60 { Receiver::NoFix } else { receiver };
+        });
+        assert_eq!((reasons[10], reasons[199]), (Reason::PoorFix, expected));
+    }
 }

@@ -91,9 +91,9 @@ fn headings_come_from_compass_then_course_then_turn_rate() {
     let table = [
         (Some(0.3), None, None, None, Some(0.3 + QUARTER)),
         (Some(0.3), Some([0, 2000]), None, None, Some(0.3 + QUARTER)),
-        (None, Some([600, 0]), None, None, Some(QUARTER)),
-        (None, Some([0, 600]), None, Some(0.1), Some(-2.0 * QUARTER)),
-        (None, Some([600, 0]), Some(-0.6), None, Some(-QUARTER)),
+        (None, Some([700, 0]), None, None, Some(QUARTER)),
+        (None, Some([0, 700]), None, Some(0.1), Some(-2.0 * QUARTER)),
+        (None, Some([700, 0]), Some(-0.6), None, Some(-QUARTER)),
         (None, Some([400, 0]), None, None, None),
         (None, Some([400, 0]), None, Some(0.1), Some(0.15)),
         (None, None, None, Some(0.1), Some(0.15)),
@@ -123,6 +123,42 @@ fn headings_come_from_compass_then_course_then_turn_rate() {
             other => panic!("{case:?}: {other:?}"),
         }
     }
+}
+
+/// fusioncore 109, ArduPilot 31376: the antenna of a robot that turns on the spot moves sideways. That is
+/// no course; the turn rate carries the heading on.
+#[test]
+fn a_turn_on_the_spot_shows_no_course() {
+    let heading = |turn_rate_radps: f32| {
+        let mut watch = Watch::new(ORIGIN);
+        watch.look(Percepts { heading_rad: Some(0.0), ..Percepts::default() });
+        let fix = Fix { velocity_mmps: Some([0, 700]), ..watch.fix(1.0, 1.0) };
+        let turn_rate_radps = Some(turn_rate_radps);
+        watch.look(Percepts { fix: Some(fix), turn_rate_radps, ..Percepts::default() }).heading_rad
+    };
+    let is_near = |heading_rad: Option<f32>, expected: f32| {
+        heading_rad.is_some_and(|heading_rad| (heading_rad - expected).abs() < 5e-3)
+    };
+    assert!(is_near(heading(1.0), QUARTER), "a wide arc");
+    assert!(is_near(heading(2.6), 2.6 * 0.05) && is_near(heading(-2.6), -2.6 * 0.05));
+}
+
+/// A receiver that sends GGA before RMC completes the position with its velocity in a later tick, with the
+/// same time. The robot has no compass.
+#[test]
+fn a_velocity_that_comes_after_its_position_gives_the_course() {
+    let mut watch = Watch::new(ORIGIN);
+    let mut look = |velocity_mmps| {
+        let receiver_ms = Some((watch.time_us / 1_000_000 * 1_000) as u32);
+        let fix = Some(Fix { velocity_mmps, receiver_ms, ..watch.fix(1.0, 1.0) });
+        watch.look(Percepts { fix, ..Percepts::default() })
+    };
+    assert_eq!(look(None).heading_rad, None);
+    let completed = look(Some([0, 700]));
+    assert!(completed.heading_rad.is_some_and(|rad| (rad - QUARTER).abs() < 5e-3));
+    assert!(near(completed.position, 1.0, 1.0));
+    // Once more with another velocity: the receiver repeats itself.
+    assert_eq!(look(Some([700, 0])).heading_rad, completed.heading_rad);
 }
 
 #[test]
