@@ -82,11 +82,9 @@ pub(crate) struct Claim {
 }
 
 impl Claim {
-    /// Whether it outranks another claim, of a behaviour with a higher index.
+    /// Whether it outranks another claim, of a behaviour with a higher index. Urgency decides how a
+    /// behaviour takes over, not from whom: from less critical ones only.
     fn outranks(&self, other: &Self) -> bool {
-        if self.is_urgent != other.is_urgent {
-            return self.is_urgent;
-        }
         // Of two equal claims, that of an engaged behaviour wins.
         self.weight > other.weight
             || self.weight == other.weight && (self.is_engaged || !other.is_engaged)

@@ -137,6 +137,19 @@ impl Behaviours {
         self.sense_facts(mission, seen);
     }
 
+    /// Evaluates what may depend on symbols that have changed since: inputs that are facts, and results
+    /// of rules.
+    pub(crate) fn sense_anew(&mut self, mission: &Mission<'_>) {
+        self.sense_inputs_of_facts(mission);
+        let wanted = mission.inputs().iter().fold(0, |wanted, input| match input.source {
+            Source::Rules(rules) => wanted | rules_bit(rules),
+            _ => wanted,
+        });
+        if wanted != 0 {
+            self.sense_results(mission, wanted);
+        }
+    }
+
     /// Evaluates the inputs that are facts.
     pub(crate) fn sense_inputs_of_facts(&mut self, mission: &Mission<'_>) {
         if !self.senses.uses_facts {

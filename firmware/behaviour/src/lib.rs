@@ -203,11 +203,15 @@ pub struct Behaviours {
     pub(crate) refused: u16,
     /// Engaged behaviours with an action that is done and waits for the same reason, one bit each.
     pub(crate) deferring: u16,
+    /// Engaged behaviours that begin nothing, since a more critical one waits, one bit each.
+    pub(crate) held_back: u16,
     pub(crate) senses: Senses,
     /// Symbols that hold, one bit each.
     pub(crate) symbols: Facts,
     /// Digital outputs, one bit each.
     pub(crate) outputs: u16,
+    /// Whether a behaviour's plan has ended in this tick.
+    pub(crate) has_finished: bool,
     /// Whether an action that drives ran after the last step.
     pub(crate) is_driving: bool,
     /// The signal that has begun in this tick, by its slot.
@@ -256,9 +260,11 @@ impl Behaviours {
             asleep: 0,
             refused: 0,
             deferring: 0,
+            held_back: 0,
             senses: Senses::default(),
             symbols,
             outputs: 0,
+            has_finished: false,
             is_driving: false,
             signal: None,
             started_us: [0; MAX_COMPONENTS],
@@ -281,7 +287,13 @@ impl Behaviours {
         self.sense(mission, seen);
         let context = &mut Context { mission, seen, report };
         self.infer_criticalities(context);
+        self.has_finished = false;
         self.watch(context);
+        if self.has_finished {
+            // A behaviour that has made itself dormant by its last step does not begin again.
+            self.sense_anew(context.mission);
+            self.infer_criticalities(context);
+        }
         self.engage(context);
         let running = self.run(context);
         report.facts = self.facts();

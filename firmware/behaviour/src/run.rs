@@ -46,7 +46,9 @@ impl Behaviours {
             is_busy |= self.advance_behaviour(index, context);
         }
         for index in behaviours_in(self.engaged & !refused) {
-            is_busy |= self.advance_behaviour(index, context);
+            if self.held_back & behaviour_bit(index) == 0 || self.is_acting(index) {
+                is_busy |= self.advance_behaviour(index, context);
+            }
         }
         for index in behaviours_in(self.engaged) {
             if let Some(owner) = self.running_owner(index) {

@@ -12,22 +12,39 @@ use plan_format::mission::{Behaviour, Condition, Mission, Symbol};
 impl Behaviours {
     /// Engages the most critical behaviours that share no resource, each as soon as the behaviours
     /// that block it can be interrupted.
+    ///
+    /// While one waits, those that were in its way and are not any more stay so: they begin nothing.
+    /// Otherwise it would wait for them again and again.
     pub(crate) fn engage(&mut self, context: &mut Context<'_>) {
-        self.plans.awaited = 0;
-        let mut taken = 0;
+        let awaited_before = core::mem::take(&mut self.plans.awaited);
+        let (mut taken, mut aside, mut wanted) = (0, 0, 0);
+        self.held_back = 0;
         // By reference: the drop of a `heapless::Vec` iterator has a panic path.
         for claim in &self.claims(context.mission) {
-            if claim.is_engaged {
+            let bit = behaviour_bit(claim.index);
+            let is_aside = aside & bit != 0 && !claim.is_urgent;
+            let waits = if claim.is_engaged {
                 taken |= claim.resources;
-                let waits = (self.refused | self.deferring) & behaviour_bit(claim.index) != 0;
+                // One whose resources are wanted is stopped at its points.
+                self.held_back |= if is_aside && wanted & claim.resources == 0 { bit } else { 0 };
                 // One that has become urgent since waits no more.
-                if waits && !claim.is_urgent {
+                let waits = (self.refused | self.deferring) & bit != 0 && !claim.is_urgent;
+                if waits {
                     taken |= self.wait_for_protecting(claim, context);
                 }
-            } else if taken & claim.resources == 0 {
+                waits
+            } else if taken & claim.resources == 0 && !is_aside {
                 self.claim_or_stand_in(claim, &mut taken, context);
+                self.engaged & bit == 0
+            } else {
+                false
+            };
+            if waits {
+                aside |= awaited_before & !self.plans.awaited;
+                wanted |= claim.resources;
             }
         }
+        self.plans.awaited |= aside;
     }
 
     /// An engaged behaviour waits for others that protect what it is about to change: at a vertex
@@ -37,6 +54,7 @@ impl Behaviours {
         let bit = behaviour_bit(claim.index);
         let Some(behaviour) = context.mission.behaviours().get(claim.index) else { return 0 };
         let protecting = self.protecting(claim.index, Effects::of(context.mission, &behaviour));
+        self.plans.awaited |= protecting;
         let is_active = self.status(claim.index).phase == Phase::Active;
         let by = behaviours_in(protecting).next();
         if let Some(by) =
@@ -83,7 +101,10 @@ impl Behaviours {
                 }
             }
         }
-        if !goes_on {
+        if goes_on {
+            // Nobody else takes what it needs meanwhile.
+            *taken |= claim.resources;
+        } else {
             for index in behaviours_in(by) {
                 let (behaviour, by) = (index as u8, claim.index as u8);
                 context.report.note(Decision::Overruled { behaviour, by });

@@ -105,10 +105,9 @@ impl Behaviours {
                 continue;
             };
             let started_us = self.started_us.get(usize::from(id)).copied().unwrap_or(0);
-            if is_reached(frame.until, self.facts()) {
-                if !self.is_deferred(owner, id, context) {
-                    self.complete(owner, id, context);
-                }
+            let is_done = is_reached(frame.until, self.facts());
+            if is_done && !self.is_deferred(owner, id, context) {
+                self.complete(owner, id, context);
             } else if frame.timeout_ms != 0 && is_over(started_us, frame.timeout_ms, self.now_us) {
                 context.report.note(Decision::TimedOut { symbol: Symbol::PlanFrame(index) });
                 self.fail(owner, id, context);
@@ -123,10 +122,9 @@ impl Behaviours {
                 continue;
             };
             let started_us = self.started_us.get(usize::from(id)).copied().unwrap_or(0);
-            if self.is_done(owner, &action, started_us, context.seen) {
-                if !self.is_deferred(owner, id, context) {
-                    self.complete(owner, id, context);
-                }
+            let is_done = self.is_done(owner, &action, started_us, context.seen);
+            if is_done && !self.is_deferred(owner, id, context) {
+                self.complete(owner, id, context);
             } else if is_over(started_us, action.timeout_ms, self.now_us) {
                 context.report.note(Decision::TimedOut { symbol: Symbol::Action(index) });
                 self.fail(owner, id, context);
@@ -267,6 +265,7 @@ impl Behaviours {
             {
                 status.rests_until_us = u64::MAX;
             }
+            self.has_finished = true;
             context.report.note(Decision::Finished { behaviour: owner });
             return;
         };

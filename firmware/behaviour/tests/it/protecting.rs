@@ -592,11 +592,12 @@ fn a_behaviour_that_waits_keeps_its_resources() {
             "long|branch\n         frame branch\n         = step spray",
             "behaviour hauler hauling; when c NB NM NS ZO PS PM PB; resources 2",
         ),
-        "a=0.3333 b=0.6667 c=0.5 x6",
+        "a=0.3333 b=0.6667 c=0.5 x7",
         "1: sprayer engaged, surveyor engaged, [wash look look look look], [long|branch], [step spray], wash & long & step
          2: look & long & step
          3: sprayer waits: surveyor excludes it, look & long
-         6: surveyor finished, surveyor engaged, [wash look look look look], wash & long & spray",
+         6: surveyor finished, long & spray
+         7: sprayer finished, sprayer engaged, surveyor engaged, [wash look look look look], [long|branch], [step spray], wash & long & step",
     );
 }
 
@@ -686,7 +687,7 @@ fn a_chain_of_behaviours_that_wait_ends_at_one_that_goes_on() {
         "1: surveyor engaged, [look look mop], look
          2: surveyor interrupted by hauler, hauler engaged, [haul], haul
          3: surveyor waits: hauler is at no point, keeper engaged, [keep keep keep keep keep], haul & keep
-         4: sprayer waits: surveyor excludes it, surveyor waits: keeper excludes it, surveyor waits: keeper excludes it, haul & keep
+         4: sprayer waits: surveyor excludes it, surveyor waits: keeper excludes it, haul & keep
          8: keeper finished, sprayer waits: surveyor excludes it, surveyor waits: hauler is at no point, rival engaged, [haul], haul & haul
          9: sprayer waits: surveyor excludes it, surveyor waits: hauler is at no point, haul & haul
          11: hauler finished, sprayer waits: surveyor excludes it, surveyor resumed, look & haul
@@ -762,5 +763,172 @@ fn a_sleeper_protects_what_must_not_hold() {
          5: opener waits: guard is at no point, look
          6: guard finished, opener engaged, [unlock], unlock
          7: opener finished, opener engaged, [unlock], unlock",
+    );
+}
+
+/// A shelter whose end violates what a beacon protects. The beacon's plan is short, and it is always
+/// critical.
+fn sheltering(beacon: &str, more: &str) -> String {
+    format!(
+        "input a
+         input b
+         input c
+         fact up set
+         action fold hold 300; deletes up
+         action ping hold 200
+         action look hold 300
+         frame shelter
+         = fold
+         frame beacon
+         {beacon}
+         frame survey
+         = look
+         behaviour sheltering shelter; when a NB NM NS ZO PS PM PB; resources 1
+         behaviour signalling beacon; when b NB NM NS ZO PS PM PB; resources 2
+         {more}"
+    )
+}
+
+/// A beacon that begins anew as soon as it has ended, in its plan or by a loop, does not keep a more
+/// critical behaviour from ending: it waits for one end, not for all.
+#[test]
+fn who_is_awaited_does_not_begin_again_before_the_one_that_waits() {
+    check(
+        &sheltering("= ping; protect up 0 1", ""),
+        "a=0 b=0.3333 c=0 x1\na=0.6667 x7",
+        "1: signalling engaged, [ping], ping
+         2: sheltering waits: signalling excludes it, ping
+         3: signalling finished, sheltering engaged, signalling engaged, [fold], [ping], fold & ping
+         4: fold & ping
+         5: signalling finished, signalling engaged, [ping], fold & ping
+         6: sheltering waits: signalling excludes it, fold & ping
+         7: sheltering waits: signalling excludes it, signalling finished, fold
+         8: sheltering finished, sheltering engaged, signalling engaged, [fold], [ping], fold & ping",
+    );
+    check(
+        &sheltering("= ping beacon; protect up 0 1", ""),
+        "a=0 b=0.3333 c=0 x1\na=0.6667 x7",
+        "1: signalling engaged, [ping beacon], ping
+         2: sheltering waits: signalling excludes it, ping
+         3: sheltering engaged, [fold], [ping beacon], fold & ping
+         4: fold & ping
+         5: [ping beacon], fold & ping
+         6: sheltering waits: signalling excludes it, fold & ping
+         7: sheltering waits: signalling excludes it, fold
+         8: sheltering finished, sheltering engaged, [fold], [ping beacon], fold & ping",
+    );
+}
+
+/// Two others are in the way, one by a resource and one by what it protects, and never end in the same
+/// tick. Each stays away once it has ended.
+#[test]
+fn two_in_the_way_need_not_end_at_once() {
+    let survey = "behaviour surveying survey; when c NB NM NS ZO PS PM PB; resources 1";
+    check(
+        &sheltering("= ping; protect up 0 1", survey),
+        "a=0 b=0.3333 c=0.5 x2\na=0.6667 x9",
+        "1: surveying engaged, signalling engaged, [ping], [look], ping & look
+         2: ping & look
+         3: signalling finished, sheltering waits: surveying is at no point, signalling engaged, [ping], ping & look
+         4: surveying finished, sheltering waits: signalling excludes it, ping
+         5: signalling finished, sheltering engaged, signalling engaged, [fold], [ping], fold & ping
+         6: fold & ping
+         7: signalling finished, signalling engaged, [ping], fold & ping
+         8: sheltering waits: signalling excludes it, fold & ping
+         9: sheltering waits: signalling excludes it, signalling finished, fold
+         10: sheltering finished, sheltering engaged, signalling engaged, [fold], [ping], fold & ping
+         11: lost its protection: up, beacon NothingApplicable, signalling failed, fold",
+    );
+}
+
+/// The same with two that go on and on: one needs the resource, one protects. And with two that protect.
+#[test]
+fn two_in_the_way_that_go_on_and_on_are_passed_too() {
+    let survey = "behaviour surveying survey; when c NB NM NS ZO PS PM PB; resources 1";
+    let endless = sheltering("= ping beacon; protect up 0 1", survey);
+    let endless = endless.replace("= look", "= look survey");
+    check(
+        &endless,
+        "a=0 b=0.3333 c=0.5 x2\na=0.6667 x11",
+        "1: surveying engaged, signalling engaged, [ping beacon], [look survey], ping & look
+         2: ping & look
+         3: sheltering waits: surveying is at no point, [ping beacon], ping & look
+         4: sheltering waits: signalling excludes it, [look survey], ping & look
+         5: sheltering waits: surveying is at no point, look
+         7: surveying interrupted by sheltering, sheltering engaged, [fold], [ping beacon], fold & ping
+         8: fold & ping
+         9: [ping beacon], fold & ping
+         10: sheltering waits: signalling excludes it, fold & ping
+         11: sheltering waits: signalling excludes it, fold
+         12: sheltering finished, sheltering engaged, [fold], [ping beacon], fold & ping
+         13: lost its protection: up, beacon NothingApplicable, signalling failed, fold");
+    let flag = "frame flag
+         = wait flag; protect up 0 1
+         action wait hold 300
+         behaviour flagging flag; when c NB NM NS ZO PS PM PB; resources 4";
+    let both = sheltering("= ping beacon; protect up 0 1", flag);
+    check(
+        &both,
+        "a=0 b=0.3333 c=0.5 x2\na=0.6667 x11",
+        "1: flagging engaged, signalling engaged, [ping beacon], [wait flag], ping & wait
+         2: ping & wait
+         3: sheltering waits: flagging excludes it, [ping beacon], ping & wait
+         4: sheltering waits: signalling excludes it, ping
+         5: sheltering engaged, [fold], [ping beacon], [wait flag], fold & ping & wait
+         6: fold & ping & wait
+         7: [ping beacon], fold & ping & wait
+         8: sheltering waits: signalling excludes it, sheltering waits: flagging excludes it, [wait flag], fold & ping & wait
+         9: sheltering waits: signalling excludes it, sheltering waits: flagging excludes it, fold & wait
+         10: sheltering waits: flagging excludes it, fold & wait
+         11: sheltering waits: flagging excludes it, fold
+         12: sheltering finished, sheltering engaged, [fold], [ping beacon], [wait flag], fold & ping & wait
+         13: lost its protection: up, lost its protection: up, beacon NothingApplicable, signalling failed, flag NothingApplicable, flagging failed, fold");
+}
+
+/// A done action whose end others forbid fails after its timeout, like any other. The beacon does not
+/// come to an end.
+#[test]
+fn an_action_that_waits_at_its_end_has_a_timeout() {
+    let endless =
+        sheltering("= ping; protect up 0 1", "").replace("ping hold 200", "ping hold 9000");
+    let endless = endless.replace("fold hold 300", "fold hold 300; timeout 600");
+    check(
+        &endless,
+        "a=0.6667 b=0 x1\nb=0.3333 x9",
+        "1: sheltering engaged, [fold], fold
+         2: signalling engaged, [ping], fold & ping
+         3: fold & ping
+         4: sheltering waits: signalling excludes it, fold & ping
+         8: sheltering waits: signalling excludes it, fold timed out, shelter NothingApplicable, sheltering failed, ping
+         9: ping",
+    );
+}
+
+/// From its unconditional threshold on a behaviour does not wait for less critical ones. A more critical
+/// one it does not interrupt, whatever that one's threshold is.
+#[test]
+fn an_urgent_behaviour_waits_for_a_more_critical_one() {
+    let mission = "
+        input a
+        input b
+        action step hold 200
+        action stride hold 300
+        frame steps
+        = step step
+        frame strides
+        = stride stride
+        behaviour low steps; when a NB NM NS ZO PS PM PB; resources 1; unconditional 0.6
+        behaviour high strides; when b NB NM NS ZO PS PM PB; resources 1
+    ";
+    check(
+        mission,
+        "a=0.6667 b=0.8333 x4\nb=0 x3\nb=0.8333 x3",
+        "1: high engaged, [stride stride], stride
+         2: stride
+         5: high stopped by low, low engaged, [step step], step
+         6: step
+         8: high waits: low is at no point, step
+         9: low finished, high resumed, stride
+         10: stride",
     );
 }
