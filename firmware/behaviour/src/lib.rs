@@ -210,8 +210,6 @@ pub struct Behaviours {
     pub(crate) symbols: Facts,
     /// Digital outputs, one bit each.
     pub(crate) outputs: u16,
-    /// Whether a behaviour's plan has ended in this tick.
-    pub(crate) has_finished: bool,
     /// Whether an action that drives ran after the last step.
     pub(crate) is_driving: bool,
     /// The signal that has begun in this tick, by its slot.
@@ -230,6 +228,8 @@ pub(crate) struct Context<'a> {
     pub(crate) mission: &'a Mission<'a>,
     pub(crate) seen: &'a Observations<'a>,
     pub(crate) report: &'a mut Report,
+    /// Whether a behaviour's plan has ended in this step.
+    pub(crate) has_finished: bool,
 }
 
 /// The live plans, and what they assume.
@@ -264,7 +264,6 @@ impl Behaviours {
             senses: Senses::default(),
             symbols,
             outputs: 0,
-            has_finished: false,
             is_driving: false,
             signal: None,
             started_us: [0; MAX_COMPONENTS],
@@ -285,11 +284,10 @@ impl Behaviours {
         self.now_us = self.now_us.saturating_add(passed_us);
         self.seen_us = Some(seen.time_us);
         self.sense(mission, seen);
-        let context = &mut Context { mission, seen, report };
+        let context = &mut Context { mission, seen, report, has_finished: false };
         self.infer_criticalities(context);
-        self.has_finished = false;
         self.watch(context);
-        if self.has_finished {
+        if context.has_finished {
             // A behaviour that has made itself dormant by its last step does not begin again.
             self.sense_anew(context.mission);
             self.infer_criticalities(context);

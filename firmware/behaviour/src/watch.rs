@@ -265,7 +265,7 @@ impl Behaviours {
             {
                 status.rests_until_us = u64::MAX;
             }
-            self.has_finished = true;
+            context.has_finished = true;
             context.report.note(Decision::Finished { behaviour: owner });
             return;
         };
