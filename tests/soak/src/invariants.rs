@@ -35,7 +35,7 @@ impl Watch {
         components_belong_to_live_plans(&state.behaviours)?;
         only_what_may_run_together_does(&mission, &state.behaviours)?;
         resources_have_one_holder(&mission, &state.behaviours)?;
-        let may_move = percepts.operator.is_armed && !percepts.operator.is_emergency_stop;
+        let may_move = state.arming.is_armed() && !percepts.operator.is_emergency_stop;
         let passed_us = percepts.time_us.saturating_sub(self.seen_us.unwrap_or(percepts.time_us));
         self.seen_us = Some(percepts.time_us);
         if may_move {

@@ -2,8 +2,9 @@
 
 use behaviour::Decision;
 use controller::{State, explain};
+use math::Vec2;
 use plan_format::Blob;
-use robot_io::{Operator, Percepts};
+use robot_io::{Fix, Operator, Percepts};
 use soak::{KINDS, fixtures, soak};
 
 #[test]
@@ -28,10 +29,22 @@ fn a_tick_full_of_actions_that_take_no_time_is_not_dead() {
     soak(1666, 1, &mut |_| {}).unwrap_or_else(|failure| panic!("{failure}"));
 }
 
-fn armed(time_us: u64, inputs: [Option<f32>; 8]) -> Percepts {
+/// What a robot perceives that passes the checks for arming.
+fn armed(blob: &Blob<'_>, time_us: u64, inputs: [Option<f32>; 8]) -> Percepts {
+    let frame = blob.map_frame().expect("the blob is on the globe");
+    let fix = Fix {
+        time_us,
+        is_valid: true,
+        place: frame.to_geodetic(Vec2::new(10.0, 10.0)),
+        accuracy_mm: 10,
+        velocity_mmps: None,
+        receiver_ms: None,
+    };
     Percepts {
         time_us,
         inputs,
+        fix: Some(fix),
+        heading_rad: Some(0.0),
         operator: Operator { is_armed: true, ..Operator::default() },
         ..Percepts::default()
     }
@@ -46,7 +59,7 @@ fn a_million_iterations_take_constant_memory() {
     let (mut iterations, mut tick) = (0_u32, 0);
     while iterations < 1_000_000 {
         tick += 1;
-        let explanation = explain(&blob, &mut state, &armed(tick * 50_000, [None; 8]));
+        let explanation = explain(&blob, &mut state, &armed(&blob, tick * 50_000, [None; 8]));
         let chosen = explanation.report.decisions.iter();
         let chosen = chosen.filter(|decision| matches!(decision, Decision::Chose { .. })).count();
         assert!(chosen > 0 && state.behaviours.components() <= 3, "tick {tick}");
@@ -68,7 +81,8 @@ fn sixteen_behaviours_starve_nobody() {
         // Eight waves of different lengths.
         let wave = |channel: u32| Some(fixtures::wave(tick * 64 / (7 + 4 * channel)));
         let inputs = [0, 1, 2, 3, 4, 5, 6, 7].map(wave);
-        let explanation = explain(&blob, &mut state, &armed(u64::from(tick) * 50_000, inputs));
+        let explanation =
+            explain(&blob, &mut state, &armed(&blob, u64::from(tick) * 50_000, inputs));
         let criticalities = explanation.report.criticalities;
         let most = criticalities.iter().copied().fold(0.0, f32::max);
         for (index, wait) in waits.iter_mut().enumerate() {
@@ -98,7 +112,7 @@ fn the_mission_of_the_budget_is_as_large_as_it_says() {
     let mut state = State::new(&blob);
     let (mut most, mut engaged) = (0, 0_u16);
     for tick in 1..=400_u32 {
-        let mut percepts = armed(u64::from(tick) * 50_000, [Some(fixtures::wave(tick)); 8]);
+        let mut percepts = armed(&blob, u64::from(tick) * 50_000, [Some(fixtures::wave(tick)); 8]);
         percepts.fix = blob.map_frame().map(|frame| robot_io::Fix {
             time_us: percepts.time_us,
             is_valid: true,
