@@ -7,16 +7,19 @@
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::fs;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use maps::formats::ReadOptions;
+use maps::problem;
 use plan_compiler::trace::Trace;
 use robot_io::{CommandRecord, Reason, SensorRecord};
 use sim::{
-    Channel, Conditions, Ending, Fault, HostPilot, Outcome, Pilot, PilotError, PlannedFault, Point,
-    Random, Recorder, Scenario, SensorSettings, Start, Stream, TICK_US,
+    Channel, Conditions, Difference, Ending, Fault, HostPilot, Outcome, Pilot, PilotError,
+    PlannedFault, Point, Random, Recorder, Scenario, SensorSettings, Start, Stream, TICK_US,
 };
 
-use crate::mission::{self, Changes};
+use crate::mission;
 use crate::setup::root;
 
 /// Time of a run that does not arrive even without a fault, seconds.
@@ -35,6 +38,9 @@ const CONFIRMED_S: f64 = 1.2;
 const FIRST_FIX_S: f64 = 0.1;
 /// Seeds of further starts, for the next draw of a start that is too close to the edge of the map.
 const NEXT_START: u64 = 1_000_003;
+
+/// The robot stops below half a charge; it has 0.9.
+const BATTERY: &str = "\n[battery]\nlow = 0.5\n";
 
 /// The maps of the table, in `tests/maps`, with the receiver of the robots there.
 const MAPS: [(&str, SensorSettings); 3] = [
@@ -134,6 +140,7 @@ pub fn rows() -> Vec<Row> {
         let offset = match channel {
             Gps => [30.0, 0.0],
             Heading => [0.7, 0.0],
+            // Below the threshold.
             Battery => [-0.5, 0.0],
             Clock => [100.0, 0.0],
             Actuators => [0.3, 0.2],
@@ -280,8 +287,7 @@ pub fn fill(
 ) -> Result<Vec<Filled>, String> {
     let mut scenarios = Vec::new();
     for (name, sensors) in MAPS {
-        let map = root().join("tests/maps").join(name);
-        scenarios.push((name, mission::scenario(&map, &Changes::default())?, sensors));
+        scenarios.push((name, scenario(name)?, sensors));
     }
     let places: Vec<(usize, u64)> = (0..scenarios.len())
         .flat_map(|map| (first_seed..first_seed + seeds).map(move |seed| (map, seed)))
@@ -303,6 +309,19 @@ pub fn fill(
     let filled = rows.iter().zip(runs.chunks(journeys.len()));
     let filled = filled.map(|(row, runs)| Filled { row: *row, runs: runs.to_vec() });
     Ok([first].into_iter().chain(filled).collect())
+}
+
+/// A map with its mission, whose robot stops when its battery is low.
+fn scenario(name: &str) -> Result<Scenario, String> {
+    let path = root().join("tests/maps").join(name);
+    let (map, problems) = maps::formats::read(&path, &ReadOptions::default());
+    let map = map.ok_or_else(|| problem::draw(&problems, false))?;
+    let mission = fs::read_to_string(path.with_extension("mission.toml"))
+        .map_err(|error| format!("the mission of {name}: {error}"))?;
+    // `map = ...` is for a mission that is given without its map.
+    let lines = mission.lines().filter(|line| !line.starts_with("map = "));
+    let mission = lines.collect::<Vec<_>>().join("\n") + BATTERY;
+    mission::of_map(&map, &mission, &Difference::default(), 0)
 }
 
 impl<'m> Journey<'m> {
@@ -449,7 +468,7 @@ impl<P: Pilot> Pilot for Watched<'_, P> {
 /// The trace of a run, for `plan-compiler explain`. The error is a message for the user.
 pub fn record(row: &Row, case: &Case) -> Result<Trace, String> {
     let (map, sensors) = MAPS.into_iter().find(|(map, _)| *map == case.map).ok_or("no such map")?;
-    let scenario = mission::scenario(&root().join("tests/maps").join(map), &Changes::default())?;
+    let scenario = scenario(map)?;
     let journey = Journey::new(map, &scenario, sensors, case.seed)?;
     let faults = if *row == Row::WITHOUT { Vec::new() } else { vec![journey.planned(row).0] };
     let (scenario, start) = journey.prepared(faults)?;

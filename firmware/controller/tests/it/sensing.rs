@@ -1,6 +1,6 @@
 //! Position and heading from the sensors, and how long they count.
 
-use crate::bench::{ORIGIN, TICK_US, blob_at, open_field};
+use crate::bench::{ORIGIN, TICK_US, armed, blob_at, open_field};
 use controller::sense::{Sensed, Track, sense};
 use math::{Vec2, scalar};
 use plan_format::{Blob, Origin, Parameters};
@@ -159,6 +159,30 @@ fn a_velocity_that_comes_after_its_position_gives_the_course() {
     assert!(near(completed.position, 1.0, 1.0));
     // Once more with another velocity: the receiver repeats itself.
     assert_eq!(look(Some([700, 0])).heading_rad, completed.heading_rad);
+}
+
+/// Five good positions in a row prove where the robot is; five among others that jump do not. Then the
+/// other place is believed once it has been consistent for ten seconds.
+#[test]
+fn positions_between_jumps_do_not_prove_the_first_place() {
+    for (before, is_proved) in [(6, true), (0, false)] {
+        let mut watch = Watch::new(ORIGIN);
+        let mut last = |x: f32, count: u32| {
+            let look = |_: u32| {
+                watch.time_us += 200_000;
+                let fix = Some(watch.fix(x, 0.0));
+                watch.look(Percepts { fix, operator: armed(), ..Percepts::default() }).position
+            };
+            (0..count).map(look).last()
+        };
+        last(0.0, before);
+        for _ in 0..6 {
+            last(0.0, 1);
+            last(100.0, 1);
+        }
+        let other = last(100.0, 60).expect("there are positions");
+        assert_eq!(near(other, 100.0, 0.0), !is_proved, "{before}: {other:?}");
+    }
 }
 
 #[test]
