@@ -102,7 +102,7 @@ impl Behaviours {
             }
         }
         if goes_on {
-            // Nobody else takes what it needs meanwhile.
+            // No other one takes what it needs meanwhile.
             *taken |= claim.resources;
         } else {
             for index in behaviours_in(by) {

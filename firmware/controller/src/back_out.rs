@@ -22,10 +22,11 @@ use plan_format::parameters::{BackOut, Steering, Vehicle};
 use robot_io::{Commands, Reason};
 use serde::{Deserialize, Serialize};
 
+use crate::arc::{Arc, Body};
 use crate::brake::{Moving, drift_m};
 use crate::drive::{Twist, circle_m};
 use crate::edge::Edge;
-use crate::obstacles::{Arc, Body, Kind, Obstacles};
+use crate::obstacles::{Kind, Obstacles};
 use crate::scan::Points;
 
 /// Least distance from what the body passes, metres. A little more than the brakes keep.

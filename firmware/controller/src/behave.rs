@@ -84,7 +84,7 @@ pub struct Situation<'s> {
     pub percepts: &'s Percepts,
     /// The estimate of position and heading.
     pub sensed: &'s Sensed,
-    /// The mates of which news came.
+    /// The mates that are heard.
     pub mates: &'s [behaviour::Mate],
     /// Whether the robot is armed: plans pause until its checks have passed.
     pub is_armed: bool,

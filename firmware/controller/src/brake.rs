@@ -21,9 +21,10 @@
 use math::scalar;
 use plan_format::parameters::{Steering, Vehicle};
 
+use crate::arc::{Arc, Body};
 use crate::closing::FASTEST_MPS;
 use crate::drive::{Twist, circle_m};
-use crate::obstacles::{Arc, Body, Kind, Obstacles};
+use crate::obstacles::{Kind, Obstacles};
 
 /// Speeds tried in one tick. Each try halves the interval that holds the highest safe speed.
 const TRIES: usize = 4;

@@ -26,8 +26,9 @@ use math::{Vec2, scalar, vector};
 use plan_format::parameters::Vehicle;
 use serde::{Deserialize, Serialize};
 
+use crate::arc::Body;
 use crate::drive::circle_m;
-use crate::obstacles::{Body, Obstacles};
+use crate::obstacles::Obstacles;
 
 /// Directions that are tried around the robot.
 const DIRECTIONS: usize = 24;
@@ -304,7 +305,7 @@ mod tests {
         detours.choose(&situation, Vec2::new(1.0, 0.0))
     }
 
-    /// The numbers of the ticks that make a detour, of so many.
+    /// The numbers of the ticks that make a detour, of the first `ticks`.
     fn detour_ticks(ticks: u32, mut at: impl FnMut(u32) -> (Vec2, Rule)) -> Vec<u32> {
         (0..ticks).filter(|&tick| at(tick).1 == Rule::Detour).collect()
     }

@@ -137,6 +137,7 @@
 //! receivers and IMUs bring their own, and the tick uses a good fix unchanged.
 #![no_std]
 
+pub mod arc;
 pub mod arming;
 pub mod back_out;
 pub mod behave;
@@ -149,6 +150,7 @@ pub mod drive;
 pub mod edge;
 pub mod guidance;
 mod late;
+mod leap;
 pub mod limit;
 pub mod obstacles;
 mod odometry;
@@ -167,7 +169,7 @@ use edge::Edge;
 use math::{Vec2, vector};
 use obstacles::Obstacles;
 use plan_format::Blob;
-use plan_format::parameters::Vehicle;
+use plan_format::parameters::{Parameters, Vehicle};
 use robot_io::{Checks, Commands, Percepts, Reason};
 use schemas::{Noise, Past, Vectors};
 
@@ -342,10 +344,8 @@ fn decide(
     seen: &Seen<'_>,
     intent: &Intent,
 ) -> Result<(Commands, Option<Blend>), Reason> {
-    use plan_format::parameters::Blend::{Paper, Route};
-    let &Seen { percepts, sensed, points, near, now, mates } = seen;
+    let &Seen { percepts, sensed, .. } = seen;
     let parameters = blob.parameters();
-    let schema = &parameters.schemas;
     if sensed.is_clock_stopped {
         return Err(Reason::ClockStopped);
     }
@@ -360,9 +360,8 @@ fn decide(
         }
         Approach::Straight(guidance, attraction) => (guidance, attraction),
     };
-    let progress = &parameters.progress;
-    let trouble = state.arming.reason().or(sensed.ranges.reason());
-    if let Some(reason) = trouble.or(sensed.heading_reason()).or(state.stuck.reason(progress)) {
+    let trouble = state.arming.reason().or(sensed.ranges.reason()).or(sensed.heading_reason());
+    if let Some(reason) = trouble.or(state.stuck.reason(&parameters.progress)) {
         return Err(reason);
     }
     let limit_mps = guidance::speed_limit(blob, &state.progress, guidance.layer, position);
@@ -370,16 +369,43 @@ fn decide(
     let Some(heading_rad) = sensed.heading_rad else {
         return drive::creep(vehicle, percepts).map(|commands| (commands, None));
     };
+    let edge = &Edge::around(blob, position, heading_rad);
+    let aim = Aim { vehicle, position, heading_rad, guidance, attraction, edge };
+    let (vectors, is_repelled) = perceive(parameters, state, seen, &aim);
+    let sum = schemas::blend(&guidance.gains, &parameters.schemas, &vectors);
+    let (twist, rule) = steer(parameters, state, seen, &aim, sum, is_repelled)?;
+    Ok((twist.because(guidance.reason), Some(Blend { guidance, vectors, sum, rule })))
+}
 
+/// Where the robot is and where it is to go, once nothing stops it.
+struct Aim<'a> {
+    /// The vehicle, with the limits that hold here.
+    vehicle: &'a Vehicle,
+    position: Vec2,
+    heading_rad: f32,
+    guidance: guidance::Guidance,
+    attraction: Attraction,
+    edge: &'a Edge<'a>,
+}
+
+/// The vectors of the schemas, map axes, and whether an obstacle is within the margin.
+fn perceive(
+    parameters: &Parameters,
+    state: &mut State,
+    seen: &Seen<'_>,
+    aim: &Aim<'_>,
+) -> (Vectors, bool) {
+    use plan_format::parameters::Blend::Paper;
+    let (schema, guidance, position) = (&parameters.schemas, &aim.guidance, aim.position);
     let repulsion = schemas::avoid_static_obstacle(
-        &percepts.ranges,
-        vehicle.radius_m,
+        &seen.percepts.ranges,
+        aim.vehicle.radius_m,
         schema.avoid_margin_m,
         schema.avoid_sphere_m,
     );
     let goal_attracts = parameters.blend == Paper || guidance.step.is_none();
     let vectors = Vectors {
-        goal: match attraction {
+        goal: match aim.attraction {
             _ if !goal_attracts => Vec2::zeros(),
             Attraction::Goal => {
                 schemas::move_to_goal(position, guidance.goal, schema.goal_tolerance_m)
@@ -387,23 +413,37 @@ fn decide(
             Attraction::Ahead(direction_rad) => schemas::move_ahead(direction_rad),
             Attraction::Dock(dock) => schemas::docking(position, &dock),
         },
-        avoid: vector::rotated(repulsion.vector, heading_rad),
-        robots: team::steer(blob.parameters(), mates, position),
+        avoid: vector::rotated(repulsion.vector, aim.heading_rad),
+        robots: team::steer(parameters, seen.mates, position),
         past: if schema.past_gain > 0.0 {
-            state.past.repel(position, sensed.passed_us, schema.past_sphere_m)
+            state.past.repel(position, seen.sensed.passed_us, schema.past_sphere_m)
         } else {
             Vec2::zeros()
         },
         advice: guidance.ahead,
         noise: state.noise.next(schema.noise_persistence_ticks),
     };
-    let sum = schemas::blend(&guidance.gains, schema, &vectors);
-    // The paper's mixes are left as they are, except off the map.
-    let edge = Edge::around(blob, position, heading_rad);
-    let is_led = parameters.blend == Route || edge.is_beyond();
-    let on_map = if is_led { edge.along(vehicle, sum) } else { sum };
-    let ahead = vector::rotated(on_map, -heading_rad);
-    let (ahead, rule) = if parameters.blend == Route {
+    let counts = guidance.gains.reactive * schema.avoid_gain > 0.0;
+    (vectors, counts && repulsion.is_saturated)
+}
+
+/// The twist along the sum of the vectors, and the rule that turned it. The paper's mixes are left as
+/// they are, except off the map. The error is the reason to stand still.
+fn steer(
+    parameters: &Parameters,
+    state: &mut State,
+    seen: &Seen<'_>,
+    aim: &Aim<'_>,
+    sum: Vec2,
+    is_repelled: bool,
+) -> Result<(Twist, detour::Rule), Reason> {
+    use plan_format::parameters::Blend::Route;
+    let &Seen { sensed, points, near, now, .. } = seen;
+    let &Aim { vehicle, edge, ref guidance, .. } = aim;
+    let is_led = parameters.blend == Route;
+    let on_map = if is_led || edge.is_beyond() { edge.along(vehicle, sum) } else { sum };
+    let ahead = vector::rotated(on_map, -aim.heading_rad);
+    let (ahead, rule) = if is_led {
         let situation = detour::Situation {
             elapsed_s: sensed.elapsed_s,
             turn_rate_radps: now.twist.turn_rate_radps,
@@ -412,26 +452,19 @@ fn decide(
             layer: guidance.layer,
             vehicle,
             near,
-            patience_us: schema.detour_after_us,
+            patience_us: parameters.schemas.detour_after_us,
         };
         state.detours.choose(&situation, ahead)
     } else {
         (ahead, detour::Rule::None)
     };
-    let is_repelled = guidance.gains.reactive * schema.avoid_gain > 0.0 && repulsion.is_saturated;
     state.backing_out.look(points);
     let may_go_astern = state.backing_out.may_go_astern(vehicle);
-    let backing = if parameters.blend == Route {
-        let situation = back_out::Situation { vehicle, near, edge: &edge, now };
-        state.backing_out.choose(&situation, ahead)
-    } else {
-        None
-    };
+    let situation = back_out::Situation { vehicle, near, edge, now };
+    let backing = if is_led { state.backing_out.choose(&situation, ahead) } else { None };
     let (twist, rule) = match backing {
         Some(twist) => (twist, detour::Rule::BackOut),
         None => (drive::drive(vehicle, ahead, is_repelled, may_go_astern), rule),
     };
-    let twist = kept_on_map(&edge, vehicle, now, twist)?;
-    let commands = twist.because(guidance.reason);
-    Ok((commands, Some(Blend { guidance, vectors, sum, rule })))
+    Ok((kept_on_map(edge, vehicle, now, twist)?, rule))
 }

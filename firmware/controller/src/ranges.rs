@@ -23,11 +23,12 @@
 
 use plan_format::parameters::RangePolicy;
 use robot_io::limits::MAX_RANGES;
-use robot_io::{Percepts, RangeReading, Reason};
+use robot_io::{Percepts, Reason};
 use serde::{Deserialize, Serialize};
 
 use crate::late::{Trial, Verdict};
-use crate::scan::{Moved, Scan, sector};
+use crate::leap::{self, Differences};
+use crate::scan::{Moved, Scan};
 
 /// How far the range readings can be trusted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -81,21 +82,6 @@ const STANDS_RAD: f32 = 0.01;
 /// Repetitions in a row that a range finder with noise does not show by chance.
 const REPEATED_COUNT: u8 = 3;
 
-/// A leap counts if this many readings leap in one direction, if they are half of all, and if
-/// none stays as it is.
-const LEAP_COUNT: u8 = 4;
-/// It also counts if this many leap alike, if they are a third of all, and if a third of them at
-/// most stay as they are.
-const LEAP_SHARE: u8 = 3;
-const LEAP_MAJORITY: u8 = 3;
-/// Leaps are alike if they differ by less than this, metres: noise, and what the robot has moved.
-const LEAP_ALIKE_M: f32 = 0.12;
-/// A reading leaps if it changes by more than this, metres.
-const LEAP_M: f32 = 0.25;
-/// It may change by this much more for each metre that the robot has moved.
-const LEAP_PER_M: f32 = 1.0;
-/// It may change by this much more for each second: obstacles move, m/s.
-const LEAP_MPS: f32 = 1.0;
 /// Leaps are looked for between scans while the robot moves by less than this, metres.
 const LEAP_WITHIN_M: f32 = 0.12;
 /// It must turn by less than this, radians: then each reading still shows the same obstacle.
@@ -107,9 +93,6 @@ const BACK_M: f32 = 0.2;
 const GAP_US: u64 = 400_000;
 /// After a longer time the clock was set, microseconds.
 const LONGEST_GAP_US: u64 = 5_000_000;
-/// Readings that differ by less than this are as before, metres.
-const SAME_M: f32 = 0.12;
-
 /// Doubt for a garbled scan; a sound scan with readings takes 1 away.
 const GARBLED_DOUBT: u8 = 2;
 /// With this doubt the range finder is faulty, until the doubt is 0.
@@ -149,22 +132,6 @@ pub struct RangeTrack {
     is_late: bool,
     doubt: u8,
     is_doubted: bool,
-}
-
-/// How the readings of a scan differ from those of the last one.
-#[derive(Clone, Copy, Debug, Default)]
-struct Differences {
-    count: u8,
-    /// Readings that have grown by more than the limit, and by how much together, metres.
-    grown: u8,
-    grown_m: f32,
-    shrunk: u8,
-    shrunk_m: f32,
-    /// Readings that show no difference.
-    same: u8,
-    is_repeated: bool,
-    /// The leap that enough readings have in common, metres; 0 if there is none.
-    common_m: f32,
 }
 
 impl RangeTrack {
@@ -261,8 +228,9 @@ impl RangeTrack {
         let has_leapt = percepts.time_us.saturating_sub(self.now_us) >= GAP_US;
         let is_after_gap = (GAP_US..LONGEST_GAP_US).contains(&elapsed_us) && !has_leapt;
         let elapsed_s = elapsed_us.min(GAP_US) as u32 as f32 * 1e-6;
-        let most_m = LEAP_M + LEAP_PER_M * self.since_m + LEAP_MPS * elapsed_s;
-        let differences = self.compared(&percepts.ranges, most_m);
+        let most_m = leap::most_m(self.since_m, elapsed_s);
+        let differences =
+            Differences::between(&self.heard, &mut self.by_sector_m, percepts, most_m);
         self.watch_repetitions(&differences);
         if !is_garbled && self.since_m < LEAP_WITHIN_M && self.since_rad.abs() < LEAP_WITHIN_RAD {
             self.leapt_m += differences.leap_m();
@@ -292,32 +260,6 @@ impl RangeTrack {
         is_sound
     }
 
-    /// Compares the readings with those of the last scan, sector by sector.
-    fn compared(&mut self, readings: &[RangeReading], most_m: f32) -> Differences {
-        let last_m = core::mem::take(&mut self.by_sector_m);
-        let is_repeated = readings.len() == self.heard.readings().len();
-        let mut differences = Differences { is_repeated, ..Differences::default() };
-        for now in readings {
-            let sector = sector(now.bearing_rad);
-            let (Some(kept_m), Some(&before_m)) =
-                (self.by_sector_m.get_mut(sector), last_m.get(sector))
-            else {
-                continue;
-            };
-            *kept_m = now.distance_m;
-            let by_m = now.distance_m - before_m;
-            differences.is_repeated &= by_m == 0.0;
-            if before_m > 0.0 {
-                differences.add(by_m, most_m);
-            }
-        }
-        if differences.may_be_alike() {
-            let changes_m = changes_m(&last_m, &self.by_sector_m);
-            differences.common_m = differences.common_m(&changes_m, most_m);
-        }
-        differences
-    }
-
     fn watch_repetitions(&mut self, differences: &Differences) {
         // A robot that stands for it seems to turn to and fro, by the noise of its gyroscope.
         if !self.is_frozen() {
@@ -334,65 +276,6 @@ impl RangeTrack {
     }
 }
 
-/// By how much the distance of each sector has changed, metres; 0 where that is unknown.
-#[inline(never)]
-fn changes_m(before_m: &[f32; MAX_RANGES], now_m: &[f32; MAX_RANGES]) -> [f32; MAX_RANGES] {
-    let mut changes_m = [0.0; MAX_RANGES];
-    for (change_m, (before_m, now_m)) in changes_m.iter_mut().zip(before_m.iter().zip(now_m)) {
-        if *before_m > 0.0 && *now_m > 0.0 {
-            *change_m = now_m - before_m;
-        }
-    }
-    changes_m
-}
-
-impl Differences {
-    /// Adds a reading that has changed by `by_m`.
-    fn add(&mut self, by_m: f32, most_m: f32) {
-        self.count += 1;
-        if by_m > most_m {
-            self.grown += 1;
-            self.grown_m += by_m;
-        } else if by_m < -most_m {
-            self.shrunk += 1;
-            self.shrunk_m += by_m;
-        } else if by_m.abs() < SAME_M {
-            self.same += 1;
-        }
-    }
-
-    /// Whether so few readings stay as they are that others may have leapt alike.
-    const fn may_be_alike(&self) -> bool {
-        let changed = if self.grown > self.shrunk { self.grown } else { self.shrunk };
-        changed >= LEAP_COUNT && changed >= LEAP_MAJORITY * self.same
-    }
-
-    /// The leap of more than `most_m` that enough of these changes have in common, metres.
-    fn common_m(&self, changes_m: &[f32; MAX_RANGES], most_m: f32) -> f32 {
-        let alike = |middle_m: f32| {
-            let is_alike = |change_m: &&f32| (**change_m - middle_m).abs() < LEAP_ALIKE_M;
-            changes_m.iter().filter(is_alike).count() as u8
-        };
-        let leaps_m = changes_m.iter().filter(|change_m| change_m.abs() > most_m);
-        let common = leaps_m.map(|change_m| (alike(*change_m), *change_m));
-        let (count, common_m) = common.max_by_key(|(count, _)| *count).unwrap_or_default();
-        let is_enough = count >= LEAP_COUNT && LEAP_SHARE * count >= self.count;
-        if is_enough && count >= LEAP_MAJORITY * self.same { common_m } else { 0.0 }
-    }
-
-    /// By how much the readings have leapt in one direction, metres; 0 if they have not.
-    fn leap_m(&self) -> f32 {
-        let are_most = |count: u8| count >= LEAP_COUNT && 2 * count >= self.count && self.same == 0;
-        if are_most(self.grown) {
-            self.grown_m / f32::from(self.grown)
-        } else if are_most(self.shrunk) {
-            self.shrunk_m / f32::from(self.shrunk)
-        } else {
-            self.common_m
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     extern crate std;
@@ -400,6 +283,7 @@ mod tests {
     use super::*;
     use plan_format::Parameters;
     use robot_io::Operator;
+    use robot_io::RangeReading;
     use std::vec::Vec;
 
     /// What an armed robot perceives that has got a scan of these bearings and distances.

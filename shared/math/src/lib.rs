@@ -37,4 +37,4 @@ pub mod vector;
 
 pub use geodetic::{GeoPoint, MapFrame};
 pub use grid::{Cell, Direction, Grid};
-pub use vector::{Pose, Vec2};
+pub use vector::Vec2;

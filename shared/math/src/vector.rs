@@ -1,18 +1,9 @@
-//! Plane vectors (metres or unit-free, x east, y north) and poses.
+//! Plane vectors (metres or unit-free, x east, y north).
 
 use crate::scalar;
 
 /// A vector in the map's axes.
 pub type Vec2 = nalgebra::Vector2<f32>;
-
-/// Position and heading on the map.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
-    /// Position in metres, x east, y north.
-    pub position: Vec2,
-    /// Heading in radians counter-clockwise from east, in [-pi, pi).
-    pub heading_rad: f32,
-}
 
 /// Euclidean length.
 pub fn length(v: Vec2) -> f32 {

@@ -26,7 +26,7 @@ fn w27_the_glebe_is_mown_as_its_mission_drives() {
     let (outcome, story, _) = record_with(&scenario, scenario.sensors());
     assert_eq!((outcome.ending, outcome.touches), (Some(Ending::Done), 0), "{outcome:?}");
     let refuelled = story.turns.iter().filter(|turn| turn.interrupted_at_once == Some(false));
-    assert!(refuelled.count() >= 2, "a tank is enough for half of the field");
+    assert!(refuelled.count() >= 1, "a tank is not enough for the whole field");
 
     let mut problems = Vec::new();
     let project = load(Request { path, ..Request::default() }, &mut problems).expect("a project");

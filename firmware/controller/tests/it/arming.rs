@@ -99,7 +99,7 @@ fn fenced(mut change: impl FnMut(usize, &mut Percepts)) -> Vec<Reason> {
     story(reasons)
 }
 
-/// paparazzi 3105, betaflight 15454: a fix that cannot be used is no proof that the robot is outside. It
+/// paparazzi 3105, betaflight 15454: a fix that cannot be used does not prove that the robot is outside. It
 /// dead-reckons, and poses take over where the fixes end.
 #[test]
 fn a_fix_that_cannot_be_used_does_not_put_the_robot_outside_its_fence() {

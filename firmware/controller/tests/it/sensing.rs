@@ -126,7 +126,7 @@ fn headings_come_from_compass_then_course_then_turn_rate() {
 }
 
 /// fusioncore 109, ArduPilot 31376: the antenna of a robot that turns on the spot moves sideways. That is
-/// no course; the turn rate carries the heading on.
+/// not its course; the turn rate carries the heading on.
 #[test]
 fn a_turn_on_the_spot_shows_no_course() {
     let heading = |turn_rate_radps: f32| {
