@@ -1,9 +1,9 @@
 //! The mission file: what a map cannot say.
 //!
-//! `NAME.mission.toml` lies beside the map `NAME.opar` or `NAME.ovl`. It names goals, adds areas to
-//! layers and sets the robot's parameters. [`keys::KEYS`] and `MISSION.md` list every key. Reading
-//! never stops at the first mistake. An unknown key is a mistake: a misspelt limit must not silently
-//! keep its default.
+//! `NAME.mission.toml` lies beside a map of any format, such as `NAME.ovl` or `NAME.osm`. It names
+//! goals, adds areas to layers and sets the robot's parameters. [`keys::KEYS`] and `MISSION.md` list
+//! every key. Reading never stops at the first mistake. An unknown key is a mistake: a misspelt limit
+//! must not silently keep its default.
 //!
 //! [`crate::behaviours`] reads the tables of behaviours.
 

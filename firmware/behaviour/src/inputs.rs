@@ -3,7 +3,7 @@
 use crate::mates::{self, Mate};
 use crate::{Behaviours, Context, fact_bit};
 use math::{Vec2, vector};
-use plan_format::limits::{MAX_CHANNELS, MAX_INPUTS, MAX_RULE_BASES};
+use plan_format::limits::{MAX_CHANNELS, MAX_INPUTS, MAX_PROGRESS_FACTS, MAX_RULE_BASES};
 use plan_format::mission::{Condition, FactKind, Facts, Input, Mission, Source};
 
 /// What the map and the parallel plans give for the robot's position.
@@ -59,9 +59,6 @@ pub(crate) struct Senses {
     /// sufficient progress.
     anchors: [Option<(Vec2, u64)>; MAX_PROGRESS_FACTS],
 }
-
-/// Most facts of the kind "no progress" in one mission; further ones never hold.
-pub const MAX_PROGRESS_FACTS: usize = 4;
 
 impl Default for Senses {
     fn default() -> Self {

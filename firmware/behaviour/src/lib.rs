@@ -111,7 +111,7 @@ mod switch;
 mod watch;
 
 pub use grammar::Choice;
-pub use inputs::{MAX_PROGRESS_FACTS, Observations, World};
+pub use inputs::{Observations, World};
 pub use mates::Mate;
 pub use report::{Decision, MAX_DECISIONS, Refusal, Report};
 pub use run::{MAX_RUNNING, Running, RunningAction};

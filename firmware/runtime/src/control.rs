@@ -21,8 +21,8 @@ pub trait Robot {
     /// Fills in heading, odometry, inputs and, on a robot with buttons, the operator's orders. A
     /// robot with a range finder fills in the ranges of its last complete scan and that scan's
     /// time, an empty scan included. [`Authority`] decides between the buttons and the link. Time,
-    /// fix, state of the receiver, and the pose and the mates' news that the link brought are set; a robot with
-    /// its own source of poses replaces the pose.
+    /// fix, state of the receiver, and the pose and the mates' news that the link brought are set; a
+    /// robot with its own source of poses replaces the pose.
     async fn sense(&mut self, percepts: &mut Percepts);
 
     /// Carries out the commands of one tick. The record around them is the tick's telemetry.
@@ -61,11 +61,12 @@ pub async fn control_task<M: RawMutex>(
     let mut state = State::new(&blob);
     let mut trace = TraceHash::default();
     let mut authority = Authority::default();
+    let team = blob.parameters().team.mates();
     while let Some(time_us) = robot.wait().await {
         let receiver = slots.fixes.receiver(time_us);
         let fix = slots.fixes.latest();
         let pose = slots.poses.latest();
-        let mates = slots.mates.latest();
+        let mates = slots.mates.latest(team);
         let mut percepts = Percepts { time_us, fix, receiver, pose, mates, ..Percepts::default() };
         robot.sense(&mut percepts).await;
         let radio = slots.operator.at(time_us, &blob.parameters().link);

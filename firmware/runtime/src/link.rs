@@ -14,7 +14,7 @@ use robot_io::packet::{self, Decoder, Downlink, MAX_PACKET_BYTES, Uplink};
 
 use crate::slots::{Slots, Telemetry};
 
-/// Reads packets from `reader` into the slots of orders and poses until the reader ends.
+/// Reads packets from `reader` into the slots of orders, poses and mates' news until the reader ends.
 pub async fn operator_task<M: RawMutex>(
     mut reader: impl Read,
     slots: &Slots<M>,
@@ -167,7 +167,7 @@ mod tests {
         assert_eq!(uplinks.count(), 5, "at 0, 0.2, 0.4, 0.6 and 0.8 s");
         let slots = Slots::<NoopRawMutex>::new();
         block_on(operator_task(&bytes[..count], &slots, || 9));
-        let news = slots.mates.latest()[0].heard.news;
+        let news = slots.mates.latest(0b100)[0].heard.news;
         assert_eq!(news, News { robot: 2, position_m: Some([1.0, 2.0]), signal: 16 });
     }
 }

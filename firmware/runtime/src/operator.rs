@@ -45,7 +45,7 @@ impl<M: RawMutex> OperatorSlot<M> {
 pub struct RadioOrders {
     /// The orders.
     pub operator: Operator,
-    /// Silence disarmed the robot.
+    /// The link's last order is to arm, and silence has ended it.
     pub is_link_lost: bool,
 }
 
@@ -55,7 +55,8 @@ pub struct RadioOrders {
 /// arming and in manual driving, from its first packet on. But a change at the arm button, or any
 /// other change of the buttons' order to arm, disarms an armed robot at once, whatever the link
 /// says. It stays disarmed until the link has taken back its own order to arm: a person beside
-/// the robot must not be overruled by the next packet.
+/// the robot must not be overruled by the next packet. Silence takes back nothing. A robot that
+/// silence has disarmed would be armed by the next packet, so it counts as armed here.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Authority {
     was_armed_here: bool,
@@ -73,8 +74,8 @@ impl Authority {
             self.is_armed = buttons.is_armed;
             return buttons;
         };
-        self.is_held |= is_pressed && self.is_armed;
-        self.is_held &= radio.operator.is_armed;
+        self.is_held |= is_pressed && (self.is_armed || radio.is_link_lost);
+        self.is_held &= radio.operator.is_armed || radio.is_link_lost;
         let is_armed = radio.operator.is_armed && !self.is_held;
         self.is_armed = is_armed;
         Operator {
@@ -107,6 +108,7 @@ mod tests {
     use super::*;
     use embassy_sync::blocking_mutex::raw::NoopRawMutex;
     use plan_format::Parameters;
+    use plan_format::parameters::OnLinkLoss;
 
     #[test]
     fn the_newest_orders_count_and_age_from_their_arrival() {
@@ -126,29 +128,88 @@ mod tests {
     const DISARMED: Operator = Operator { is_armed: false, is_emergency_stop: false, manual: None };
 
     /// Each row is a tick: order of the buttons, order of the link, whether the robot is armed.
+    fn check(table: &[(bool, Option<RadioOrders>, bool)]) {
+        let mut authority = Authority::default();
+        for (tick, &(button, radio, is_armed)) in table.iter().enumerate() {
+            let buttons = if button { ARMED } else { DISARMED };
+            let decided = authority.decide(buttons, radio);
+            assert_eq!(decided.is_armed, is_armed, "tick {tick}");
+        }
+    }
+
+    /// What the link orders; `LOST` is an order to arm that silence has ended.
+    const ARM: Option<RadioOrders> = Some(RadioOrders { operator: ARMED, is_link_lost: false });
+    const DISARM: Option<RadioOrders> =
+        Some(RadioOrders { operator: DISARMED, is_link_lost: false });
+    const LOST: Option<RadioOrders> = Some(RadioOrders { operator: DISARMED, is_link_lost: true });
+
     #[test]
     fn a_person_beside_the_robot_may_disarm_it() {
-        let table = [
+        check(&[
             (false, None, false),
             (true, None, true),
             (false, None, false),
-            (false, Some(true), true),
-            (true, Some(true), false),
-            (true, Some(true), false),
-            (false, Some(true), false),
-            (false, Some(false), false),
-            (false, Some(true), true),
-            (false, Some(false), false),
-            (true, Some(false), false),
-            (true, Some(true), true),
-            (false, Some(true), false),
-        ];
-        let mut authority = Authority::default();
-        for (tick, (button, link, is_armed)) in table.into_iter().enumerate() {
-            let order = |is_armed| if is_armed { ARMED } else { DISARMED };
-            let radio =
-                link.map(|is_armed| RadioOrders { operator: order(is_armed), is_link_lost: false });
-            assert_eq!(authority.decide(order(button), radio), order(is_armed), "tick {tick}");
+            (false, ARM, true),
+            (true, ARM, false),
+            (true, ARM, false),
+            (false, ARM, false),
+            (false, DISARM, false),
+            (false, ARM, true),
+            (false, DISARM, false),
+            (true, DISARM, false),
+            (true, ARM, true),
+            (false, ARM, false),
+        ]);
+    }
+
+    #[test]
+    fn silence_does_not_take_back_the_order_of_the_link() {
+        check(&[
+            (false, ARM, true),
+            (true, ARM, false),
+            (true, LOST, false),
+            (true, ARM, false),
+            (true, LOST, false),
+            (true, DISARM, false),
+            (true, ARM, true),
+        ]);
+    }
+
+    #[test]
+    fn packets_that_arrive_again_arm_a_robot_that_silence_alone_disarmed() {
+        check(&[(false, ARM, true), (false, LOST, false), (false, ARM, true)]);
+    }
+
+    #[test]
+    fn a_button_pressed_during_silence_keeps_the_robot_disarmed() {
+        check(&[
+            (false, ARM, true),
+            (false, LOST, false),
+            (true, LOST, false),
+            (true, ARM, false),
+            (true, DISARM, false),
+            (true, ARM, true),
+        ]);
+        check(&[(false, ARM, true), (true, LOST, false), (true, ARM, false)]);
+    }
+
+    /// The link orders to arm, ten times a second; the button is pressed at 5 s, and the radio is
+    /// silent from 10 s to 11.5 s. At 15 s the link takes back its order, at 16 s it gives it again.
+    #[test]
+    fn a_drop_out_of_the_radio_does_not_arm_a_robot_that_its_button_disarmed() {
+        for on_loss in [OnLinkLoss::Disarm, OnLinkLoss::Continue] {
+            let policy = LinkPolicy { timeout_us: 1_000_000, on_loss };
+            let (slot, mut authority) = (OperatorSlot::<NoopRawMutex>::new(), Authority::default());
+            for ms in (0..20_000_u64).step_by(50) {
+                let is_silent = (10_000..11_500).contains(&ms);
+                if ms % 100 == 0 && !is_silent {
+                    let is_taken_back = (15_000..16_000).contains(&ms);
+                    slot.hear(ms * 1_000, if is_taken_back { DISARMED } else { ARMED });
+                }
+                let buttons = if ms < 5_000 { DISARMED } else { ARMED };
+                let is_armed = authority.decide(buttons, slot.at(ms * 1_000, &policy)).is_armed;
+                assert_eq!(is_armed, !(5_000..16_000).contains(&ms), "{on_loss:?}, {ms} ms");
+            }
         }
     }
 

@@ -5,8 +5,10 @@ use std::pin::pin;
 
 use math::{GeoPoint, Vec2};
 use plan_format::parameters::Gains;
-use plan_format::{Blob, Origin, Parameters};
-use robot_io::{CommandRecord, Commands, Operator, Percepts, RangeReading, Reason, SensorRecord};
+use plan_format::{Blob, Origin, Parameters, TeamPolicy};
+use robot_io::{
+    CommandRecord, Commands, Heard, News, Operator, Percepts, RangeReading, Reason, SensorRecord,
+};
 use runtime::lockstep::{Mailbox, Transport, run, run_blocking};
 use runtime::{Fallback, Observer, TICK_PERIOD_US, load};
 
@@ -198,6 +200,28 @@ fn a_refused_blob_stands_still_or_drives_reactively_as_the_build_chooses() {
         let reactive = load(region, &fallback);
         assert_eq!(reactive.refusal, stop.refusal);
         assert_eq!(play(reactive.blob, &mission()), play(plan, &mission()));
+    }
+}
+
+/// Five robots and one of another team share a channel, which also echoes the robot's own news.
+#[test]
+fn an_echo_and_a_stranger_never_displace_a_mate() {
+    let team = TeamPolicy { robot: 1, robots: 5, ..TeamPolicy::default() };
+    let blob = Blob::without_map(Parameters { team, ..Parameters::default() }, None, None);
+    let mailbox = Mailbox::default();
+    let mut robot = pin!(run(blob, &mailbox, &mailbox));
+    for (tick, sender) in (0..60).zip([3, 1, 0, 9, 4, 2].into_iter().cycle()) {
+        let news = News { robot: sender, position_m: None, signal: tick };
+        let heard = [Heard { news, quality: 1.0 }].into_iter().collect();
+        let record = SensorRecord { heard, ..SensorRecord::default() };
+        mailbox.step(robot.as_mut(), record).expect("an answer");
+        let mates = mailbox.take_percepts().expect("percepts").mates;
+        let known: Vec<u8> = mates.iter().map(|mate| mate.heard.news.robot).collect();
+        let arrived = [1, 1, 2, 2, 3].get(usize::from(tick)).copied().unwrap_or(4);
+        assert_eq!(known, [3, 0, 4, 2][..arrived], "tick {tick}");
+        let latest = mates.iter().map(|mate| mate.heard.news.signal).max();
+        let is_mate = ![1, 9].contains(&sender);
+        assert!(!is_mate || latest == Some(tick), "tick {tick}: {latest:?}");
     }
 }
 

@@ -160,7 +160,7 @@ impl Lowering<'_> {
         }
         let is_progress =
             |fact: &&super::syntax::Fact| matches!(fact.kind, FactSyntax::NoProgress { .. });
-        let limit = behaviour::MAX_PROGRESS_FACTS;
+        let limit = limits::MAX_PROGRESS_FACTS;
         if let Some(fact) = self.syntax.facts.iter().filter(is_progress).nth(limit) {
             let message = format!("the robot supports at most {limit} facts with `no_progress`");
             self.report.error(message, &fact.name.span, "one too many", "remove some");

@@ -349,7 +349,8 @@ fn optimal_s(scenario: &Scenario, course: &Course) -> f64 {
 }
 
 /// The courses of some suites: `barn` is the folder of the challenge's worlds, and `count` the
-/// courses of each generated suite. The error is a message for the user.
+/// courses of each suite whose number is not fixed, as that of doors and corridors is. The error is
+/// a message for the user.
 pub fn courses(
     suites: &[Suite],
     barn: Option<&Path>,

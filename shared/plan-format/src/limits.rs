@@ -49,6 +49,8 @@ pub const MAX_RULES: usize = 128;
 pub const MAX_RULE_BASES: usize = 64;
 /// Facts: the bits of a `u64`.
 pub const MAX_FACTS: usize = 64;
+/// Facts about want of progress: the robot measures it anew for each.
+pub const MAX_PROGRESS_FACTS: usize = 4;
 /// Descriptions of plan frames and actions.
 pub const MAX_DESCRIPTIONS: usize = 128;
 /// Atomic actions.

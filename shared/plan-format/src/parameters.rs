@@ -539,6 +539,8 @@ impl Parameters {
             ("schemas.look_ahead", self.schemas.look_ahead_m, 0.0, 100.0),
             ("schemas.detour_after", self.schemas.detour_after_us as f32 / 1e6, 0.1, 3_600.0),
             ("schemas.goal_tolerance", self.schemas.goal_tolerance_m, 0.01, 1_000.0),
+            ("fixes.stale_after", self.fixes.stale_after_us as f32 / 1e6, 0.05, 3_600.0),
+            ("fixes.max_accuracy", self.fixes.max_accuracy_mm as f32 / 1e3, 0.001, 1_000.0),
             ("fixes.max_jump", self.fixes.max_jump_mps, 0.1, 1_000.0),
             ("link.timeout", self.link.timeout_us as f32 / 1e6, 0.1, 3_600.0),
             ("ranges.stale_after", self.ranges.stale_after_us as f32 / 1e6, 0.05, 3_600.0),
@@ -569,6 +571,22 @@ mod tests {
         let mut parameters = Parameters::default();
         parameters.vehicle.max_speed_mps = f32::NAN;
         assert_eq!(parameters.check(), Some(("vehicle.max_speed", 0.0, 50.0)));
+    }
+
+    /// The limits are those of the mission file's keys.
+    #[test]
+    fn the_age_and_the_accuracy_of_fixes_have_ranges() {
+        let stale = |us| FixPolicy { stale_after_us: us, ..Parameters::default().fixes };
+        let coarse = |mm| FixPolicy { max_accuracy_mm: mm, ..Parameters::default().fixes };
+        let check = |fixes| Parameters { fixes, ..Parameters::default() }.check();
+        for us in [0, 49_999, 3_601_000_000, u32::MAX] {
+            assert_eq!(check(stale(us)), Some(("fixes.stale_after", 0.05, 3_600.0)), "{us} us");
+        }
+        for mm in [0, 1_000_001, u32::MAX] {
+            assert_eq!(check(coarse(mm)), Some(("fixes.max_accuracy", 0.001, 1_000.0)), "{mm} mm");
+        }
+        let fine = [stale(50_000), stale(3_600_000_000), coarse(1), coarse(1_000_000)];
+        assert_eq!(fine.map(check), [None; 4]);
     }
 
     #[test]

@@ -2,7 +2,9 @@
 
 use crate::fixtures;
 use crate::random::Random;
-use plan_format::limits::{MAX_BEHAVIOURS, MAX_CHANNELS, MAX_FACTS, MAX_OUTPUTS, MAX_ROBOTS};
+use plan_format::limits::{
+    MAX_BEHAVIOURS, MAX_CHANNELS, MAX_FACTS, MAX_OUTPUTS, MAX_PROGRESS_FACTS, MAX_ROBOTS,
+};
 use plan_format::mission::effects;
 use plan_format::mission::{
     Action, ActionKind, Behaviour, Condition, Description, Edge, Fact, FactKind, Facts, Inference,
@@ -191,6 +193,7 @@ impl Artist<'_> {
     fn facts(&mut self) {
         let name = self.draft.name("");
         let most = if self.random.one_in(8) { MAX_FACTS } else { 10 };
+        let mut progress = 0;
         for _ in 0..self.random.count(1, most) {
             let kind = match self.random.index(8) {
                 0 => FactKind::Level {
@@ -209,10 +212,13 @@ impl Artist<'_> {
                     east_m: self.random.between(10.0, 25.0),
                     north_m: self.random.between(10.0, 25.0),
                 },
-                3 => FactKind::NoProgress {
-                    distance_m: self.random.between(0.1, 2.0),
-                    within_ms: 1 + self.random.below(3_000) as u32,
-                },
+                3 if progress < MAX_PROGRESS_FACTS => {
+                    progress += 1;
+                    FactKind::NoProgress {
+                        distance_m: self.random.between(0.1, 2.0),
+                        within_ms: 1 + self.random.below(3_000) as u32,
+                    }
+                }
                 _ => FactKind::Symbol { is_set: self.random.chance(0.5) },
             };
             self.draft.facts.push(Fact { name, kind });

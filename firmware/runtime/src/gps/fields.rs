@@ -96,11 +96,12 @@ fn gga(talker: Talker, fields: &[&[u8]; FIELDS]) -> Option<Gga> {
 /// values here are cautious. Quality 9 is in no standard: some makers use it for corrections by
 /// satellite. Without a promised accuracy it counts as plain GPS.
 fn mm_per_hdop(quality: &[u8]) -> Option<u32> {
-    match quality {
-        b"1" | b"3" | b"9" => Some(4_000),
-        b"2" => Some(2_000),
-        b"4" => Some(50),
-        b"5" => Some(500),
+    // A number, since some makers pad it with zeros. No digit at all gives 0: no fix.
+    match number(quality)? {
+        1 | 3 | 9 => Some(4_000),
+        2 => Some(2_000),
+        4 => Some(50),
+        5 => Some(500),
         _ => None,
     }
 }

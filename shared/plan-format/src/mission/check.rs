@@ -13,7 +13,8 @@ pub enum MissionError {
     /// The section is not a postcard message of tables, the bytes of a table are not whole records,
     /// or a record has an unknown tag or unused bytes that are not 0.
     Tables,
-    /// A table exceeds its constant in [`limits`]; shared records count once for each use.
+    /// A table, or the facts about progress in it, exceed their constant in [`limits`]; shared
+    /// records count once for each use.
     TooLarge,
     /// A name points outside the name table or to bytes that are not UTF-8. In a draft, it may have
     /// been too long: see [`limits::MAX_NAME_BYTES`] and [`limits::MAX_MISSION_NAMES_BYTES`].
@@ -186,6 +187,9 @@ fn inputs_and_rules(mission: &Mission<'_>) -> Checked {
 }
 
 fn facts_and_descriptions(mission: &Mission<'_>) -> Checked {
+    let kinds = mission.facts().iter().map(|fact| fact.kind);
+    let progress = kinds.filter(|kind| matches!(kind, FactKind::NoProgress { .. })).count();
+    require(progress <= limits::MAX_PROGRESS_FACTS, MissionError::TooLarge)?;
     for fact in mission.facts().iter() {
         match fact.kind {
             FactKind::Symbol { .. } => {}

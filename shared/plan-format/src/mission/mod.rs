@@ -374,6 +374,18 @@ mod tests {
     }
 
     #[test]
+    fn more_facts_about_progress_than_the_robot_can_track_are_refused() {
+        let with = |count: usize| {
+            let mut draft = draft();
+            let kind = FactKind::NoProgress { distance_m: 1.0, within_ms: 1_000 };
+            draft.facts.extend(vec![Fact { kind, ..draft.facts[0] }; count]);
+            draft.write().map(|_| ())
+        };
+        assert_eq!(with(4), Ok(()));
+        assert_eq!(with(5), Err(MissionError::TooLarge));
+    }
+
+    #[test]
     fn names_beyond_the_limits_are_an_error() {
         use crate::limits::{MAX_MISSION_NAMES_BYTES, MAX_NAME_BYTES};
         let named = |name: &dyn Fn(&mut MissionDraft) -> Name| {

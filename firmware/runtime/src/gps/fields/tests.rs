@@ -235,8 +235,15 @@ fn accuracy_follows_quality_and_hdop() {
     for (quality, mm) in
         [("1", 3_600), ("2", 1_800), ("3", 3_600), ("4", 45), ("5", 450), ("9", 3_600)]
     {
+        // Some makers pad the number with zeros.
+        for quality in [String::from(quality), std::format!("0{quality}")] {
+            let body = std::format!("GNGGA,101010.00,3346.5,N,08423.7,W,{quality},12,0.9");
+            let Some(Sentence::Gga(gga)) = parse(body.as_bytes()) else { panic!("{body}") };
+            assert_eq!((gga.has_fix, gga.accuracy_mm), (true, mm), "{quality}");
+        }
+    }
+    for quality in ["00", "06", "08", "10", "-1", "1.0", "0x1", "+1", "1000001"] {
         let body = std::format!("GNGGA,101010.00,3346.5,N,08423.7,W,{quality},12,0.9");
-        let Some(Sentence::Gga(gga)) = parse(body.as_bytes()) else { panic!("{body}") };
-        assert_eq!((gga.has_fix, gga.accuracy_mm), (true, mm), "{quality}");
+        assert_eq!(kind(&body), "no fix", "{quality}");
     }
 }
