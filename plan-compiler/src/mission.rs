@@ -16,6 +16,7 @@ mod key;
 pub mod keys;
 pub(crate) mod layer_gains;
 mod masks;
+mod not_toml;
 mod place;
 mod radio;
 mod reading;
@@ -180,7 +181,7 @@ pub fn parse_for(source: &Arc<Source>, robot: Option<&str>) -> (Mission, Vec<Pro
             read(&file, team, report)
         }
         Err(first) => {
-            report.syntax(&first);
+            not_toml::report(&mut report, &first);
             Mission::default()
         }
     };
