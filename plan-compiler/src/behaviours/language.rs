@@ -1,8 +1,10 @@
 //! From the tables of a mission file to [`Syntax`].
 
 mod components;
+mod doing;
 mod inputs;
 mod mates;
+mod numbers;
 mod templates;
 
 use super::graph_text::tidy;

@@ -164,6 +164,29 @@ productions = ["entry -> a -> exit"]
     );
 }
 
+/// A number out of range is not an unknown action.
+#[test]
+fn ranges_in_actions() {
+    check(
+        "mistakes_in_ranges",
+        r#"
+[inputs]
+a = { source = "custom 6", missing = { then = 0 } }
+b = { source = "output 16" }
+[actions]
+a = { do = "set-output 16 on" }
+b = { do = "signal 70000" }
+c = { do = "signal 0" }
+d = { do = "hold -5 s" }
+e = { do = "wander 1e9 s" }
+f = { do = "dock 30, 12 facing 400 from -3 m" }
+g = { do = "move-ahead 500 for 5 s" }
+h = { do = "follow gate at 34:166" }
+i = { do = "signal 1.5" }
+"#,
+    );
+}
+
 #[test]
 fn frames() {
     check(
