@@ -38,7 +38,7 @@ pub fn read(
     let mut syntax = Syntax::default();
     let is_there = TABLES.iter().any(|table| file.contains_key(table));
     syntax.source = is_there.then(|| Arc::clone(source));
-    let entries = templates::expand(&mut report, file, &mut syntax.broken);
+    let entries = templates::expand(&mut report, file, &mut syntax);
     for table in TABLES {
         is_section(&mut report, file, table);
     }
@@ -100,10 +100,48 @@ fn each(
     mut with: impl FnMut(&mut Report<'_>, Text, &Item),
 ) {
     for entry in entries {
-        if let Some(name) = name(report, &entry.raw, entry.span.clone()) {
-            with(report, name, &entry.item);
+        let Some(name) = name(report, &entry.raw, entry.span.clone()) else { continue };
+        let before = report.problems.len();
+        with(report, name, &entry.item);
+        if let Some(values) = &entry.values {
+            of_copy(report, before, entry, values);
         }
     }
+}
+
+/// Says where the values of a copy are written, in the mistakes from `first` on. Mistakes that
+/// another copy of the same definition has too are left out: they are not due to the values.
+fn of_copy(report: &mut Report<'_>, first: usize, entry: &Entry<'_>, values: &Span) {
+    let raw = &entry.raw;
+    let before = report.source.text.get(..values.start).unwrap_or_default();
+    let (line, column) = (before.split('\n').count(), before.rsplit('\n').next());
+    let column = column.map_or(0, |text| text.chars().count()) + 1;
+    let place = format!("`{raw}` is used in line {line}, column {column}");
+    for mut problem in report.problems.split_off(first) {
+        // Keys of a copy are written nowhere.
+        if let Some(place) = problem.place.as_mut().filter(|place| place.span == (0..0)) {
+            place.span = entry.span.clone();
+        }
+        let is_known = report.problems.iter().any(|known| is_same(known, &problem, raw));
+        if !is_known {
+            let help = problem.help.take().unwrap_or_default();
+            report.problems.push(problem.help(format!("{help}; {place}")));
+        }
+    }
+}
+
+/// Whether two mistakes differ at most in the values of a parametrised definition.
+fn is_same(known: &Problem, new: &Problem, raw: &str) -> bool {
+    let template = raw.split_inclusive('(').next().unwrap_or(raw);
+    let without_values = |message: &str| -> String {
+        let mut parts = message.split(template);
+        let first = parts.next().unwrap_or_default().to_owned();
+        let after =
+            |part: &str| part.split_once(')').map_or(String::new(), |(_, rest)| rest.into());
+        parts.fold(first, |all, part| all + template + &after(part))
+    };
+    let span = |problem: &Problem| problem.place.as_ref().map(|place| place.span.clone());
+    span(known) == span(new) && without_values(&known.message) == without_values(&new.message)
 }
 
 /// A name that fits the format and can be written in graphs and conditions.

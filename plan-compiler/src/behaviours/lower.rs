@@ -346,9 +346,10 @@ impl Lowering<'_> {
         known: impl Iterator<Item = &'c str> + Clone,
         how: &str,
     ) {
-        if !self.syntax.broken.contains(&name.value) {
-            self.report.unknown(what, name, known, how);
+        if self.syntax.is_broken(&name.value) {
+            return;
         }
+        self.report.unknown(what, name, known, how);
     }
 
     fn plan(&mut self, name: &Text) -> u16 {

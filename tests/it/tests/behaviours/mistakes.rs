@@ -187,6 +187,38 @@ i = { do = "signal 1.5" }
     );
 }
 
+/// Each mistake once, and not what follows from it.
+#[test]
+fn parameters() {
+    check(
+        "mistakes_in_parameter_names",
+        r#"
+[facts]
+"at(x, y)" = { near = ["{x}", "{y}"], within = 1.5 }
+[actions]
+"to(x, y)" = { do = "go-to {x}, {z}", goal = ["at({x}, {y})"] }
+"same(x, x)" = { do = "go-to {x}, {x}" }
+"rest(x)" = { do = "hold {x} s" }
+"slow(x)" = { do = "hold {x} s", max_sped = 1 }
+lone = { do = "go-to {x}, 12" }
+[frames]
+a = { productions = ["entry -> to(1, 2) -> same(3, 4) -> rest(long) -> exit"] }
+b = { productions = ["entry -> rest (5) -> slow(1) -> slow(2) -> lone -> exit", "entry => a -> exit"] }
+c = { productions = ["entry -> slow(3, 4) -> exit"] }
+"#,
+    );
+    check(
+        "mistakes_in_endless_parameters",
+        r#"
+[actions]
+"rest(x)" = { do = "hold {x} s" }
+[frames]
+"f(x)" = { productions = ["entry -> rest({x}) -> f({x}1) -> exit"] }
+a = { productions = ["entry -> f(1) -> exit"] }
+"#,
+    );
+}
+
 #[test]
 fn frames() {
     check(
