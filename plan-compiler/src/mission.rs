@@ -8,6 +8,7 @@
 //! [`crate::behaviours`] reads the tables of behaviours.
 
 pub(crate) mod brakes;
+mod broken;
 mod costs;
 pub(crate) mod follow;
 mod given;
@@ -202,6 +203,7 @@ fn read(file: &dyn TableLike, team: Team, report: Report<'_>) -> Mission {
     }
     let Reader { report, mut mission } = reader;
     mission.behaviours = behaviours::read(report.source, file, &mission.team, report.problems);
+    broken::keep(file, &mut mission);
     mission
 }
 
