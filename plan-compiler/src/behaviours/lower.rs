@@ -3,6 +3,7 @@
 mod components;
 mod intervals;
 
+use super::language::unusable;
 use super::syntax::{FactSyntax, InputSource, Literal, Row, Rules, Syntax};
 use crate::toml::{Report, Span, Text};
 use maps::problem::{Problem, Severity, has_errors};
@@ -353,7 +354,10 @@ impl Lowering<'_> {
         if self.syntax.is_broken(&name.value) {
             return;
         }
-        self.report.unknown(what, name, known, how);
+        // To define a name that would be refused does not help.
+        let reason = unusable(&name.value).filter(|_| how.starts_with("define"));
+        let other = reason.map(|reason| format!("{reason}: choose another name"));
+        self.report.unknown(what, name, known, other.as_deref().unwrap_or(how));
     }
 
     /// Whether a name stands in `[goals]` or `[layers]` and a mistake there explains why there is no

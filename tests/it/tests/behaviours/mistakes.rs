@@ -219,6 +219,27 @@ a = { productions = ["entry -> f(1) -> exit"] }
     );
 }
 
+/// The help for an unknown name does not lead to a name that is refused.
+#[test]
+fn names() {
+    check(
+        "mistakes_in_names",
+        r#"
+[facts]
+full = false
+[actions]
+"go home along the very long road to the north" = { do = "hold 1 s" }
+rest = { do = "hold 1 s", initial = ["exit"], until = ["not not not full"] }
+[frames]
+a = { productions = ["entry -> go home along the very long road to the north -> exit"] }
+b = { productions = ["entry -> go back along the very long road to the south -> exit"] }
+[behaviours.a]
+criticality = { full = "PS NB" }
+unconditional = 0.05
+"#,
+    );
+}
+
 #[test]
 fn frames() {
     check(
