@@ -55,6 +55,7 @@ pub fn compile(
     let draft = lower(syntax, plans, problems)?;
     // Lints need a mission that was understood completely.
     if !has_errors(problems) {
+        problems.extend(syntax.unused.iter().cloned());
         lints::check(syntax, &draft, problems);
     }
     (!has_errors(problems)).then_some(draft)

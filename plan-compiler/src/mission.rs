@@ -8,6 +8,7 @@
 //! [`crate::behaviours`] reads the tables of behaviours.
 
 pub(crate) mod brakes;
+mod broken;
 mod costs;
 pub(crate) mod follow;
 mod given;
@@ -16,6 +17,7 @@ mod key;
 pub mod keys;
 pub(crate) mod layer_gains;
 mod masks;
+mod not_toml;
 mod place;
 mod radio;
 mod reading;
@@ -180,7 +182,7 @@ pub fn parse_for(source: &Arc<Source>, robot: Option<&str>) -> (Mission, Vec<Pro
             read(&file, team, report)
         }
         Err(first) => {
-            report.syntax(&first);
+            not_toml::report(&mut report, &first);
             Mission::default()
         }
     };
@@ -201,6 +203,7 @@ fn read(file: &dyn TableLike, team: Team, report: Report<'_>) -> Mission {
     }
     let Reader { report, mut mission } = reader;
     mission.behaviours = behaviours::read(report.source, file, &mission.team, report.problems);
+    broken::keep(file, &mut mission);
     mission
 }
 

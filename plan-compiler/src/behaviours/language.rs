@@ -1,8 +1,10 @@
 //! From the tables of a mission file to [`Syntax`].
 
 mod components;
+mod doing;
 mod inputs;
 mod mates;
+mod numbers;
 mod templates;
 
 use super::graph_text::tidy;
@@ -24,6 +26,9 @@ pub const TABLES: [&str; 5] = ["inputs", "facts", "actions", "frames", "behaviou
 /// Longest time that a file may give, seconds.
 const MAX_TIME_S: f64 = 1e6;
 
+/// The lowest and the highest result of any rule base: the centres of gravity of NB and PB alone.
+const REACH: [f32; 2] = [1.0 / 18.0, 17.0 / 18.0];
+
 /// Reads the behaviour tables of a mission file. The result contains everything that was
 /// understood.
 pub fn read(
@@ -36,11 +41,14 @@ pub fn read(
     let mut syntax = Syntax::default();
     let is_there = TABLES.iter().any(|table| file.contains_key(table));
     syntax.source = is_there.then(|| Arc::clone(source));
-    let entries = templates::expand(&mut report, file, &mut syntax.broken);
+    let entries = templates::expand(&mut report, file, &mut syntax);
     for table in TABLES {
         is_section(&mut report, file, table);
     }
     let [inputs, facts, actions, frames, behaviours] = &entries;
+    let all = entries.iter().flatten();
+    let unusable = all.filter(|entry| unusable(&entry.raw).is_some());
+    syntax.broken.extend(unusable.map(|entry| tidy(entry.raw.trim()).into_owned()));
     each(&mut report, inputs, |report, name, item| {
         keep(
             &mut syntax.inputs,
@@ -98,28 +106,74 @@ fn each(
     mut with: impl FnMut(&mut Report<'_>, Text, &Item),
 ) {
     for entry in entries {
-        if let Some(name) = name(report, &entry.raw, entry.span.clone()) {
-            with(report, name, &entry.item);
+        let Some(name) = name(report, &entry.raw, entry.span.clone()) else { continue };
+        let before = report.problems.len();
+        with(report, name, &entry.item);
+        if let Some(values) = &entry.values {
+            of_copy(report, before, entry, values);
         }
     }
 }
 
+/// Says where the values of a copy are written, in the mistakes from `first` on. Mistakes that
+/// another copy of the same definition has too are left out: they are not due to the values.
+fn of_copy(report: &mut Report<'_>, first: usize, entry: &Entry<'_>, values: &Span) {
+    let raw = &entry.raw;
+    let before = report.source.text.get(..values.start).unwrap_or_default();
+    let (line, column) = (before.split('\n').count(), before.rsplit('\n').next());
+    let column = column.map_or(0, |text| text.chars().count()) + 1;
+    let place = format!("`{raw}` is used in line {line}, column {column}");
+    for mut problem in report.problems.split_off(first) {
+        // Keys of a copy are written nowhere.
+        if let Some(place) = problem.place.as_mut().filter(|place| place.span == (0..0)) {
+            place.span = entry.span.clone();
+        }
+        let is_known = report.problems.iter().any(|known| is_same(known, &problem, raw));
+        if !is_known {
+            let help = problem.help.take().unwrap_or_default();
+            report.problems.push(problem.help(format!("{help}; {place}")));
+        }
+    }
+}
+
+/// Whether two mistakes differ at most in the values of a parametrised definition.
+fn is_same(known: &Problem, new: &Problem, raw: &str) -> bool {
+    let template = raw.split_inclusive('(').next().unwrap_or(raw);
+    let without_values = |message: &str| -> String {
+        let mut parts = message.split(template);
+        let first = parts.next().unwrap_or_default().to_owned();
+        let after =
+            |part: &str| part.split_once(')').map_or(String::new(), |(_, rest)| rest.into());
+        parts.fold(first, |all, part| all + template + &after(part))
+    };
+    let span = |problem: &Problem| problem.place.as_ref().map(|place| place.span.clone());
+    span(known) == span(new) && without_values(&known.message) == without_values(&new.message)
+}
+
 /// A name that fits the format and can be written in graphs and conditions.
 fn name(report: &mut Report<'_>, raw: &str, span: Span) -> Option<Text> {
-    let name = raw.trim();
-    let reason = if name.is_empty() {
-        "a name must not be empty".to_owned()
-    } else if name.len() > limits::MAX_NAME_BYTES {
-        format!("a name has at most {} bytes; this one has {}", limits::MAX_NAME_BYTES, name.len())
-    } else if name.contains(|c: char| c.is_control() || matches!(c, '\'' | '"')) {
-        "a name must not contain quotes or control characters".to_owned()
-    } else if matches!(name, "entry" | "exit") || name.starts_with("not ") {
-        "this has a special meaning in graphs and conditions".to_owned()
-    } else {
-        return Some(Spanned { value: name.to_owned(), span });
+    let Some(reason) = unusable(raw) else {
+        return Some(Spanned { value: raw.trim().to_owned(), span });
     };
     report.error(format!("`{raw}` cannot be a name"), &span, &reason, "choose another name");
     None
+}
+
+/// Why a text cannot be a name.
+pub(super) fn unusable(raw: &str) -> Option<String> {
+    let name = raw.trim();
+    if name.is_empty() {
+        Some("a name must not be empty".to_owned())
+    } else if name.len() > limits::MAX_NAME_BYTES {
+        let (most, own) = (limits::MAX_NAME_BYTES, name.len());
+        Some(format!("a name has at most {most} bytes; this one has {own}"))
+    } else if name.contains(|c: char| c.is_control() || matches!(c, '\'' | '"')) {
+        Some("a name must not contain quotes or control characters".to_owned())
+    } else if matches!(name, "entry" | "exit") || name.starts_with("not ") {
+        Some("this has a special meaning in graphs and conditions".to_owned())
+    } else {
+        None
+    }
 }
 
 const BEHAVIOUR: &[&str] = &[
@@ -160,6 +214,14 @@ fn behaviour(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Behavio
     };
     let dormant = level(report, "dormant", DEFAULT_DORMANT);
     let unconditional = level(report, "unconditional", DEFAULT_UNCONDITIONAL);
+    // These would make the comparison of both thresholds fail too. The lints report the others.
+    let [low, high] = REACH;
+    if unconditional.value < low {
+        unreachable(report, "unconditional", &unconditional);
+    }
+    if dormant.value > high {
+        unreachable(report, "dormant", &dormant);
+    }
     let hysteresis = level(report, "hysteresis", DEFAULT_HYSTERESIS).value;
     let root = frame(report, "plan").unwrap_or_else(|| name.clone());
     let start_up = frame(report, "start_up");
@@ -191,6 +253,13 @@ fn behaviour(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Behavio
         once,
         resources,
     })
+}
+
+/// Reports a threshold that no rule base reaches.
+fn unreachable(report: &mut Report<'_>, key: &str, level: &Spanned<f32>) {
+    let message = format!("`{key}` cannot be reached: rules result in 1/18 to 17/18");
+    let label = format!("{} lies outside 0.0556 to 0.9444", level.value);
+    report.error(message, &level.span, &label, "choose a value in between");
 }
 
 /// A rule base: a table with one row per input. The key `inference` is beside it.
@@ -260,7 +329,24 @@ fn row(report: &mut Report<'_>, input: &str, item: &Item, key: Span) -> Option<R
 
 /// Facts that must hold, and facts after `not` that must not hold.
 fn literals(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Vec<Literal> {
-    fields.texts(report, key, "on field").into_iter().map(literal).collect()
+    let texts = fields.texts(report, key, "on field").into_iter();
+    texts.map(|text| literal(once_negated(report, text))).collect()
+}
+
+/// Reports a condition with more than one `not`, and returns what it means.
+fn once_negated(report: &mut Report<'_>, text: Text) -> Text {
+    let mut name = text.as_str();
+    let mut count = 0;
+    while let Some(rest) = name.strip_prefix("not ") {
+        (name, count) = (rest.trim_start(), count + 1);
+    }
+    if count < 2 {
+        return text;
+    }
+    let meant = if count % 2 == 0 { name.to_owned() } else { format!("not {name}") };
+    let message = format!("`{}` has more than one `not`", text.as_str());
+    report.error(message, &text.span, "this condition", &format!("write \"{meant}\""));
+    Spanned { value: meant, span: text.span }
 }
 
 /// `on field`, or `not on field`.

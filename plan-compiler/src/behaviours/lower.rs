@@ -3,9 +3,10 @@
 mod components;
 mod intervals;
 
+use super::language::unusable;
 use super::syntax::{FactSyntax, InputSource, Literal, Row, Rules, Syntax};
 use crate::toml::{Report, Span, Text};
-use maps::problem::{Problem, Severity};
+use maps::problem::{Problem, Severity, has_errors};
 use plan_format::limits;
 use plan_format::mission::effects;
 use plan_format::mission::{
@@ -34,10 +35,12 @@ pub struct PlanNames {
 pub fn lower(syntax: &Syntax, plans: &Plans, problems: &mut Vec<Problem>) -> Option<MissionDraft> {
     let Some(source) = &syntax.source else { return Some(MissionDraft::default()) };
     let before = problems.len();
+    let is_map_wrong = has_errors(problems);
     let report = Report { source, problems };
     let mut lowering = Lowering {
         syntax,
         plans,
+        is_map_wrong,
         report,
         draft: MissionDraft::default(),
         // `Any` numbers plans by the order in which they are named.
@@ -63,6 +66,8 @@ pub fn lower(syntax: &Syntax, plans: &Plans, problems: &mut Vec<Problem>) -> Opt
 struct Lowering<'l> {
     syntax: &'l Syntax,
     plans: &'l Plans,
+    /// Whether goals or layers may be missing because of a mistake that has been reported.
+    is_map_wrong: bool,
     report: Report<'l>,
     draft: MissionDraft,
     plans_named: Vec<String>,
@@ -346,9 +351,19 @@ impl Lowering<'_> {
         known: impl Iterator<Item = &'c str> + Clone,
         how: &str,
     ) {
-        if !self.syntax.broken.contains(&name.value) {
-            self.report.unknown(what, name, known, how);
+        if self.syntax.is_broken(&name.value) {
+            return;
         }
+        // To define a name that would be refused does not help.
+        let reason = unusable(&name.value).filter(|_| how.starts_with("define"));
+        let other = reason.map(|reason| format!("{reason}: choose another name"));
+        self.report.unknown(what, name, known, other.as_deref().unwrap_or(how));
+    }
+
+    /// Whether a name stands in `[goals]` or `[layers]` and a mistake there explains why there is no
+    /// such plan or layer.
+    fn is_of_map(&self, name: &Text) -> bool {
+        self.is_map_wrong && self.syntax.of_map.contains(&name.value)
     }
 
     fn plan(&mut self, name: &Text) -> u16 {
@@ -356,7 +371,7 @@ impl Lowering<'_> {
             Plans::Known(plans) => {
                 let names = plans.iter().map(|plan| plan.name.as_str());
                 let found = names.clone().position(|known| known == name.as_str());
-                if found.is_none() {
+                if found.is_none() && !self.is_of_map(name) {
                     self.unknown("parallel plan", name, names, "add it to [goals]");
                 }
                 found.unwrap_or(0) as u16
@@ -378,7 +393,7 @@ impl Lowering<'_> {
         let Some(known) = known else { return (index, 0) };
         let names = known.layers.iter().map(String::as_str);
         let found = names.clone().position(|known| known == layer.as_str());
-        if found.is_none() {
+        if found.is_none() && !self.is_of_map(layer) {
             let what = format!("layer of plan `{}` named", plan.as_str());
             let how = format!("it has {}", known.layers.join(", "));
             self.unknown(&what, layer, names, &how);

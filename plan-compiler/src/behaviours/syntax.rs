@@ -2,9 +2,9 @@
 //!
 //! Each list has the order of the file, which is also the order of the blob's records.
 
-use super::graph_text::Graph;
+use super::graph_text::{Graph, tidy};
 use crate::toml::{Span, Spanned, Text};
-use maps::problem::Source;
+use maps::problem::{Problem, Source};
 use plan_format::mission::{Inference, Label, Mates, SwitchPoint};
 use plan_format::parameters::Gains;
 use std::sync::Arc;
@@ -26,9 +26,32 @@ pub struct Syntax {
     pub behaviours: Vec<Behaviour>,
     /// Names of definitions that could not be understood; references to them are not reported.
     pub broken: Vec<String>,
+    /// The same for definitions with parameters, without their brackets.
+    pub broken_templates: Vec<String>,
+    /// The names in `[goals]` and `[layers]`, wrong or not. After a mistake there, references to
+    /// them are not reported.
+    pub of_map: Vec<String>,
+    /// Warnings of parametrised definitions that are never used. They count only in a mission
+    /// without errors: a mistake may hide a use.
+    pub unused: Vec<Problem>,
 }
 
 impl Syntax {
+    /// Whether the definition of a name could not be understood.
+    pub fn is_broken(&self, name: &str) -> bool {
+        let template = name.split_once('(').map(|(template, _)| template.trim());
+        let is_template = |known: &String| Some(known.as_str()) == template;
+        self.broken.iter().any(|known| known == name)
+            || self.broken_templates.iter().any(is_template)
+    }
+
+    /// Keeps the name of a definition that could not be understood.
+    pub fn keep_broken(&mut self, name: &str) {
+        self.broken.push(tidy(name.trim()).into_owned());
+        let template = name.split_once('(').map(|(template, _)| template.trim().to_owned());
+        self.broken_templates.extend(template);
+    }
+
     /// The places to which actions drive without a plan: the name of each action, and the place,
     /// map metres.
     pub fn places(&self) -> impl Iterator<Item = (&Text, [f32; 2])> {

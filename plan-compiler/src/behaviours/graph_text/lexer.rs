@@ -58,23 +58,65 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Vec<Mistake>> {
                 add_values(&mut tokens, &text[at..at + length], at + length);
                 length
             }
-            _ => match symbol(&text[at..]) {
-                Some((kind, length)) => {
+            _ => match (values_apart(&tokens, text, at), symbol(&text[at..])) {
+                (Some(mistake), _) => {
+                    let length = mistake.span.end - at;
+                    mistakes.push(mistake);
+                    length
+                }
+                (None, Some((kind, length))) => {
                     tokens.push(Token { kind, span: at..at + length });
                     length
                 }
-                None => {
-                    let span = at..at + first.len_utf8();
-                    let message = format!("`{first}` is not allowed in a graph");
-                    let help = "write for example entry -> a -> (b | c) -> exit";
-                    mistakes.push(Mistake::new(message, &span, "this character", help));
-                    first.len_utf8()
+                (None, None) => {
+                    let rest = &text[at..];
+                    let begins = |&(at, character): &(usize, char)| {
+                        character.is_whitespace()
+                            || is_of_name(character)
+                            || matches!(character, '\'' | '"')
+                            || symbol(&rest[at..]).is_some()
+                    };
+                    let length = rest.char_indices().find(begins).map_or(rest.len(), |(at, _)| at);
+                    mistakes.push(not_allowed(&rest[..length], at));
+                    length
                 }
             },
         };
         at += length;
     }
     if mistakes.is_empty() { Ok(tokens) } else { Err(mistakes) }
+}
+
+/// Characters that a graph cannot have, `at` a place in the text.
+fn not_allowed(characters: &str, at: usize) -> Mistake {
+    let message = format!("`{characters}` is not allowed in a graph");
+    let label = if characters.chars().count() == 1 { "this character" } else { "these characters" };
+    let is_arrow = characters.contains(['>', '→', '⇒', '⟶']);
+    let help = match is_arrow {
+        true => "write an arrow as ->",
+        false => "write for example entry -> a -> (b | c) -> exit",
+    };
+    Mistake::new(message, &(at..at + characters.len()), label, help)
+}
+
+/// Values in brackets that follow a name after a space, as a mistake.
+fn values_apart(tokens: &[Token], text: &str, at: usize) -> Option<Mistake> {
+    let rest = text[at..].strip_prefix('(')?;
+    let end = text[..at].trim_end().len();
+    let last = tokens.last().filter(|token| token.span.end == end && end < at)?;
+    let Kind::Name(name) = &last.kind else { return None };
+    let is_quoted = text[last.span.clone()].ends_with(['\'', '"']);
+    if is_quoted || matches!(name.as_str(), "entry" | "exit") {
+        return None;
+    }
+    let (inside, _) = rest.split_once(')')?;
+    if inside.contains(['(', '|', ';']) || inside.contains("->") {
+        return None;
+    }
+    let message = format!("the values of `{name}` follow after a space");
+    let help = format!("write {name}({inside})");
+    let span = last.span.start..at + inside.len() + 2;
+    Some(Mistake::new(message, &span, "this name", &help))
 }
 
 fn is_of_name(character: char) -> bool {

@@ -68,6 +68,11 @@ fn h03_mistakes_name_what_is_wrong() {
         "`entry` is in the middle of the graph [entry]: not a component",
     );
     check("entry -> a ! b -> exit", "`!` is not allowed in a graph [!]: this character");
+    check("entry -> a => b -> exit", "`=>` is not allowed in a graph [=>]: these characters");
+    check(
+        "entry -> to (1, 2) -> (a | b) -> exit",
+        "the values of `to` follow after a space [to (1, 2)]: this name",
+    );
     check("entry -> 'a -> exit", "a quote is not closed ['a -> exit]: from here");
     check(
         "entry -a-> exit -b-> 1",

@@ -1,13 +1,11 @@
 //! Actions, frames and productions.
 
-use super::inputs::pair;
+use super::doing::doing;
 use super::{MAX_TIME_S, literals, name, rules, tidy};
 use crate::behaviours::graph_text;
 use crate::behaviours::syntax::{Action, Description, Doing, PlanFrame, Production};
 use crate::behaviours::{DEFAULT_THRESHOLD, DEFAULT_TIMEOUT_S};
 use crate::toml::{Fields, Report, Spanned, Text, key_span, part_of};
-use maps::names::nearest;
-use plan_format::limits::MAX_OUTPUTS;
 use toml_edit::{Item, Value};
 
 const ACTION: &[&str] = &[
@@ -42,7 +40,9 @@ pub(super) fn action(report: &mut Report<'_>, name: Text, item: &Item) -> Option
     }
     // After a mistake another action stands in, so that the names in the rest are looked up.
     let text = fields.text(report, "do", "\"go-to 10, 20\"");
-    let kind = text.and_then(|text| doing(report, &text)).unwrap_or(Doing::Signal { code: 0 });
+    let path = format!("{}.do", fields.path);
+    let kind = text.and_then(|text| doing(report, &path, &text));
+    let kind = kind.unwrap_or(Doing::Signal { code: 0 });
     let own_ms = match kind {
         Doing::Hold { for_ms }
         | Doing::Wait { for_ms }
@@ -79,107 +79,6 @@ fn description(report: &mut Report<'_>, fields: &Fields<'_>) -> Description {
 fn facts(report: &mut Report<'_>, fields: &Fields<'_>, key: &str) -> Vec<Text> {
     let names = fields.texts(report, key, "ploughed").into_iter();
     names.map(|text| Spanned { value: tidy(text.as_str()).into_owned(), span: text.span }).collect()
-}
-
-const VERBS: &[&str] = &[
-    "follow",
-    "go-to",
-    "return",
-    "hold",
-    "wait",
-    "wander",
-    "move-ahead",
-    "dock",
-    "signal",
-    "set-output",
-];
-const DOING_HELP: &str = "write follow PLAN at 34:66, go-to X, Y, return, hold 5 s, wait 5 s, wander 5 s, \
-    move-ahead 90 for 5 s, dock X, Y facing 90 from 3 m, signal 3 or set-output 2 on";
-
-/// The largest radius of a dock, metres.
-const MAX_DOCK_M: f64 = 500.0;
-
-fn doing(report: &mut Report<'_>, text: &Text) -> Option<Doing> {
-    let (verb, rest) = text.as_str().split_once(' ').unwrap_or((text.as_str(), ""));
-    let rest = rest.trim();
-    let found = match verb {
-        "follow" if !rest.is_empty() => follow(rest, text),
-        "go-to" => pair(rest).map(Doing::GoTo),
-        "hold" => seconds(rest).map(|for_ms| Doing::Hold { for_ms }),
-        "wait" => seconds(rest).map(|for_ms| Doing::Wait { for_ms }),
-        "wander" => seconds(rest).map(|for_ms| Doing::Wander { for_ms }),
-        "signal" => rest.parse().ok().map(|code| Doing::Signal { code }),
-        "set-output" => set_output(rest),
-        "move-ahead" => move_ahead(rest),
-        "dock" => dock(rest),
-        "return" if rest.is_empty() => Some(Doing::Return),
-        _ => None,
-    };
-    if found.is_none() {
-        let label = match nearest(verb, VERBS.iter().copied()) {
-            Some(meant) if meant != verb => format!("did you mean `{meant}`?"),
-            _ => "unknown action".into(),
-        };
-        report.error(
-            format!("`{}` is not an action", text.as_str()),
-            &text.span,
-            &label,
-            DOING_HELP,
-        );
-    }
-    found
-}
-
-/// `PLAN at 34:66`: the weights of reactive schemas and of advice, in percent.
-fn follow(rest: &str, text: &Text) -> Option<Doing> {
-    let (plan, gains) = rest.rsplit_once(" at ").unwrap_or((rest, "34:66"));
-    let (reactive, advice) = gains.split_once(':')?;
-    let percent = |text: &str| {
-        let number = text.trim().parse::<f32>().ok()?;
-        (0.0..=100.0).contains(&number).then_some(number / 100.0)
-    };
-    let plan = Spanned { value: plan.trim().to_owned(), span: text.span.clone() };
-    Some(Doing::Follow { plan, reactive: percent(reactive)?, advice: percent(advice)? })
-}
-
-/// `5 s`, in milliseconds.
-fn seconds(text: &str) -> Option<u32> {
-    let seconds: f64 = text.strip_suffix('s')?.trim().parse().ok()?;
-    (0.0..=MAX_TIME_S).contains(&seconds).then_some((seconds * 1e3).round() as u32)
-}
-
-/// `90 for 5 s`
-fn move_ahead(rest: &str) -> Option<Doing> {
-    let (degrees, time) = rest.split_once(" for ")?;
-    Some(Doing::MoveAhead { direction_rad: direction(degrees)?, for_ms: seconds(time)? })
-}
-
-/// `X, Y facing 90 from 3 m`
-fn dock(rest: &str) -> Option<Doing> {
-    let (at, rest) = rest.split_once(" facing ")?;
-    let (degrees, radius) = rest.split_once(" from ")?;
-    let radius_m: f64 = radius.trim().strip_suffix('m')?.trim().parse().ok()?;
-    (0.01..=MAX_DOCK_M).contains(&radius_m).then_some(Doing::Dock {
-        at: pair(at)?,
-        direction_rad: direction(degrees)?,
-        radius_cm: (radius_m * 1e2).round() as u16,
-    })
-}
-
-/// A compass heading in degrees, clockwise from north, as radians counter-clockwise from east.
-fn direction(degrees: &str) -> Option<f32> {
-    let degrees: f64 = degrees.trim().parse().ok()?;
-    (-360.0..=360.0).contains(&degrees).then(|| (90.0 - degrees).to_radians() as f32)
-}
-
-fn set_output(rest: &str) -> Option<Doing> {
-    let (output, state) = rest.split_once(' ')?;
-    let output = output.parse::<u8>().ok().filter(|&output| usize::from(output) < MAX_OUTPUTS)?;
-    match state.trim() {
-        "on" => Some(Doing::SetOutput { output, is_on: true }),
-        "off" => Some(Doing::SetOutput { output, is_on: false }),
-        _ => None,
-    }
 }
 
 const FRAME: &[&str] = &[

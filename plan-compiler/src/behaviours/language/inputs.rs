@@ -1,5 +1,6 @@
 //! Inputs and facts.
 
+use super::numbers::Numbers;
 use super::{mates, milliseconds, rules};
 use crate::behaviours::DEFAULT_MISSING_HOLD_S;
 use crate::behaviours::syntax::{Fact, FactSyntax, Input, InputSource};
@@ -167,6 +168,15 @@ fn source(
     let (word, rest) = text.as_str().split_once(' ').unwrap_or((text.as_str(), ""));
     let rest = rest.trim();
     let named = |name: &str| Spanned { value: name.to_owned(), span: text.span.clone() };
+    let mut numbers = Numbers::of(text);
+    let _ = match word {
+        "custom" => numbers.whole(rest, 1..=u16::from(CUSTOM_COUNT)),
+        "output" => numbers.whole(rest, 0..=(MAX_OUTPUTS - 1) as u16),
+        _ => None,
+    };
+    if !numbers.report(report, &format!("{}.source", fields.path)) {
+        return None;
+    }
     let found = match (word, rest) {
         ("battery" | "fuel" | "link" | "custom", _) => {
             channel_of(text.as_str()).map(InputSource::Channel)
@@ -198,7 +208,7 @@ fn source(
     if found.is_none() {
         let label = match nearest(word, SOURCES.iter().copied()) {
             Some(meant) if meant != word => format!("did you mean `{meant}`?"),
-            Some("custom") => format!("the number is 1 to {}", CUSTOM_COUNT),
+            Some("custom") => format!("the number is 1 to {CUSTOM_COUNT}"),
             Some("output") => format!("the number is 0 to {}", MAX_OUTPUTS - 1),
             _ => "this source".into(),
         };

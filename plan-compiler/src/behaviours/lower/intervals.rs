@@ -91,7 +91,7 @@ impl Lowering<'_> {
             let literal = literal(part);
             let name = &literal.fact.value;
             let is_known = self.syntax.facts.iter().any(|fact| fact.name.value == *name)
-                || self.syntax.broken.contains(name);
+                || self.syntax.is_broken(name);
             is_known.then_some(literal)
         };
         match one(text.as_str()) {

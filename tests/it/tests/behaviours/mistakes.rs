@@ -164,6 +164,82 @@ productions = ["entry -> a -> exit"]
     );
 }
 
+/// A number out of range is not an unknown action.
+#[test]
+fn ranges_in_actions() {
+    check(
+        "mistakes_in_ranges",
+        r#"
+[inputs]
+a = { source = "custom 6", missing = { then = 0 } }
+b = { source = "output 16" }
+[actions]
+a = { do = "set-output 16 on" }
+b = { do = "signal 70000" }
+c = { do = "signal 0" }
+d = { do = "hold -5 s" }
+e = { do = "wander 1e9 s" }
+f = { do = "dock 30, 12 facing 400 from -3 m" }
+g = { do = "move-ahead 500 for 5 s" }
+h = { do = "follow gate at 34:166" }
+i = { do = "signal 1.5" }
+"#,
+    );
+}
+
+/// Each mistake once, and not what follows from it.
+#[test]
+fn parameters() {
+    check(
+        "mistakes_in_parameter_names",
+        r#"
+[facts]
+"at(x, y)" = { near = ["{x}", "{y}"], within = 1.5 }
+[actions]
+"to(x, y)" = { do = "go-to {x}, {z}", goal = ["at({x}, {y})"] }
+"same(x, x)" = { do = "go-to {x}, {x}" }
+"rest(x)" = { do = "hold {x} s" }
+"slow(x)" = { do = "hold {x} s", max_sped = 1 }
+lone = { do = "go-to {x}, 12" }
+[frames]
+a = { productions = ["entry -> to(1, 2) -> same(3, 4) -> rest(long) -> exit"] }
+b = { productions = ["entry -> rest (5) -> slow(1) -> slow(2) -> lone -> exit", "entry => a -> exit"] }
+c = { productions = ["entry -> slow(3, 4) -> exit"] }
+"#,
+    );
+    check(
+        "mistakes_in_endless_parameters",
+        r#"
+[actions]
+"rest(x)" = { do = "hold {x} s" }
+[frames]
+"f(x)" = { productions = ["entry -> rest({x}) -> f({x}1) -> exit"] }
+a = { productions = ["entry -> f(1) -> exit"] }
+"#,
+    );
+}
+
+/// The help for an unknown name does not lead to a name that is refused.
+#[test]
+fn names() {
+    check(
+        "mistakes_in_names",
+        r#"
+[facts]
+full = false
+[actions]
+"go home along the very long road to the north" = { do = "hold 1 s" }
+rest = { do = "hold 1 s", initial = ["exit"], until = ["not not not full"] }
+[frames]
+a = { productions = ["entry -> go home along the very long road to the north -> exit"] }
+b = { productions = ["entry -> go back along the very long road to the south -> exit"] }
+[behaviours.a]
+criticality = { full = "PS NB" }
+unconditional = 0.05
+"#,
+    );
+}
+
 #[test]
 fn frames() {
     check(
