@@ -1,7 +1,7 @@
 //! From observations to aspects of interest, facts and criticalities.
 
 use crate::mates::{self, Mate};
-use crate::{Behaviours, Context, fact_bit};
+use crate::{Behaviours, Context, behaviour_bit, fact_bit};
 use math::{Vec2, vector};
 use plan_format::limits::{MAX_CHANNELS, MAX_INPUTS, MAX_PROGRESS_FACTS, MAX_RULE_BASES};
 use plan_format::mission::{Condition, FactKind, Facts, Input, Mission, Source};
@@ -174,10 +174,15 @@ impl Behaviours {
         }
     }
 
-    /// Infers the criticality of every behaviour by its rule base, and derives its weight.
-    pub(crate) fn infer_criticalities(&mut self, context: &mut Context<'_>) {
+    /// Infers the criticality of some behaviours, one bit each, by their rule bases, and derives their
+    /// weights.
+    pub(crate) fn infer_criticalities(&mut self, some: u16, context: &mut Context<'_>) {
         let behaviours = context.mission.behaviours().iter().zip(&mut self.statuses);
-        for ((behaviour, status), noted) in behaviours.zip(&mut context.report.criticalities) {
+        let noted = &mut context.report.criticalities;
+        for (index, ((behaviour, status), noted)) in behaviours.zip(noted).enumerate() {
+            if some & behaviour_bit(index) == 0 {
+                continue;
+            }
             let criticality = self.senses.infer(context.mission, behaviour.rules);
             *noted = criticality;
             status.resources = behaviour.resources;

@@ -228,8 +228,8 @@ pub(crate) struct Context<'a> {
     pub(crate) mission: &'a Mission<'a>,
     pub(crate) seen: &'a Observations<'a>,
     pub(crate) report: &'a mut Report,
-    /// Whether a behaviour's plan has ended in this step.
-    pub(crate) has_finished: bool,
+    /// Behaviours whose plan has ended in this step, one bit each.
+    pub(crate) finished: u16,
 }
 
 /// The live plans, and what they assume.
@@ -284,13 +284,13 @@ impl Behaviours {
         self.now_us = self.now_us.saturating_add(passed_us);
         self.seen_us = Some(seen.time_us);
         self.sense(mission, seen);
-        let context = &mut Context { mission, seen, report, has_finished: false };
-        self.infer_criticalities(context);
+        let context = &mut Context { mission, seen, report, finished: 0 };
+        self.infer_criticalities(u16::MAX, context);
         self.watch(context);
-        if context.has_finished {
+        if context.finished != 0 {
             // A behaviour that has made itself dormant by its last step does not begin again.
             self.sense_anew(context.mission);
-            self.infer_criticalities(context);
+            self.infer_criticalities(context.finished, context);
         }
         self.engage(context);
         let running = self.run(context);

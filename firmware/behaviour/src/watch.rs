@@ -265,7 +265,7 @@ impl Behaviours {
             {
                 status.rests_until_us = u64::MAX;
             }
-            context.has_finished = true;
+            context.finished |= behaviour_bit(index);
             context.report.note(Decision::Finished { behaviour: owner });
             return;
         };

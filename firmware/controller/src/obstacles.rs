@@ -205,10 +205,10 @@ impl Obstacles {
             let here_m = scalar::smaller(run_m, point.distance_m);
             let straight_here = point.seen * (-here_m / point.distance_m);
             let own = point.velocity * time_s;
+            let was_behind = arc.leaves_behind(point.seen);
             let is_free = |run: Vec2| {
                 // The robot drives away from it.
-                let is_behind =
-                    arc.leaves_behind(point.seen) && arc.leaves_behind(point.seen + run);
+                let is_behind = was_behind && arc.leaves_behind(point.seen + run);
                 let step = run / count;
                 is_behind
                     || (1..=count as u32)

@@ -148,7 +148,7 @@ fn a_clock_that_jumps_back_stops_nothing() {
 }
 
 /// A fact is an aspect of interest too: 1 in each tick in which it holds, otherwise 0. Sensed facts
-/// count as they are in this tick, and symbols as the last tick or the end of a plan left them.
+/// count as they are in this tick, and symbols as the last tick left them.
 #[test]
 fn facts_are_aspects_of_interest() {
     let mission = "
@@ -172,8 +172,8 @@ fn facts_are_aspects_of_interest() {
         // The first tick already knows the fact.
         ("fuel=0.2", [0.6667, 0.8333, 0.6667], "low high"),
         ("fuel=0.3", [0.0556, 0.1296, 0.6667], ""),
-        // The step of 200 ms ends at the start of the tick, and a plan with it: criticalities count anew.
-        ("x1", [0.0556, 0.1296, 0.0556], "done"),
+        // The step of 200 ms ends at the start of the tick after the criticalities.
+        ("x1", [0.0556, 0.1296, 0.6667], "done"),
         ("x1", [0.0556, 0.1296, 0.0556], "done"),
         ("fuel=0.25", [0.6667, 0.8333, 0.0556], "low done high"),
     ];
