@@ -3,7 +3,8 @@
 //! Source: the wiki of OpenStreetMap, "OSM XML", "PBF Format", "Relation:multipolygon", "Map
 //! features". Every encoding is read into an [`Extract`], which is then drawn on the map; `tags`
 //! defines the meaning of tags. Areas are closed ways and multipolygon relations; a relation's ways
-//! are joined to rings. An area's inner rings are its courtyards and clearings.
+//! are joined to rings. An area's inner rings are its courtyards and clearings. A barrier or a
+//! coastline goes around an area: of such a multipolygon the rings are drawn as lines.
 //!
 //! An extract is cut out of a larger map, so parts of its objects may be missing. That is not a
 //! mistake: the rest is drawn, and a warning counts the missing parts.
@@ -162,7 +163,7 @@ struct Drawing<'a> {
     plane: Plane,
     judge: &'a Judge<'a>,
     ways: HashMap<i64, &'a Way>,
-    /// Widths of the openings that nodes make in their barriers, metres.
+    /// Widths of the openings that nodes make in their barriers, metres, by [`Drawing::by_place`].
     openings: HashMap<i64, f64>,
     map: Map,
     missing: Missing,
@@ -172,12 +173,15 @@ struct Drawing<'a> {
 impl<'a> Drawing<'a> {
     fn new(extract: &'a Extract, plane: Plane, judge: &'a Judge<'a>) -> Self {
         let ways = extract.ways.iter().map(|way| (way.object.id, way)).collect();
-        let nodes = extract.nodes.iter();
-        let openings = nodes.filter_map(|node| Some((node.id, judge.opening_m(&node.tags)?)));
-        let openings = openings.collect();
         let map = plane.map();
         let (missing, passed) = (Missing::default(), Passed::default());
-        Self { extract, plane, judge, ways, openings, map, missing, passed }
+        let openings = HashMap::new();
+        let mut new = Self { extract, plane, judge, ways, openings, map, missing, passed };
+        let nodes = extract.nodes.iter();
+        let openings =
+            nodes.filter_map(|node| Some((new.by_place(node.id), judge.opening_m(&node.tags)?)));
+        new.openings = openings.collect();
+        new
     }
 
     /// Draws everything and counts the tagged objects without a meaning.
@@ -192,7 +196,8 @@ impl<'a> Drawing<'a> {
         for relation in &extract.relations {
             match self.meaning(relation) {
                 Some(meaning) => {
-                    let outer = relation.members.iter().filter(|member| !member.is_inner);
+                    let is_part = |member: &&Member| !meaning.is_line && !member.is_inner;
+                    let outer = relation.members.iter().filter(is_part);
                     parts.extend(outer.map(|member| (member.way, meaning.role == Role::Obstacle)));
                     relations.push((relation, meaning));
                 }
@@ -237,7 +242,7 @@ impl<'a> Drawing<'a> {
                 self.map.points.push(NamedPoint { name: name.into(), at, span });
             }
             // An open gate is used: it is the opening in its fence.
-            None if self.openings.contains_key(&node.id) => {}
+            None if self.openings.contains_key(&self.by_place(node.id)) => {}
             None => self.passed.unused.add(&node.tags),
         }
     }
@@ -254,16 +259,22 @@ impl<'a> Drawing<'a> {
             return;
         }
         self.missing.open += usize::from(!meaning.is_line);
-        if meaning.is_barrier {
-            let known = way.refs.iter().filter(|node| self.extract.places.contains_key(node));
-            let widths: Vec<Option<f64>> =
-                known.map(|node| self.openings.get(node).copied()).collect();
-            let width = |index: usize| widths.get(index).copied().flatten();
-            for piece in openings::cut(&points, width) {
-                self.push(Shape::Polyline(piece), meaning, &way.object);
-            }
-        } else {
-            self.push(Shape::Polyline(points), meaning, &way.object);
+        self.line(&way.refs, points, meaning, &way.object);
+    }
+
+    /// Draws a line; a barrier is cut where nodes open it. `points` are the places of the nodes, as
+    /// far as they are known.
+    fn line(&mut self, refs: &[i64], points: Vec<Point>, meaning: &Meaning, object: &Object) {
+        if !meaning.is_barrier {
+            self.push(Shape::Polyline(points), meaning, object);
+            return;
+        }
+        let known = refs.iter().filter(|node| self.place(**node).is_some());
+        let widths: Vec<Option<f64>> =
+            known.map(|node| self.openings.get(&self.by_place(*node)).copied()).collect();
+        let width = |index: usize| widths.get(index).copied().flatten();
+        for piece in openings::cut(&points, width) {
+            self.push(Shape::Polyline(piece), meaning, object);
         }
     }
 
@@ -276,17 +287,31 @@ impl<'a> Drawing<'a> {
         let outer = relation.members.iter().filter(|member| !member.is_inner);
         let meaning = if is_untyped(tags) {
             let mut ways = outer.filter_map(|member| self.ways.get(&member.way));
-            ways.find_map(|way| self.judge.meaning(&way.object.tags, false))
+            let meaning = ways.find_map(|way| self.judge.meaning(&way.object.tags, false));
+            // The ways are drawn as lines themselves.
+            return meaning.filter(|meaning| !meaning.is_line);
         } else {
             self.judge.meaning(tags, false)
         };
-        meaning.filter(|meaning| !meaning.is_line)
+        meaning.map(|meaning| {
+            let is_coast = tags.get("natural") == Some("coastline");
+            Meaning { is_line: meaning.is_line && (meaning.is_barrier || is_coast), ..meaning }
+        })
     }
 
     fn relation(&mut self, relation: &Relation, meaning: &Meaning) {
         let Outlines { outer, inner } = self.outlines(relation);
         if outer.closed.is_empty() && outer.open.is_empty() {
             self.passed.nowhere.add(&relation.object.tags);
+        }
+        if meaning.is_line {
+            for line in [outer.closed, outer.open, inner.closed, inner.open].concat() {
+                let points = self.points(&line);
+                if !points.is_empty() {
+                    self.line(&line, points, meaning, &relation.object);
+                }
+            }
+            return;
         }
         for line in &outer.open {
             let points = self.points(line);
@@ -322,16 +347,21 @@ impl<'a> Drawing<'a> {
         let absent = members.iter().filter(|part| !self.ways.contains_key(&part.way)).count();
         self.missing.members += absent;
         self.missing.relations_cut += usize::from(absent > 0);
-        let by_place =
-            |node: &i64| self.extract.places.get(node).map_or(*node, |at| extract::id_of(*at));
         let rings = |is_inner: bool| {
             let members = members.iter().filter(|member| member.is_inner == is_inner);
             let ways = members.filter_map(|member| self.ways.get(&member.way));
-            let lines: Vec<Vec<i64>> =
-                ways.map(|way| way.refs.iter().map(by_place).collect()).collect();
+            let lines: Vec<Vec<i64>> = ways
+                .map(|way| way.refs.iter().map(|node| self.by_place(*node)).collect())
+                .collect();
             rings::join(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>())
         };
         Outlines { outer: rings(false), inner: rings(true) }
+    }
+
+    /// The number of a node's place, which all nodes in this place share; of a node without a place,
+    /// its own.
+    fn by_place(&self, node: i64) -> i64 {
+        self.extract.places.get(&node).map_or(node, |at| extract::id_of(*at))
     }
 
     fn place(&self, node: i64) -> Option<Point> {

@@ -3,6 +3,7 @@
 mod binary;
 mod kinds;
 mod mistakes;
+mod relations;
 mod writer;
 
 use super::*;
