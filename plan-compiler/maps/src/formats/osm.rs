@@ -32,6 +32,7 @@ use crate::problem::{Problem, Source};
 use extract::{Extract, Member, Object, Relation, Way};
 use math::GeoPoint;
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -92,6 +93,14 @@ struct Missing {
     open: usize,
 }
 
+/// Inner rings that lie in no outer ring of their relation.
+#[derive(Debug, Default)]
+struct Outside {
+    rings: usize,
+    /// The first relation with such a ring: its id and its bytes.
+    first: Option<(i64, Range<usize>)>,
+}
+
 /// Draws the map of an extract; `None` if it has no valid extent.
 fn draw(
     extract: &Extract,
@@ -110,8 +119,9 @@ fn draw(
     let judge = Judge::new(&options.tags);
     let mut drawing = Drawing::new(extract, plane, &judge);
     drawing.draw();
-    let Drawing { missing, passed, plane, map, .. } = drawing;
+    let Drawing { missing, outside, passed, plane, map, .. } = drawing;
     missing.report(problems);
+    outside.report(source, problems);
     if !has_errors(problems) {
         passed.report(WITH_OUTLINES, problems);
         judge.report(problems);
@@ -156,6 +166,8 @@ fn degrees(place: &GeoPoint) -> [f64; 2] {
 struct Outlines {
     outer: rings::Joined,
     inner: rings::Joined,
+    /// Whether the file has all ways of the relation.
+    is_whole: bool,
 }
 
 struct Drawing<'a> {
@@ -167,6 +179,7 @@ struct Drawing<'a> {
     openings: HashMap<i64, f64>,
     map: Map,
     missing: Missing,
+    outside: Outside,
     passed: Passed,
 }
 
@@ -174,9 +187,9 @@ impl<'a> Drawing<'a> {
     fn new(extract: &'a Extract, plane: Plane, judge: &'a Judge<'a>) -> Self {
         let ways = extract.ways.iter().map(|way| (way.object.id, way)).collect();
         let map = plane.map();
-        let (missing, passed) = (Missing::default(), Passed::default());
+        let (missing, outside, passed) = Default::default();
         let openings = HashMap::new();
-        let mut new = Self { extract, plane, judge, ways, openings, map, missing, passed };
+        let mut new = Self { extract, plane, judge, ways, openings, map, missing, outside, passed };
         let nodes = extract.nodes.iter();
         let openings =
             nodes.filter_map(|node| Some((new.by_place(node.id), judge.opening_m(&node.tags)?)));
@@ -300,8 +313,8 @@ impl<'a> Drawing<'a> {
     }
 
     fn relation(&mut self, relation: &Relation, meaning: &Meaning) {
-        let Outlines { outer, inner } = self.outlines(relation);
-        if outer.closed.is_empty() && outer.open.is_empty() {
+        let Outlines { outer, inner, is_whole } = self.outlines(relation);
+        if [&outer.closed, &outer.open, &inner.closed].iter().all(|lines| lines.is_empty()) {
             self.passed.nowhere.add(&relation.object.tags);
         }
         if meaning.is_line {
@@ -325,17 +338,36 @@ impl<'a> Drawing<'a> {
         let closed = |ring: &Vec<i64>| open(self.points_of(ring).0);
         let inner = holes::merged(inner.closed.iter().map(closed).collect());
         let mut fit = rings::Fit::new(&inner);
+        let mut is_within = vec![false; inner.len()];
+        let nodes_missing = self.missing.nodes;
         for ring in &outer.closed {
             let ring = open(self.points(ring));
             if ring.is_empty() {
                 continue;
             }
-            let within = fit.holes_of(&ring).into_iter().map(|hole| inner[hole].clone());
-            let within: Vec<Vec<Point>> = within.collect();
+            let within = fit.holes_of(&ring);
+            within.iter().for_each(|hole| is_within[*hole] = true);
+            let within = within.into_iter().map(|hole| inner[hole].clone());
             let shape = Shape::Polygon(std::iter::once(ring).chain(within).collect());
             self.push(shape, meaning, &relation.object);
         }
         self.missing.open += fit.undecided;
+        // If a part of the outline is missing, it may be the one around them.
+        let is_whole = is_whole && outer.open.is_empty() && self.missing.nodes == nodes_missing;
+        if is_whole && fit.undecided == 0 {
+            let outside = inner.into_iter().zip(is_within).filter(|(_, is_within)| !is_within);
+            self.outside(outside.map(|(ring, _)| ring).collect(), relation, meaning);
+        }
+    }
+
+    /// Draws inner rings outside every outer ring as areas: that blocks more, not less.
+    fn outside(&mut self, rings: Vec<Vec<Point>>, relation: &Relation, meaning: &Meaning) {
+        for ring in rings.into_iter().filter(|ring| !ring.is_empty()) {
+            self.outside.rings += 1;
+            let Object { id, span, .. } = &relation.object;
+            self.outside.first.get_or_insert_with(|| (*id, span.clone()));
+            self.push(Shape::Polygon(vec![ring]), meaning, &relation.object);
+        }
     }
 
     /// The rings of a relation's members; each member counts once per role. Nodes in the same place
@@ -355,7 +387,7 @@ impl<'a> Drawing<'a> {
                 .collect();
             rings::join(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>())
         };
-        Outlines { outer: rings(false), inner: rings(true) }
+        Outlines { outer: rings(false), inner: rings(true), is_whole: absent == 0 }
     }
 
     /// The number of a node's place, which all nodes in this place share; of a node without a place,
@@ -411,6 +443,22 @@ fn open(mut ring: Vec<Point>) -> Vec<Point> {
         ring.pop();
     }
     ring
+}
+
+impl Outside {
+    fn report(&self, source: Option<&Arc<Source>>, problems: &mut Vec<Problem>) {
+        let Some((id, span)) = &self.first else { return };
+        let message = format!(
+            "inner rings outside every outer ring: {}, first in relation {id}; drawn as areas",
+            self.rings
+        );
+        let problem = Problem::warning(message)
+            .help("check the roles of the relation's ways: an area's outline is `outer`, its courtyards are `inner`");
+        problems.push(match source {
+            Some(source) => problem.at(source, span.clone(), "this relation"),
+            None => problem,
+        });
+    }
 }
 
 impl Missing {

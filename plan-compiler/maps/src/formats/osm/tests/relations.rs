@@ -100,3 +100,57 @@ fn an_entrance_opens_the_fence_of_a_multipolygon() {
     let outcome = check(&objects.concat());
     assert_eq!(shapes(&outcome).len(), 2, "{outcome}");
 }
+
+/// A square east of the two of [`check`].
+fn east() -> String {
+    let nodes = [(20, 9, 2), (21, 12, 2), (22, 12, 5), (23, 9, 5)];
+    let nodes = nodes.map(|(id, x, y)| {
+        format!("<node id=\"{id}\" lat=\"0.000{y}\" lon=\"{}\"/>", 1e-4 * f64::from(x))
+    });
+    nodes.concat() + &way(3, &[20, 21, 22, 23, 20], &[])
+}
+
+#[test]
+fn no_ring_is_lost_by_a_wrong_role() {
+    let outside = east()
+        + &way(1, &OUTER, &[])
+        + &relation(7, &[(1, "outer"), (3, "inner")], &[MULTIPOLYGON, BUILDING]);
+    let swapped = area(["inner", "outer"], BUILDING);
+    for (objects, expected) in [(outside, "relation 7"), (swapped, "relation 1")] {
+        let outcome = check(&objects);
+        let kinds: Vec<bool> = shapes(&outcome)
+            .iter()
+            .map(|line| line.contains(" polygon ") && !line.contains('/'))
+            .collect();
+        assert_eq!(kinds, [true, true], "{outcome}");
+        let warning = format!("inner rings outside every outer ring: 1, first in {expected}");
+        assert!(outcome.contains(&warning), "{outcome}");
+    }
+    let only = way(1, &OUTER, &[]) + &relation(1, &[(1, "inner")], &[MULTIPOLYGON, BUILDING]);
+    let outcome = check(&only);
+    assert_eq!(shapes(&outcome).len(), 1, "{outcome}");
+    assert!(!outcome.contains("without coordinates"), "{outcome}");
+}
+
+/// Where the outer ring is cut off, an island must not become an obstacle.
+#[test]
+fn islands_of_a_cut_lake_stay_free() {
+    let lake = |members: &[(i64, &str)]| {
+        let objects = [
+            way(1, &[1, 2, 3], &[]),
+            way(2, &INNER, &[]),
+            relation(1, members, &[MULTIPOLYGON, ("natural", "water")]),
+        ];
+        check(&objects.concat())
+    };
+    let cut = lake(&[(1, "outer"), (2, "inner")]);
+    assert_eq!(shapes(&cut).len(), 1, "{cut}");
+    let absent = lake(&[(50, "outer"), (2, "inner")]);
+    assert!(shapes(&absent).is_empty(), "{absent}");
+    // The outline without the corner that the file lacks runs through the island.
+    let corner = way(1, &[1, 2, 99, 4, 1], &[])
+        + &way(2, &INNER, &[])
+        + &relation(1, &[(1, "outer"), (2, "inner")], &[MULTIPOLYGON, ("natural", "water")]);
+    let corner = check(&corner);
+    assert_eq!(shapes(&corner).len(), 1, "{corner}");
+}
