@@ -119,7 +119,9 @@ fn draw(
     let judge = Judge::new(&options.tags);
     let mut drawing = Drawing::new(extract, plane, &judge);
     drawing.draw();
-    let Drawing { missing, outside, passed, plane, map, .. } = drawing;
+    let Drawing { missing, outside, wrong, passed, plane, map, .. } = drawing;
+    problems
+        .extend(wrong.into_iter().map(|(problem, span)| at(problem, source, &span, "this node")));
     missing.report(problems);
     outside.report(source, problems);
     if !has_errors(problems) {
@@ -158,6 +160,14 @@ fn blame(mut problem: Problem, extract: &Extract, source: Option<&Arc<Source>>) 
     }
 }
 
+/// Adds the bytes of an object to a problem, where the encoding gives them.
+fn at(problem: Problem, source: Option<&Arc<Source>>, span: &Range<usize>, label: &str) -> Problem {
+    match source.filter(|_| !span.is_empty()) {
+        Some(source) => problem.at(source, span.clone(), label),
+        None => problem,
+    }
+}
+
 fn degrees(place: &GeoPoint) -> [f64; 2] {
     [place.lat_deg(), place.lon_deg()]
 }
@@ -180,6 +190,8 @@ struct Drawing<'a> {
     map: Map,
     missing: Missing,
     outside: Outside,
+    /// Errors, each with the bytes of its node.
+    wrong: Vec<(Problem, Range<usize>)>,
     passed: Passed,
 }
 
@@ -187,9 +199,10 @@ impl<'a> Drawing<'a> {
     fn new(extract: &'a Extract, plane: Plane, judge: &'a Judge<'a>) -> Self {
         let ways = extract.ways.iter().map(|way| (way.object.id, way)).collect();
         let map = plane.map();
-        let (missing, outside, passed) = Default::default();
+        let (missing, outside, wrong, passed) = Default::default();
         let openings = HashMap::new();
-        let mut new = Self { extract, plane, judge, ways, openings, map, missing, outside, passed };
+        let mut new =
+            Self { extract, plane, judge, ways, openings, map, missing, outside, wrong, passed };
         let nodes = extract.nodes.iter();
         let openings =
             nodes.filter_map(|node| Some((new.by_place(node.id), judge.opening_m(&node.tags)?)));
@@ -243,6 +256,8 @@ impl<'a> Drawing<'a> {
         let Some(at) = self.place(node.id) else { return };
         let meaning = self.judge.meaning(&node.tags, true);
         if let Some(meaning) = meaning.filter(|meaning| meaning.role == Role::Obstacle) {
+            let wrong = node.tags.check_radius(&format!("node {}", node.id));
+            self.wrong.extend(wrong.map(|problem| (problem, node.span.clone())));
             if meaning.wants_outline {
                 self.passed.pointlike.add(&node.tags);
             }
@@ -454,10 +469,7 @@ impl Outside {
         );
         let problem = Problem::warning(message)
             .help("check the roles of the relation's ways: an area's outline is `outer`, its courtyards are `inner`");
-        problems.push(match source {
-            Some(source) => problem.at(source, span.clone(), "this relation"),
-            None => problem,
-        });
+        problems.push(at(problem, source, span, "this relation"));
     }
 }
 

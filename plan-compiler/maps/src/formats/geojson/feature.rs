@@ -2,7 +2,6 @@
 
 use super::coordinates::{self, Piece, Position};
 use super::{Drawn, MAX_FEATURES, Reader, TO_DEGREES, properties};
-use crate::formats::FARTHEST_M;
 use crate::formats::json::List;
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -54,11 +53,8 @@ impl<'a> Reader<'a> {
                 return;
             }
         };
-        let radius = tags.get("radius").map(|radius| radius.trim_end_matches('m').trim().parse());
-        if radius.is_some_and(|radius| !radius.is_ok_and(|it| (0.0..=FARTHEST_M).contains(&it))) {
-            let span = self.first_line(properties);
-            let message = format!("the radius of {name} is not a length");
-            self.error(message, span, "", "write it in metres");
+        if let Some(problem) = tags.check_radius(name) {
+            self.problems.push(problem.at(self.source, self.first_line(properties), ""));
         }
         let span = self.first_line(text);
         let mut drawn = Drawn { tags, pieces: Vec::new(), texts: Vec::new(), span };

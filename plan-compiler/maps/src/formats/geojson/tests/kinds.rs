@@ -258,3 +258,20 @@ fn endless_lists_are_refused_before_they_are_read() {
     let many = feature("Point", "[0, 0]", &"\"a\": 0, ".repeat(20_000));
     reports(&collection(&[many.replace(", }", "}")], ""), &["more than 10000 members"]);
 }
+
+#[test]
+fn a_radius_beyond_any_map_is_an_error() {
+    let tree = |radius: &str| {
+        feature("Point", "[-0.0015, 51.4779]", &format!(r#""natural": "tree", "radius": {radius}"#))
+    };
+    for radius in ["20001", "1e300", "\"4,5\"", "-4", "\"big\""] {
+        let shown = radius.trim_matches('"');
+        let message =
+            format!("\u{d7} the radius of features[0] is not a length from 0 to 20000 m: {shown}");
+        reports(&collection(&[tree(radius)], ""), &[&message]);
+    }
+    for radius in ["20000", "\"4 m\"", "\"12 ft\"", "0"] {
+        let (drawn, messages) = map(&collection(&[tree(radius)], ""));
+        assert_eq!(obstacles(&drawn), 1, "{radius} {messages}");
+    }
+}

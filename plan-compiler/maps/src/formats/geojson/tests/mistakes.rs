@@ -150,23 +150,23 @@ fn features_that_cannot_be_read_are_all_reported() {
        ╰────
       help: a geometry has a type and coordinates that are nested as deep as it asks for
 
-      × the radius of features[5] is not a length
+      × the radius of features[5] is not a length from 0 to 20000 m: wide
        ╭─[a.geojson:7:35]
      6 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [0, 1e999]}},
      7 │ {"type": "Feature", "properties": {"obstacle": true, "radius": "wide"}, "geometry": {"type": "Point", "coordinates": [0, 0]}},
        ·                                   ────────────────────────────────────
      8 │ {"type": "Feature", "properties": {"obstacle": true, "radius": -1}, "geometry": {"type": "Point", "coordinates": [0, 0]}},
        ╰────
-      help: write it in metres
+      help: write it in metres, with a decimal point
 
-      × the radius of features[6] is not a length
+      × the radius of features[6] is not a length from 0 to 20000 m: -1
        ╭─[a.geojson:8:35]
      7 │ {"type": "Feature", "properties": {"obstacle": true, "radius": "wide"}, "geometry": {"type": "Point", "coordinates": [0, 0]}},
      8 │ {"type": "Feature", "properties": {"obstacle": true, "radius": -1}, "geometry": {"type": "Point", "coordinates": [0, 0]}},
        ·                                   ────────────────────────────────
      9 │ {"type": "Feature"},
        ╰────
-      help: write it in metres
+      help: write it in metres, with a decimal point
 
       × the properties of features[8] are not an object: invalid type: sequence, expected an object
         ╭─[a.geojson:10:35]
