@@ -275,3 +275,22 @@ fn a_radius_beyond_any_map_is_an_error() {
         assert_eq!(obstacles(&drawn), 1, "{radius} {messages}");
     }
 }
+
+#[test]
+fn each_member_of_a_list_is_a_value() {
+    for properties in [
+        r#""highway": ["footway", "steps"]"#,
+        r#""highway": "['footway', 'steps']""#,
+        r#""highway": "[\"footway\", \"steps\"]""#,
+        r#""building": ["yes", "no"]"#,
+        r#""building": [true]"#,
+        r#""tags": [{"key": "building", "value": "yes"}]"#,
+        r#""tags": "{'building': 'yes', 'name': \"O'Hara's\"}""#,
+        r#""tags": {"highway": ["footway", "steps"]}"#,
+    ] {
+        let (map, messages) = map(&collection(&[hall(properties)], ""));
+        assert!(obstacles(&map) > 0, "{properties}\n{messages}");
+    }
+    let named = r#""tags": "{'building': 'yes', 'name': \"O'Hara's\"}""#;
+    assert_eq!(map(&collection(&[hall(named)], "")).0.features[0].name, "O'Hara's");
+}
