@@ -69,11 +69,11 @@ impl Bounds {
     }
 
     fn meets(&self, other: &Self) -> bool {
-        let apart = |axis: usize| {
-            let apart = other.south_west[axis] - self.south_west[axis];
-            if axis == 1 { turned(apart) } else { apart }
-        };
-        (0..2).all(|axis| apart(axis) <= self.size[axis] && -apart(axis) <= other.size[axis])
+        let north = other.south_west[0] - self.south_west[0];
+        // Once around the globe, the other box begins in this one, or ends beyond its west side.
+        let east = (other.south_west[1] - self.south_west[1]).rem_euclid(360.0);
+        let meets_in_width = east <= self.size[1] || east + other.size[1] >= 360.0;
+        north <= self.size[0] && -north <= other.size[0] && meets_in_width
     }
 
     /// The smallest box that holds both.

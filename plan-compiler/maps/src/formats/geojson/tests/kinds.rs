@@ -294,3 +294,10 @@ fn each_member_of_a_list_is_a_value() {
     let named = r#""tags": "{'building': 'yes', 'name': \"O'Hara's\"}""#;
     assert_eq!(map(&collection(&[hall(named)], "")).0.features[0].name, "O'Hara's");
 }
+
+#[test]
+fn bounds_wider_than_half_the_globe_are_not_called_swapped() {
+    let text = collection(&[hall(r#""building": "yes""#)], "\"bbox\": [-180, -90, 180, 90], ");
+    let text = text.replace("-0.001", "7.001");
+    reports(&text, &["by the file's bounds the map is 40076 km x", "this bbox"]);
+}
