@@ -23,7 +23,7 @@ use crate::model::Map;
 use crate::problem::has_errors;
 use crate::problem::{Problem, Source};
 use coordinates::{Piece, Position};
-use drawing::Drawing;
+use drawing::{Drawing, Flaws};
 use math::GeoPoint;
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -249,12 +249,13 @@ impl<'a> Reader<'a> {
         let plane = self.plane(head, bounds, origin)?;
         let mut map = plane.map();
         map.title = head.name.and_then(|name| serde_json::from_str(name.get()).ok());
-        let mut passed = Passed::default();
+        let (mut passed, mut flaws) = (Passed::default(), Flaws::default());
         let drawing = Drawing::new(&plane, self.judge, &self.drawn);
         for drawn in &self.drawn {
-            drawing.feature(drawn, &mut map, &mut passed);
+            drawing.feature(drawn, &mut map, &mut passed, &mut flaws);
         }
         if !has_errors(&self.problems) {
+            flaws.report(self.source, &mut self.problems);
             passed.report(WITH_OUTLINES, &mut self.problems);
             self.judge.report(&mut self.problems);
             let places = self.drawn.iter().flat_map(Drawn::positions);

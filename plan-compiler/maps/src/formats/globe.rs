@@ -8,9 +8,11 @@
 use super::tags::Unused;
 use crate::model::{Extent, Map, Point, Reference, Role};
 use crate::numbers::metres;
-use crate::problem::Problem;
+use crate::problem::{Problem, Source};
 use math::GeoPoint;
 use math::geodetic::{MapFrame, metres_per_degree, offset_m};
+use std::ops::Range;
+use std::sync::Arc;
 
 /// Margin around the outermost coordinates, metres, so that robots can pass around them.
 const MARGIN_M: f64 = 10.0;
@@ -218,6 +220,42 @@ pub(super) struct Plane {
     by: String,
     /// Whether the user or the file gave the origin.
     is_fixed: bool,
+}
+
+/// Counts a flaw, and where it is found first.
+#[derive(Debug, Default)]
+pub(super) struct Flaw {
+    pub(super) count: usize,
+    /// Bytes of the first object with it; empty in a binary file.
+    first: Range<usize>,
+}
+
+impl Flaw {
+    pub(super) fn add(&mut self, span: &Range<usize>) {
+        if self.count == 0 {
+            self.first = span.clone();
+        }
+        self.count += 1;
+    }
+
+    /// Adds a warning if the flaw was found.
+    pub(super) fn report(
+        &self,
+        message: String,
+        help: &str,
+        source: Option<&Arc<Source>>,
+        problems: &mut Vec<Problem>,
+    ) {
+        if self.count == 0 {
+            return;
+        }
+        let problem = Problem::warning(message).help(help);
+        let label = if self.count == 1 { "this one" } else { "the first of them" };
+        problems.push(match source.filter(|_| !self.first.is_empty()) {
+            Some(source) => problem.at(source, self.first.clone(), label),
+            None => problem,
+        });
+    }
 }
 
 /// Objects of a file that are not drawn, or not as they should be.

@@ -301,3 +301,20 @@ fn bounds_wider_than_half_the_globe_are_not_called_swapped() {
     let text = text.replace("-0.001", "7.001");
     reports(&text, &["by the file's bounds the map is 40076 km x", "this bbox"]);
 }
+
+/// What overpass turbo writes of an area whose ways were only partly fetched.
+#[test]
+fn areas_that_are_not_whole_are_reported() {
+    let line = "[[-0.0016439, 51.4778461], [-0.0013561, 51.4778461], [-0.0013561, 51.4779539]]";
+    let open = feature("LineString", line, r#""building": "yes""#);
+    let words = "\u{26a0} outlines that do not close: 1; drawn as walls with free ground inside";
+    reports(&collection(&[open], ""), &[words]);
+    let tainted = hall(r#""building": "yes", "@tainted": true"#);
+    let words = "\u{26a0} objects that lack parts, marked `@tainted`: 1; drawn without them";
+    reports(&collection(&[tainted], ""), &[words, "out geom;"]);
+    let whole = [hall(r#""building": "yes", "@tainted": false"#), hall(r#""barrier": "wall""#)];
+    let (_, messages) = map(&collection(&whole, ""));
+    assert!(!messages.contains('\u{26a0}'), "{messages}");
+    let walls = [feature("LineString", line, r#""barrier": "wall""#)];
+    assert!(!map(&collection(&walls, "")).1.contains('\u{26a0}'));
+}
