@@ -153,7 +153,16 @@ impl<'a> Reader<'a> {
     }
 
     fn refuse(&mut self, part: &str, what: &str, error: &serde_json::Error, help: &str) {
-        let at = self.span(part).start + json::place_of(part, error);
+        let start = self.span(part).start;
+        let place = json::place_of(part, error);
+        if let Some((span, reason, help)) =
+            json::unlike_json(part, place).filter(|_| error.is_syntax())
+        {
+            let span = start + span.start..start + span.end;
+            self.error(format!("{what}: {reason}"), span, "here", help);
+            return;
+        }
+        let at = start + place;
         let reason = json::reason_of(error);
         self.error(format!("{what}: {reason}"), at..at, "here", help);
     }

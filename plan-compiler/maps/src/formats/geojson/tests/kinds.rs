@@ -318,3 +318,19 @@ fn areas_that_are_not_whole_are_reported() {
     let walls = [feature("LineString", line, r#""barrier": "wall""#)];
     assert!(!map(&collection(&walls, "")).1.contains('\u{26a0}'));
 }
+
+#[test]
+fn what_json_does_not_allow_is_named() {
+    let nan = collection(&[hall(r#""building": "yes", "height": NaN"#)], "");
+    reports(&nan, &["NaN is not allowed in JSON", "write null", "a.geojson:1:"]);
+    let inf = collection(&[hall(r#""building": "yes""#)], "\"bbox\": [-Infinity, 0, 1, 1], ");
+    reports(&inf, &["-Infinity is not allowed in JSON", "write null"]);
+    let place = collection(&[hall("").replace("51.4778461", "NaN")], "");
+    reports(&place, &["NaN is not allowed in JSON"]);
+    let comma = "a comma before a closing bracket is not allowed in JSON";
+    reports(&collection(&[hall(r#""building": "yes","#)], ""), &[comma, "remove the comma"]);
+    reports(&collection(&[hall("")], "").replace("]}", ",\n]}"), &[comma]);
+    // A file that was cut off is still called that.
+    let cut = collection(&[hall("")], "").replace("]}", "");
+    reports(&cut, &["check where it was cut off"]);
+}
