@@ -264,8 +264,8 @@ impl<'a> Reader<'a> {
             drawing.feature(drawn, &mut map, &mut passed, &mut flaws);
         }
         if !has_errors(&self.problems) {
-            flaws.report(self.source, &mut self.problems);
-            passed.report(WITH_OUTLINES, &mut self.problems);
+            flaws.report(&passed, self.source, &mut self.problems);
+            passed.report_points(WITH_OUTLINES, &mut self.problems);
             self.judge.report(&mut self.problems);
             let places = self.drawn.iter().flat_map(Drawn::positions);
             self.problems.extend(Bounds::around(places).and_then(|around| around.suspect()));

@@ -273,12 +273,17 @@ impl Passed {
     /// Adds a warning for each kind. `help` explains how to fetch the file with geometry.
     pub(super) fn report(&self, help: &str, problems: &mut Vec<Problem>) {
         if self.nowhere.total() > 0 {
-            let list = self.nowhere.list();
-            problems.push(
-                Problem::warning(format!("without coordinates, so not on the map: {list}"))
-                    .help(help),
-            );
+            problems.push(Problem::warning(self.nowhere_text()).help(help));
         }
+        self.report_points(help, problems);
+    }
+
+    pub(super) fn nowhere_text(&self) -> String {
+        format!("without coordinates, so not on the map: {}", self.nowhere.list())
+    }
+
+    /// Adds a warning if areas are drawn as points.
+    pub(super) fn report_points(&self, help: &str, problems: &mut Vec<Problem>) {
         if self.pointlike.total() > 0 {
             let list = self.pointlike.list();
             let message =

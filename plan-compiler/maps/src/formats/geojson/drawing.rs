@@ -10,17 +10,26 @@ use crate::problem::{Problem, Source};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Areas that the file has only in part.
+/// Objects that the file has only in part.
 #[derive(Debug, Default)]
 pub(super) struct Flaws {
     /// Lines with the tags of an area whose ends do not meet.
     open: Flaw,
     /// Objects that overpass turbo marks as lacking parts.
     tainted: Flaw,
+    /// Objects without coordinates.
+    nowhere: Flaw,
 }
 
 impl Flaws {
-    pub(super) fn report(&self, source: &Arc<Source>, problems: &mut Vec<Problem>) {
+    pub(super) fn report(
+        &self,
+        passed: &Passed,
+        source: &Arc<Source>,
+        problems: &mut Vec<Problem>,
+    ) {
+        let nowhere = passed.nowhere_text();
+        self.nowhere.report(nowhere, "give it coordinates, or remove it", Some(source), problems);
         let help = "fetch them with all their parts: in Overpass end the query with `out geom;`, or \
                     with `(._;>;); out body;`";
         let open = self.open.count;
@@ -66,6 +75,7 @@ impl<'a> Drawing<'a> {
         let meaning = self.judge.meaning(tags, is_point && !drawn.pieces.is_empty());
         if drawn.pieces.is_empty() && (meaning.is_some() || tags.get("name").is_some()) {
             passed.nowhere.add(tags);
+            flaws.nowhere.add(&drawn.span);
             return;
         }
         let Some(meaning) = meaning else {

@@ -2,7 +2,7 @@
 
 use super::coordinates::{self, Piece, Position};
 use super::{Drawn, MAX_FEATURES, Reader, TO_DEGREES, properties};
-use crate::formats::json::List;
+use crate::formats::json::{self, List};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 use std::borrow::Cow;
@@ -94,11 +94,22 @@ impl<'a> Reader<'a> {
                 self.error(format!("{what}: {error}"), self.first_line(text), "this one", help);
             }
             Err(error) => {
-                let help = match coordinates.contains('"') {
-                    true => "write coordinates as numbers, without quotes",
-                    false => help,
+                let reason = json::reason_of(&error);
+                let begins = |start: &str| reason.starts_with(start);
+                let help = if begins("the text") {
+                    "write coordinates as numbers, without quotes".into()
+                } else if begins("null") {
+                    "remove the position, or write its numbers".into()
+                } else if begins("a list") {
+                    format!(
+                        "a {kind} has fewer levels of brackets: remove one, or correct its type"
+                    )
+                } else if begins("the number") {
+                    format!("a {kind} has more levels of brackets: add one, or correct its type")
+                } else {
+                    help.into()
                 };
-                self.refuse(coordinates, &what, &error, help);
+                self.refuse(coordinates, &what, &error, &help);
             }
         }
     }

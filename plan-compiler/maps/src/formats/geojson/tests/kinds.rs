@@ -334,3 +334,56 @@ fn what_json_does_not_allow_is_named() {
     let cut = collection(&[hall("")], "").replace("]}", "");
     reports(&cut, &["check where it was cut off"]);
 }
+
+#[test]
+fn coordinates_of_another_shape_are_explained() {
+    let building = r#""building": "yes""#;
+    for (coordinates, message, help) in [
+        (
+            format!("[{HALL}]"),
+            "a list is where a number must be",
+            "a Polygon has fewer levels of brackets",
+        ),
+        (
+            HALL.replace("[[[", "[[").replace("]]]", "]]"),
+            "the number -0.0016439 is where",
+            "a Polygon has more levels of brackets",
+        ),
+        (
+            HALL.replace("51.4778461", "\"51.4778461\""),
+            "the text \"51.4778461\" is where a number must be",
+            "without quotes",
+        ),
+        (
+            HALL.replace("51.4778461", "null"),
+            "null is where a number must be",
+            "remove the position",
+        ),
+    ] {
+        let text = collection(&[feature("Polygon", &coordinates, building)], "");
+        reports(&text, &["the geometry of features[0] cannot be read", message, help]);
+        let (_, messages) = read_as(&text, &ReadOptions::default());
+        for word in ["f64", "sequence", "invalid type"] {
+            assert!(!messages.contains(word), "{messages}");
+        }
+    }
+}
+
+#[test]
+fn a_feature_without_a_place_is_shown() {
+    let null =
+        "{\"type\": \"Feature\", \"properties\": {\"building\": \"yes\"}, \"geometry\": null}";
+    let nested = null.replace("null", "{\"geometry\": {}}");
+    let empty = feature("Polygon", "[]", r#""building": "yes""#);
+    for feature in [null, &nested, &empty] {
+        let text = collection(&[hall(""), format!("\n{feature}")], "");
+        reports(
+            &text,
+            &[
+                "without coordinates, so not on the map: building=yes 1",
+                "a.geojson:2:",
+                "give it coordinates, or remove it",
+            ],
+        );
+    }
+}
