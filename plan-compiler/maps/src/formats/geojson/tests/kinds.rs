@@ -387,3 +387,21 @@ fn a_feature_without_a_place_is_shown() {
         );
     }
 }
+
+#[test]
+fn degrees_in_well_known_text_are_accepted() {
+    let with = |name: &str| {
+        let crs = format!(r#""crs": {{"type": "name", "properties": {{"name": "{name}"}}}}, "#);
+        collection(&[hall(r#""building": "yes""#)], &crs)
+    };
+    for name in [
+        r#"GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\"]]"#,
+        r#"GEOGCRS[\"WGS 84\",DATUM[\"World Geodetic System 1984\"]]"#,
+        r#"GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\"]]"#,
+    ] {
+        assert_eq!(obstacles(&map(&with(name)).0), 1, "{name}");
+    }
+    let utm = r#"PROJCS[\"WGS 84 / UTM zone 32N\",GEOGCS[\"WGS 84\"]]"#;
+    reports(&with(utm), &["not in degrees of WGS-84"]);
+    reports(&with(r#"GEOGCS[\"OSGB 1936\"]"#), &["not in degrees of WGS-84"]);
+}
