@@ -16,6 +16,7 @@
 //! Deliberately absent: changes (.osc), relations within relations, preference for roads and paths.
 
 mod extract;
+mod flaws;
 mod json;
 mod pbf;
 mod rings;
@@ -30,6 +31,7 @@ use crate::model::{Feature, Map, NamedPoint, Point, Role, Shape};
 use crate::problem::has_errors;
 use crate::problem::{Problem, Source};
 use extract::{Extract, Member, Object, Relation, Way};
+use flaws::{Missing, Outside};
 use math::GeoPoint;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -83,24 +85,6 @@ pub(super) fn read_binary(
     }
 }
 
-/// Counts of the parts that an extract lacks.
-#[derive(Debug, Default)]
-struct Missing {
-    ways_cut: usize,
-    nodes: usize,
-    relations_cut: usize,
-    members: usize,
-    open: usize,
-}
-
-/// Inner rings that lie in no outer ring of their relation.
-#[derive(Debug, Default)]
-struct Outside {
-    rings: usize,
-    /// The first relation with such a ring: its id and its bytes.
-    first: Option<(i64, Range<usize>)>,
-}
-
 /// Draws the map of an extract; `None` if it has no valid extent.
 fn draw(
     extract: &Extract,
@@ -120,8 +104,9 @@ fn draw(
     let mut drawing = Drawing::new(extract, plane, &judge);
     drawing.draw();
     let Drawing { missing, outside, wrong, passed, plane, map, .. } = drawing;
-    problems
-        .extend(wrong.into_iter().map(|(problem, span)| at(problem, source, &span, "this node")));
+    problems.extend(
+        wrong.into_iter().map(|(problem, span)| flaws::at(problem, source, &span, "this node")),
+    );
     missing.report(problems);
     outside.report(source, problems);
     if !has_errors(problems) {
@@ -156,14 +141,6 @@ fn blame(mut problem: Problem, extract: &Extract, source: Option<&Arc<Source>>) 
     };
     match source.and_then(|source| Some((source, xml::find(source, element, id)?))) {
         Some((source, span)) => problem.at(source, span, "this"),
-        None => problem,
-    }
-}
-
-/// Adds the bytes of an object to a problem, where the encoding gives them.
-fn at(problem: Problem, source: Option<&Arc<Source>>, span: &Range<usize>, label: &str) -> Problem {
-    match source.filter(|_| !span.is_empty()) {
-        Some(source) => problem.at(source, span.clone(), label),
         None => problem,
     }
 }
@@ -458,47 +435,6 @@ fn open(mut ring: Vec<Point>) -> Vec<Point> {
         ring.pop();
     }
     ring
-}
-
-impl Outside {
-    fn report(&self, source: Option<&Arc<Source>>, problems: &mut Vec<Problem>) {
-        let Some((id, span)) = &self.first else { return };
-        let message = format!(
-            "inner rings outside every outer ring: {}, first in relation {id}; drawn as areas",
-            self.rings
-        );
-        let problem = Problem::warning(message)
-            .help("check the roles of the relation's ways: an area's outline is `outer`, its courtyards are `inner`");
-        problems.push(at(problem, source, span, "this relation"));
-    }
-}
-
-impl Missing {
-    fn report(&self, problems: &mut Vec<Problem>) {
-        let Self { ways_cut, nodes, relations_cut, members, open } = self;
-        let help = "cut the extract out with whole objects: `osmium extract --strategy smart`";
-        let mut report = |count: usize, message: String| {
-            if count > 0 {
-                problems.push(Problem::warning(message).help(help));
-            }
-        };
-        report(
-            *nodes,
-            format!(
-                "outlines that lack nodes: {ways_cut}, nodes missing: {nodes}; drawn without them"
-            ),
-        );
-        report(
-            *members,
-            format!(
-                "areas that lack ways: {relations_cut}, ways missing: {members}; drawn without them"
-            ),
-        );
-        report(
-            *open,
-            format!("outlines that do not close: {open}; drawn as walls with free ground inside"),
-        );
-    }
 }
 
 #[cfg(test)]
