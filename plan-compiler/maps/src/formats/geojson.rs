@@ -35,10 +35,11 @@ use std::sync::Arc;
 pub const CONVENTIONS: &str = "\
 GeoJSON  (RFC 7946, .geojson; also features one a line, and .geojson.gz) For the meaning of
          properties see Tags; lines are walls without width, points are circles of their property
-         `radius` in metres. layer=foliage or comms weakens radio; any other `layer` is an area
-         that a mission can name. Points with a `name` are goals. The extent is the file's bbox, or
-         its coordinates and 10 m around them. 0,0 is the origin (--origin, or a member `origin` of
-         the collection: [longitude, latitude]), or the centre of the extent.";
+         `radius` in metres. In a list each member counts. layer=foliage or comms weakens radio;
+         any other `layer` is an area that a mission can name. Points with a `name` are goals. The
+         extent is the file's bbox, or its coordinates and 10 m around them. 0,0 is the origin
+         (--origin, or a member `origin` of the collection: [longitude, latitude]), or the centre
+         of the extent.";
 
 /// Most bytes of a part that an excerpt shows.
 const EXCERPT_BYTES: usize = 80;

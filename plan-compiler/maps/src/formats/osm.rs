@@ -41,9 +41,10 @@ use std::sync::Arc;
 /// This format in `--help`.
 pub const CONVENTIONS: &str = "\
 OSM      (OpenStreetMap, .osm, .osm.pbf or Overpass JSON; also .osm.gz) For the meaning of tags
-         see Tags; multipolygons keep their courtyards. Nodes with a `name` and a tag `goal`
-         are goals. The newest version of an object counts. The extent is the file's bounds, or
-         its nodes and 10 m around them. 0,0 is the origin (--origin), or the centre of the
+         see Tags; a multipolygon is an area with courtyards, or, if it is a barrier or a
+         coastline, lines along its rings. Nodes with a `name` and a tag `goal` are goals.
+         The newest version of an object counts. The extent is the file's bounds, or its
+         nodes and 10 m around them. 0,0 is the origin (--origin), or the centre of the
          extent. A warning counts the parts that an extract lacks.";
 
 /// How to fetch outlines.
