@@ -4,11 +4,12 @@
 //! go in; a [`Project`] comes out, or every mistake in its files.
 
 use crate::input::{Input, Options};
-use crate::mission::{self, Mission};
+use crate::mission::{self, CostSource, Mission};
 use crate::recipe::Recipe;
 use maps::formats::{self, Loaded};
 use maps::problem::{Problem, Source, has_errors};
 use maps::{Map, source};
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -112,13 +113,24 @@ pub fn load(request: Request, problems: &mut Vec<Problem>) -> Option<Project> {
     }));
     let map = map.filter(|_| !is_incomplete)?;
     let named = source.as_ref().and_then(|text| formats::pcf::map_path(&map_path, &text.text));
-    let speeds = mission.speed_masks.iter().map(|mask| mask.path.clone());
-    let masks = mission.masks.iter().map(|mask| mask.path.clone()).chain(speeds);
-    let costs = mission.layers.iter().filter_map(|rule| rule.tolls.costs.as_ref());
-    let costs = costs.map(|costs| costs.path.clone());
-    let others = named.into_iter().chain(mission_path).chain(masks).chain(costs);
-    let inputs = std::iter::once(map_path).chain(others).collect();
+    let others = named.into_iter().chain(map.files.iter().cloned()).chain(mission_path);
+    let inputs = iter::once(map_path).chain(others).chain(files(&mission)).collect();
     Some(Project { inputs, map, source, mission, options })
+}
+
+/// The files that a mission names, besides its map.
+fn files(mission: &Mission) -> impl Iterator<Item = PathBuf> {
+    let masks = mission.masks.iter().flat_map(|mask| iter::once(&mask.path).chain(&mask.files));
+    let speeds = mission.speed_masks.iter().flat_map(|mask| [&mask.path, &mask.shades.image]);
+    let costs = mission.layers.iter().filter_map(|rule| rule.tolls.costs.as_ref());
+    let costs = costs.flat_map(|costs| {
+        let image = match &costs.factors {
+            CostSource::Image(image) => Some(&image.shades.image),
+            CostSource::Array(_) => None,
+        };
+        iter::once(&costs.path).chain(image)
+    });
+    masks.chain(speeds).chain(costs).cloned()
 }
 
 fn read_mission(

@@ -7,6 +7,7 @@ use crate::bitmap::Bitmap;
 use crate::names::Word;
 use math::GeoPoint;
 use std::ops::Range;
+use std::path::PathBuf;
 
 /// A point, metres.
 pub type Point = [f64; 2];
@@ -26,6 +27,8 @@ pub struct Map {
     pub features: Vec<Feature>,
     /// Cells that the file gives, obstacles in every layer.
     pub cells: Option<CellMap>,
+    /// Further files that were read, such as the image of the cells.
+    pub files: Vec<PathBuf>,
     /// Named points, the default goals.
     pub points: Vec<NamedPoint>,
     /// Where robots start (an overlay's StartPlace, OPAR's reference point).
@@ -245,6 +248,7 @@ impl Map {
             reference: None,
             features: Vec::new(),
             cells: None,
+            files: Vec::new(),
             points: Vec::new(),
             start: None,
             title: None,

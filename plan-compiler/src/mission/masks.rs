@@ -22,6 +22,8 @@ pub struct Mask {
     pub layer: String,
     /// Its file, relative to the current folder.
     pub path: PathBuf,
+    /// Further files that were read with it: its image.
+    pub files: Vec<PathBuf>,
     /// Its place in the mission file.
     pub place: Place,
     /// Its cells.
@@ -129,7 +131,7 @@ impl Reader<'_> {
         }
         let cells = CellMap { unknown_as: Unknown::Free, ..cells };
         let (layer, place) = (layer.to_owned(), self.report.place(&span));
-        self.mission.masks.push(Mask { layer, path, place, cells });
+        self.mission.masks.push(Mask { layer, path, files: map.files, place, cells });
     }
 
     /// Warns about greys of a mask: in Nav2's mode `scale` they are costs.

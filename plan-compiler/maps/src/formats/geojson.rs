@@ -23,7 +23,7 @@ use crate::model::Map;
 use crate::problem::has_errors;
 use crate::problem::{Problem, Source};
 use coordinates::{Piece, Position};
-use drawing::Drawing;
+use drawing::{Drawing, Flaws};
 use math::GeoPoint;
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -35,10 +35,11 @@ use std::sync::Arc;
 pub const CONVENTIONS: &str = "\
 GeoJSON  (RFC 7946, .geojson; also features one a line, and .geojson.gz) For the meaning of
          properties see Tags; lines are walls without width, points are circles of their property
-         `radius` in metres. layer=foliage or comms weakens radio; any other `layer` is an area
-         that a mission can name. Points with a `name` are goals. The extent is the file's bbox, or
-         its coordinates and 10 m around them. 0,0 is the origin (--origin, or a member `origin` of
-         the collection: [longitude, latitude]), or the centre of the extent.";
+         `radius` in metres. In a list each member counts. layer=foliage or comms weakens radio;
+         any other `layer` is an area that a mission can name. Points with a `name` are goals. The
+         extent is the file's bbox, or its coordinates and 10 m around them. 0,0 is the origin
+         (--origin, or a member `origin` of the collection: [longitude, latitude]), or the centre
+         of the extent.";
 
 /// Most bytes of a part that an excerpt shows.
 const EXCERPT_BYTES: usize = 80;
@@ -153,7 +154,16 @@ impl<'a> Reader<'a> {
     }
 
     fn refuse(&mut self, part: &str, what: &str, error: &serde_json::Error, help: &str) {
-        let at = self.span(part).start + json::place_of(part, error);
+        let start = self.span(part).start;
+        let place = json::place_of(part, error);
+        if let Some((span, reason, help)) =
+            json::unlike_json(part, place).filter(|_| error.is_syntax())
+        {
+            let span = start + span.start..start + span.end;
+            self.error(format!("{what}: {reason}"), span, "here", help);
+            return;
+        }
+        let at = start + place;
         let reason = json::reason_of(error);
         self.error(format!("{what}: {reason}"), at..at, "here", help);
     }
@@ -249,13 +259,14 @@ impl<'a> Reader<'a> {
         let plane = self.plane(head, bounds, origin)?;
         let mut map = plane.map();
         map.title = head.name.and_then(|name| serde_json::from_str(name.get()).ok());
-        let mut passed = Passed::default();
+        let (mut passed, mut flaws) = (Passed::default(), Flaws::default());
         let drawing = Drawing::new(&plane, self.judge, &self.drawn);
         for drawn in &self.drawn {
-            drawing.feature(drawn, &mut map, &mut passed);
+            drawing.feature(drawn, &mut map, &mut passed, &mut flaws);
         }
         if !has_errors(&self.problems) {
-            passed.report(WITH_OUTLINES, &mut self.problems);
+            flaws.report(&passed, self.source, &mut self.problems);
+            passed.report_points(WITH_OUTLINES, &mut self.problems);
             self.judge.report(&mut self.problems);
             let places = self.drawn.iter().flat_map(Drawn::positions);
             self.problems.extend(Bounds::around(places).and_then(|around| around.suspect()));

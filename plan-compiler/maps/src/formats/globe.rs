@@ -8,9 +8,11 @@
 use super::tags::Unused;
 use crate::model::{Extent, Map, Point, Reference, Role};
 use crate::numbers::metres;
-use crate::problem::Problem;
+use crate::problem::{Problem, Source};
 use math::GeoPoint;
 use math::geodetic::{MapFrame, metres_per_degree, offset_m};
+use std::ops::Range;
+use std::sync::Arc;
 
 /// Margin around the outermost coordinates, metres, so that robots can pass around them.
 const MARGIN_M: f64 = 10.0;
@@ -69,11 +71,11 @@ impl Bounds {
     }
 
     fn meets(&self, other: &Self) -> bool {
-        let apart = |axis: usize| {
-            let apart = other.south_west[axis] - self.south_west[axis];
-            if axis == 1 { turned(apart) } else { apart }
-        };
-        (0..2).all(|axis| apart(axis) <= self.size[axis] && -apart(axis) <= other.size[axis])
+        let north = other.south_west[0] - self.south_west[0];
+        // Once around the globe, the other box begins in this one, or ends beyond its west side.
+        let east = (other.south_west[1] - self.south_west[1]).rem_euclid(360.0);
+        let meets_in_width = east <= self.size[1] || east + other.size[1] >= 360.0;
+        north <= self.size[0] && -north <= other.size[0] && meets_in_width
     }
 
     /// The smallest box that holds both.
@@ -220,6 +222,42 @@ pub(super) struct Plane {
     is_fixed: bool,
 }
 
+/// Counts a flaw, and where it is found first.
+#[derive(Debug, Default)]
+pub(super) struct Flaw {
+    pub(super) count: usize,
+    /// Bytes of the first object with it; empty in a binary file.
+    first: Range<usize>,
+}
+
+impl Flaw {
+    pub(super) fn add(&mut self, span: &Range<usize>) {
+        if self.count == 0 {
+            self.first = span.clone();
+        }
+        self.count += 1;
+    }
+
+    /// Adds a warning if the flaw was found.
+    pub(super) fn report(
+        &self,
+        message: String,
+        help: &str,
+        source: Option<&Arc<Source>>,
+        problems: &mut Vec<Problem>,
+    ) {
+        if self.count == 0 {
+            return;
+        }
+        let problem = Problem::warning(message).help(help);
+        let label = if self.count == 1 { "this one" } else { "the first of them" };
+        problems.push(match source.filter(|_| !self.first.is_empty()) {
+            Some(source) => problem.at(source, self.first.clone(), label),
+            None => problem,
+        });
+    }
+}
+
 /// Objects of a file that are not drawn, or not as they should be.
 #[derive(Debug, Default)]
 pub(super) struct Passed {
@@ -235,12 +273,17 @@ impl Passed {
     /// Adds a warning for each kind. `help` explains how to fetch the file with geometry.
     pub(super) fn report(&self, help: &str, problems: &mut Vec<Problem>) {
         if self.nowhere.total() > 0 {
-            let list = self.nowhere.list();
-            problems.push(
-                Problem::warning(format!("without coordinates, so not on the map: {list}"))
-                    .help(help),
-            );
+            problems.push(Problem::warning(self.nowhere_text()).help(help));
         }
+        self.report_points(help, problems);
+    }
+
+    pub(super) fn nowhere_text(&self) -> String {
+        format!("without coordinates, so not on the map: {}", self.nowhere.list())
+    }
+
+    /// Adds a warning if areas are drawn as points.
+    pub(super) fn report_points(&self, help: &str, problems: &mut Vec<Problem>) {
         if self.pointlike.total() > 0 {
             let list = self.pointlike.list();
             let message =

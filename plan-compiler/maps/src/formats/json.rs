@@ -3,6 +3,7 @@
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 use std::marker::PhantomData;
+use std::ops::Range;
 
 /// Byte at which the parser stopped, moved to a character boundary: it counts bytes and may stop
 /// inside a character.
@@ -13,10 +14,48 @@ pub(super) fn place_of(text: &str, error: &serde_json::Error) -> usize {
     text.floor_char_boundary(at.min(text.len()))
 }
 
-/// The parser's message without its line and column.
+/// The parser's message without its line and column, and without words of this program's language.
 pub(super) fn reason_of(error: &serde_json::Error) -> String {
     let reason = error.to_string();
-    reason.rsplit_once(" at line ").map_or(reason.as_str(), |(reason, _)| reason).to_owned()
+    let reason = reason.rsplit_once(" at line ").map_or(reason.as_str(), |(reason, _)| reason);
+    let types =
+        reason.strip_prefix("invalid type: ").and_then(|types| types.rsplit_once(", expected "));
+    let Some((found, wanted)) = types else { return reason.to_owned() };
+    let wanted = if wanted == "f64" { "a number" } else { wanted };
+    let (kind, value) = found.split_once(' ').unwrap_or((found, ""));
+    let found = match kind {
+        "sequence" => "a list".into(),
+        "map" => "an object".into(),
+        "string" => format!("the text {value}"),
+        "integer" => format!("the number {}", value.trim_matches('`')),
+        "floating" => {
+            format!("the number {}", value.trim_start_matches("point ").trim_matches('`'))
+        }
+        "boolean" => value.trim_matches('`').to_owned(),
+        _ => found.to_owned(),
+    };
+    format!("{found} is where {wanted} must be")
+}
+
+/// What a text has that JSON does not allow, though other programs write it: its bytes, the message
+/// and how to fix it. `at` is where the parser stopped.
+pub(super) fn unlike_json(text: &str, at: usize) -> Option<(Range<usize>, String, &'static str)> {
+    let (before, after) = (text.get(..at)?, text.get(at..)?);
+    let start = before.trim_end_matches(|c: char| c == '-' || c.is_ascii_alphabetic()).len();
+    for word in ["NaN", "Infinity", "-Infinity"] {
+        if text.get(start..)?.starts_with(word) {
+            let help = "write null for a property that is not known, and leave out a position or a bbox \
+                        without numbers";
+            let message = format!("{word} is not allowed in JSON");
+            return Some((start..start + word.len(), message, help));
+        }
+    }
+    let comma = before.trim_end().len().checked_sub(1)?;
+    let is_comma = text.get(comma..)?.starts_with(',');
+    (is_comma && after.trim_start().starts_with([']', '}'])).then(|| {
+        let message = "a comma before a closing bracket is not allowed in JSON".into();
+        (comma..comma + 1, message, "remove the comma")
+    })
 }
 
 /// A list of at most `MAX` members.

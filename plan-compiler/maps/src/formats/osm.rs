@@ -3,7 +3,8 @@
 //! Source: the wiki of OpenStreetMap, "OSM XML", "PBF Format", "Relation:multipolygon", "Map
 //! features". Every encoding is read into an [`Extract`], which is then drawn on the map; `tags`
 //! defines the meaning of tags. Areas are closed ways and multipolygon relations; a relation's ways
-//! are joined to rings. An area's inner rings are its courtyards and clearings.
+//! are joined to rings. An area's inner rings are its courtyards and clearings. A barrier or a
+//! coastline goes around an area: of such a multipolygon the rings are drawn as lines.
 //!
 //! An extract is cut out of a larger map, so parts of its objects may be missing. That is not a
 //! mistake: the rest is drawn, and a warning counts the missing parts.
@@ -15,6 +16,7 @@
 //! Deliberately absent: changes (.osc), relations within relations, preference for roads and paths.
 
 mod extract;
+mod flaws;
 mod json;
 mod pbf;
 mod rings;
@@ -29,17 +31,20 @@ use crate::model::{Feature, Map, NamedPoint, Point, Role, Shape};
 use crate::problem::has_errors;
 use crate::problem::{Problem, Source};
 use extract::{Extract, Member, Object, Relation, Way};
+use flaws::{Missing, Outside};
 use math::GeoPoint;
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
 /// This format in `--help`.
 pub const CONVENTIONS: &str = "\
 OSM      (OpenStreetMap, .osm, .osm.pbf or Overpass JSON; also .osm.gz) For the meaning of tags
-         see Tags; multipolygons keep their courtyards. Nodes with a `name` and a tag `goal`
-         are goals. The newest version of an object counts. The extent is the file's bounds, or
-         its nodes and 10 m around them. 0,0 is the origin (--origin), or the centre of the
+         see Tags; a multipolygon is an area with courtyards, or, if it is a barrier or a
+         coastline, lines along its rings. Nodes with a `name` and a tag `goal` are goals.
+         The newest version of an object counts. The extent is the file's bounds, or its
+         nodes and 10 m around them. 0,0 is the origin (--origin), or the centre of the
          extent. A warning counts the parts that an extract lacks.";
 
 /// How to fetch outlines.
@@ -81,16 +86,6 @@ pub(super) fn read_binary(
     }
 }
 
-/// Counts of the parts that an extract lacks.
-#[derive(Debug, Default)]
-struct Missing {
-    ways_cut: usize,
-    nodes: usize,
-    relations_cut: usize,
-    members: usize,
-    open: usize,
-}
-
 /// Draws the map of an extract; `None` if it has no valid extent.
 fn draw(
     extract: &Extract,
@@ -109,8 +104,12 @@ fn draw(
     let judge = Judge::new(&options.tags);
     let mut drawing = Drawing::new(extract, plane, &judge);
     drawing.draw();
-    let Drawing { missing, passed, plane, map, .. } = drawing;
+    let Drawing { missing, outside, wrong, passed, plane, map, .. } = drawing;
+    problems.extend(
+        wrong.into_iter().map(|(problem, span)| flaws::at(problem, source, &span, "this node")),
+    );
     missing.report(problems);
+    outside.report(source, problems);
     if !has_errors(problems) {
         passed.report(WITH_OUTLINES, problems);
         judge.report(problems);
@@ -155,6 +154,8 @@ fn degrees(place: &GeoPoint) -> [f64; 2] {
 struct Outlines {
     outer: rings::Joined,
     inner: rings::Joined,
+    /// Whether the file has all ways of the relation.
+    is_whole: bool,
 }
 
 struct Drawing<'a> {
@@ -162,22 +163,29 @@ struct Drawing<'a> {
     plane: Plane,
     judge: &'a Judge<'a>,
     ways: HashMap<i64, &'a Way>,
-    /// Widths of the openings that nodes make in their barriers, metres.
+    /// Widths of the openings that nodes make in their barriers, metres, by [`Drawing::by_place`].
     openings: HashMap<i64, f64>,
     map: Map,
     missing: Missing,
+    outside: Outside,
+    /// Errors, each with the bytes of its node.
+    wrong: Vec<(Problem, Range<usize>)>,
     passed: Passed,
 }
 
 impl<'a> Drawing<'a> {
     fn new(extract: &'a Extract, plane: Plane, judge: &'a Judge<'a>) -> Self {
         let ways = extract.ways.iter().map(|way| (way.object.id, way)).collect();
-        let nodes = extract.nodes.iter();
-        let openings = nodes.filter_map(|node| Some((node.id, judge.opening_m(&node.tags)?)));
-        let openings = openings.collect();
         let map = plane.map();
-        let (missing, passed) = (Missing::default(), Passed::default());
-        Self { extract, plane, judge, ways, openings, map, missing, passed }
+        let (missing, outside, wrong, passed) = Default::default();
+        let openings = HashMap::new();
+        let mut new =
+            Self { extract, plane, judge, ways, openings, map, missing, outside, wrong, passed };
+        let nodes = extract.nodes.iter();
+        let openings =
+            nodes.filter_map(|node| Some((new.by_place(node.id), judge.opening_m(&node.tags)?)));
+        new.openings = openings.collect();
+        new
     }
 
     /// Draws everything and counts the tagged objects without a meaning.
@@ -192,7 +200,8 @@ impl<'a> Drawing<'a> {
         for relation in &extract.relations {
             match self.meaning(relation) {
                 Some(meaning) => {
-                    let outer = relation.members.iter().filter(|member| !member.is_inner);
+                    let is_part = |member: &&Member| !meaning.is_line && !member.is_inner;
+                    let outer = relation.members.iter().filter(is_part);
                     parts.extend(outer.map(|member| (member.way, meaning.role == Role::Obstacle)));
                     relations.push((relation, meaning));
                 }
@@ -225,6 +234,8 @@ impl<'a> Drawing<'a> {
         let Some(at) = self.place(node.id) else { return };
         let meaning = self.judge.meaning(&node.tags, true);
         if let Some(meaning) = meaning.filter(|meaning| meaning.role == Role::Obstacle) {
+            let wrong = node.tags.check_radius(&format!("node {}", node.id));
+            self.wrong.extend(wrong.map(|problem| (problem, node.span.clone())));
             if meaning.wants_outline {
                 self.passed.pointlike.add(&node.tags);
             }
@@ -237,7 +248,7 @@ impl<'a> Drawing<'a> {
                 self.map.points.push(NamedPoint { name: name.into(), at, span });
             }
             // An open gate is used: it is the opening in its fence.
-            None if self.openings.contains_key(&node.id) => {}
+            None if self.openings.contains_key(&self.by_place(node.id)) => {}
             None => self.passed.unused.add(&node.tags),
         }
     }
@@ -254,16 +265,22 @@ impl<'a> Drawing<'a> {
             return;
         }
         self.missing.open += usize::from(!meaning.is_line);
-        if meaning.is_barrier {
-            let known = way.refs.iter().filter(|node| self.extract.places.contains_key(node));
-            let widths: Vec<Option<f64>> =
-                known.map(|node| self.openings.get(node).copied()).collect();
-            let width = |index: usize| widths.get(index).copied().flatten();
-            for piece in openings::cut(&points, width) {
-                self.push(Shape::Polyline(piece), meaning, &way.object);
-            }
-        } else {
-            self.push(Shape::Polyline(points), meaning, &way.object);
+        self.line(&way.refs, points, meaning, &way.object);
+    }
+
+    /// Draws a line; a barrier is cut where nodes open it. `points` are the places of the nodes, as
+    /// far as they are known.
+    fn line(&mut self, refs: &[i64], points: Vec<Point>, meaning: &Meaning, object: &Object) {
+        if !meaning.is_barrier {
+            self.push(Shape::Polyline(points), meaning, object);
+            return;
+        }
+        let known = refs.iter().filter(|node| self.place(**node).is_some());
+        let widths: Vec<Option<f64>> =
+            known.map(|node| self.openings.get(&self.by_place(*node)).copied()).collect();
+        let width = |index: usize| widths.get(index).copied().flatten();
+        for piece in openings::cut(&points, width) {
+            self.push(Shape::Polyline(piece), meaning, object);
         }
     }
 
@@ -276,17 +293,31 @@ impl<'a> Drawing<'a> {
         let outer = relation.members.iter().filter(|member| !member.is_inner);
         let meaning = if is_untyped(tags) {
             let mut ways = outer.filter_map(|member| self.ways.get(&member.way));
-            ways.find_map(|way| self.judge.meaning(&way.object.tags, false))
+            let meaning = ways.find_map(|way| self.judge.meaning(&way.object.tags, false));
+            // The ways are drawn as lines themselves.
+            return meaning.filter(|meaning| !meaning.is_line);
         } else {
             self.judge.meaning(tags, false)
         };
-        meaning.filter(|meaning| !meaning.is_line)
+        meaning.map(|meaning| {
+            let is_coast = tags.get("natural") == Some("coastline");
+            Meaning { is_line: meaning.is_line && (meaning.is_barrier || is_coast), ..meaning }
+        })
     }
 
     fn relation(&mut self, relation: &Relation, meaning: &Meaning) {
-        let Outlines { outer, inner } = self.outlines(relation);
-        if outer.closed.is_empty() && outer.open.is_empty() {
+        let Outlines { outer, inner, is_whole } = self.outlines(relation);
+        if [&outer.closed, &outer.open, &inner.closed].iter().all(|lines| lines.is_empty()) {
             self.passed.nowhere.add(&relation.object.tags);
+        }
+        if meaning.is_line {
+            for line in [outer.closed, outer.open, inner.closed, inner.open].concat() {
+                let points = self.points(&line);
+                if !points.is_empty() {
+                    self.line(&line, points, meaning, &relation.object);
+                }
+            }
+            return;
         }
         for line in &outer.open {
             let points = self.points(line);
@@ -300,17 +331,36 @@ impl<'a> Drawing<'a> {
         let closed = |ring: &Vec<i64>| open(self.points_of(ring).0);
         let inner = holes::merged(inner.closed.iter().map(closed).collect());
         let mut fit = rings::Fit::new(&inner);
+        let mut is_within = vec![false; inner.len()];
+        let nodes_missing = self.missing.nodes;
         for ring in &outer.closed {
             let ring = open(self.points(ring));
             if ring.is_empty() {
                 continue;
             }
-            let within = fit.holes_of(&ring).into_iter().map(|hole| inner[hole].clone());
-            let within: Vec<Vec<Point>> = within.collect();
+            let within = fit.holes_of(&ring);
+            within.iter().for_each(|hole| is_within[*hole] = true);
+            let within = within.into_iter().map(|hole| inner[hole].clone());
             let shape = Shape::Polygon(std::iter::once(ring).chain(within).collect());
             self.push(shape, meaning, &relation.object);
         }
         self.missing.open += fit.undecided;
+        // If a part of the outline is missing, it may be the one around them.
+        let is_whole = is_whole && outer.open.is_empty() && self.missing.nodes == nodes_missing;
+        if is_whole && fit.undecided == 0 {
+            let outside = inner.into_iter().zip(is_within).filter(|(_, is_within)| !is_within);
+            self.outside(outside.map(|(ring, _)| ring).collect(), relation, meaning);
+        }
+    }
+
+    /// Draws inner rings outside every outer ring as areas: that blocks more, not less.
+    fn outside(&mut self, rings: Vec<Vec<Point>>, relation: &Relation, meaning: &Meaning) {
+        for ring in rings.into_iter().filter(|ring| !ring.is_empty()) {
+            self.outside.rings += 1;
+            let Object { id, span, .. } = &relation.object;
+            self.outside.first.get_or_insert_with(|| (*id, span.clone()));
+            self.push(Shape::Polygon(vec![ring]), meaning, &relation.object);
+        }
     }
 
     /// The rings of a relation's members; each member counts once per role. Nodes in the same place
@@ -322,16 +372,21 @@ impl<'a> Drawing<'a> {
         let absent = members.iter().filter(|part| !self.ways.contains_key(&part.way)).count();
         self.missing.members += absent;
         self.missing.relations_cut += usize::from(absent > 0);
-        let by_place =
-            |node: &i64| self.extract.places.get(node).map_or(*node, |at| extract::id_of(*at));
         let rings = |is_inner: bool| {
             let members = members.iter().filter(|member| member.is_inner == is_inner);
             let ways = members.filter_map(|member| self.ways.get(&member.way));
-            let lines: Vec<Vec<i64>> =
-                ways.map(|way| way.refs.iter().map(by_place).collect()).collect();
+            let lines: Vec<Vec<i64>> = ways
+                .map(|way| way.refs.iter().map(|node| self.by_place(*node)).collect())
+                .collect();
             rings::join(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>())
         };
-        Outlines { outer: rings(false), inner: rings(true) }
+        Outlines { outer: rings(false), inner: rings(true), is_whole: absent == 0 }
+    }
+
+    /// The number of a node's place, which all nodes in this place share; of a node without a place,
+    /// its own.
+    fn by_place(&self, node: i64) -> i64 {
+        self.extract.places.get(&node).map_or(node, |at| extract::id_of(*at))
     }
 
     fn place(&self, node: i64) -> Option<Point> {
@@ -381,34 +436,6 @@ fn open(mut ring: Vec<Point>) -> Vec<Point> {
         ring.pop();
     }
     ring
-}
-
-impl Missing {
-    fn report(&self, problems: &mut Vec<Problem>) {
-        let Self { ways_cut, nodes, relations_cut, members, open } = self;
-        let help = "cut the extract out with whole objects: `osmium extract --strategy smart`";
-        let mut report = |count: usize, message: String| {
-            if count > 0 {
-                problems.push(Problem::warning(message).help(help));
-            }
-        };
-        report(
-            *nodes,
-            format!(
-                "outlines that lack nodes: {ways_cut}, nodes missing: {nodes}; drawn without them"
-            ),
-        );
-        report(
-            *members,
-            format!(
-                "areas that lack ways: {relations_cut}, ways missing: {members}; drawn without them"
-            ),
-        );
-        report(
-            *open,
-            format!("outlines that do not close: {open}; drawn as walls with free ground inside"),
-        );
-    }
 }
 
 #[cfg(test)]

@@ -73,7 +73,7 @@ pub fn read(path: &Path, source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
         problems.push(too_large_turned(&grey, limit));
         return (None, problems);
     };
-    (Some(Map { boundary, ..Map::of_cells(cells) }), problems)
+    (Some(Map { boundary, files: vec![grey.path], ..Map::of_cells(cells) }), problems)
 }
 
 /// Occupancy that map savers write for unknown cells.

@@ -89,6 +89,20 @@ impl Tags {
         height.filter(|height: &f64| height.is_finite() && *height >= 0.0)
     }
 
+    /// The `radius`, metres; `None` if it is missing or not a credible length.
+    fn radius_m(&self) -> Option<f64> {
+        let radius = self.get("radius").and_then(length_m);
+        radius.filter(|radius| (0.0..=MAX_RADIUS_M).contains(radius))
+    }
+
+    /// An error if there is a `radius` that is not a credible length.
+    pub(super) fn check_radius(&self, name: &str) -> Option<Problem> {
+        let text = self.get("radius").filter(|_| self.radius_m().is_none())?;
+        let message =
+            format!("the radius of {name} is not a length from 0 to {MAX_RADIUS_M} m: {text}");
+        Some(Problem::error(message).help("write it in metres, with a decimal point"))
+    }
+
     /// Whether it lies underground, so that a robot passes above it.
     fn is_below_ground(&self) -> bool {
         self.get("location").is_some_and(|at| at.eq_ignore_ascii_case("underground"))
@@ -177,8 +191,7 @@ impl<'a> Judge<'a> {
             }
         };
         let own = if kind.role == Role::Obstacle { "" } else { value };
-        let given = tags.get("radius").and_then(length_m);
-        let given = given.filter(|radius| (0.0..=MAX_RADIUS_M).contains(radius));
+        let given = tags.radius_m();
         Some(Meaning {
             role: kind.role,
             is_line: kind.is_line && !tags.is_set("area"),

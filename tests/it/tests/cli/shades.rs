@@ -197,7 +197,9 @@ fn what_shades_cannot_mean_is_named() {
 #[test]
 fn a_mask_of_speeds_is_not_replaced_by_the_output() {
     let run = hall("[masks]\nspeed = { mask = \"scale.yaml\", base = 100, multiplier = -1 }\n");
-    let ended = run.run("build m.mission.toml -o scale.yaml", "");
-    assert_eq!(ended.status, 1);
-    assert!(ended.err.contains("is also the input"), "{}", ended.err);
+    for output in ["scale.yaml", "mask.pgm"] {
+        let ended = run.run(&format!("build m.mission.toml -o {output}"), "");
+        assert_eq!(ended.status, 1, "{output}");
+        assert!(ended.err.contains("is also the input"), "{output}: {}", ended.err);
+    }
 }

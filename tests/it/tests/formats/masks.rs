@@ -3,6 +3,7 @@
 use super::picture;
 use crate::cli::Run;
 use insta::assert_snapshot;
+use std::fs;
 
 const OVERLAY: &str = "MISSION-AREA 8 6\nCONTROL MEASURES:\nPP a 7.5 0.5\nWALL w 4 2 4 4\n";
 /// Two cells of 1.5 m, the western one black.
@@ -89,7 +90,29 @@ fn what_a_mask_cannot_do_is_told() {
 #[test]
 fn a_mask_is_not_replaced_by_the_output() {
     let run = yard("[masks]\nkeepout = \"mask.yaml\"\n", "1, 1, 0");
-    let ended = run.run("build yard.ovl -o mask.yaml", "");
-    assert_eq!(ended.status, 1);
-    assert!(ended.err.contains("is also the input"), "{}", ended.err);
+    for output in ["mask.yaml", "mask.pgm"] {
+        let ended = run.run(&format!("build yard.ovl -o {output}"), "");
+        assert_eq!(ended.status, 1, "{output}");
+        assert!(ended.err.contains("is also the input"), "{output}: {}", ended.err);
+    }
+    assert_eq!(fs::read(run.path("mask.pgm")).unwrap(), MASK);
+}
+
+#[test]
+fn the_image_of_a_map_is_not_replaced_by_the_output() {
+    // The content of an image decides its format, not its name.
+    let yaml = yaml("0, 0, 0").replace("mask.pgm", "map.png");
+    let run = Run::new(&[("map.yaml", yaml.as_bytes()), ("map.png", MASK)]);
+    run.done("build map.yaml --goal a=2,1 --robot-radius 0");
+    for command in [
+        "build map.yaml --goal a=2,1 --robot-radius 0",
+        "comms map.yaml --place a=2,1 --robot-radius 0",
+        "render plans.bin --layer a/physical --map map.yaml",
+    ] {
+        let ended = run.run(&format!("{command} -o map.png"), "");
+        assert_eq!(ended.status, 1, "{command}");
+        let message = "the output map.png is also the input";
+        assert!(ended.err.contains(message), "{command}: {}", ended.err);
+        assert_eq!(fs::read(run.path("map.png")).unwrap(), MASK, "{command}");
+    }
 }

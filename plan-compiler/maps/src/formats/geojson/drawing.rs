@@ -2,11 +2,46 @@
 
 use super::Drawn;
 use super::coordinates::{Piece, Position};
-use crate::formats::globe::{Passed, Plane};
+use crate::formats::globe::{Flaw, Passed, Plane};
 use crate::formats::tags::Judge;
 use crate::formats::{holes, openings};
 use crate::model::{Feature, Map, NamedPoint, Point, Role, Shape};
+use crate::problem::{Problem, Source};
 use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Objects that the file has only in part.
+#[derive(Debug, Default)]
+pub(super) struct Flaws {
+    /// Lines with the tags of an area whose ends do not meet.
+    open: Flaw,
+    /// Objects that overpass turbo marks as lacking parts.
+    tainted: Flaw,
+    /// Objects without coordinates.
+    nowhere: Flaw,
+}
+
+impl Flaws {
+    pub(super) fn report(
+        &self,
+        passed: &Passed,
+        source: &Arc<Source>,
+        problems: &mut Vec<Problem>,
+    ) {
+        let nowhere = passed.nowhere_text();
+        self.nowhere.report(nowhere, "give it coordinates, or remove it", Some(source), problems);
+        let help = "fetch them with all their parts: in Overpass end the query with `out geom;`, or \
+                    with `(._;>;); out body;`";
+        let open = self.open.count;
+        let message =
+            format!("outlines that do not close: {open}; drawn as walls with free ground inside");
+        self.open.report(message, help, Some(source), problems);
+        let tainted = self.tainted.count;
+        let message =
+            format!("objects that lack parts, marked `@tainted`: {tainted}; drawn without them");
+        self.tainted.report(message, help, Some(source), problems);
+    }
+}
 
 /// Adds features to a map.
 pub(super) struct Drawing<'a> {
@@ -28,12 +63,19 @@ impl<'a> Drawing<'a> {
         Self { plane, judge, openings: openings.collect() }
     }
 
-    pub(super) fn feature(&self, drawn: &Drawn<'_>, map: &mut Map, passed: &mut Passed) {
+    pub(super) fn feature(
+        &self,
+        drawn: &Drawn<'_>,
+        map: &mut Map,
+        passed: &mut Passed,
+        flaws: &mut Flaws,
+    ) {
         let is_point = drawn.pieces.iter().all(|piece| matches!(piece, Piece::Point(_)));
         let tags = &drawn.tags;
         let meaning = self.judge.meaning(tags, is_point && !drawn.pieces.is_empty());
         if drawn.pieces.is_empty() && (meaning.is_some() || tags.get("name").is_some()) {
             passed.nowhere.add(tags);
+            flaws.nowhere.add(&drawn.span);
             return;
         }
         let Some(meaning) = meaning else {
@@ -47,7 +89,15 @@ impl<'a> Drawing<'a> {
         if is_point && meaning.wants_outline && meaning.role == Role::Obstacle {
             passed.pointlike.add(tags);
         }
+        if tags.is_set("@tainted") {
+            flaws.tainted.add(&drawn.span);
+        }
+        // `obstacle` and `layer` are this program's own, for lines as well.
+        let is_area = !meaning.is_line && !tags.is_set("obstacle") && tags.get("layer").is_none();
         for piece in &drawn.pieces {
+            if is_area && matches!(piece, Piece::Line(line) if is_open(line)) {
+                flaws.open.add(&drawn.span);
+            }
             let shapes = match piece {
                 Piece::Point(at) => {
                     let centre = self.plane.metres(at.0);
@@ -100,6 +150,11 @@ impl<'a> Drawing<'a> {
         let holes = holes::merged(rings.collect());
         vec![Shape::Polygon(std::iter::once(outer).chain(holes).collect())]
     }
+}
+
+/// Whether a line encloses nothing, although it has as many corners as an area.
+fn is_open(line: &[Position]) -> bool {
+    line.len() > 2 && line.first() != line.last()
 }
 
 /// A position as a key, in units of 1e-7 degrees.

@@ -2,8 +2,7 @@
 
 use super::coordinates::{self, Piece, Position};
 use super::{Drawn, MAX_FEATURES, Reader, TO_DEGREES, properties};
-use crate::formats::FARTHEST_M;
-use crate::formats::json::List;
+use crate::formats::json::{self, List};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 use std::borrow::Cow;
@@ -54,11 +53,8 @@ impl<'a> Reader<'a> {
                 return;
             }
         };
-        let radius = tags.get("radius").map(|radius| radius.trim_end_matches('m').trim().parse());
-        if radius.is_some_and(|radius| !radius.is_ok_and(|it| (0.0..=FARTHEST_M).contains(&it))) {
-            let span = self.first_line(properties);
-            let message = format!("the radius of {name} is not a length");
-            self.error(message, span, "", "write it in metres");
+        if let Some(problem) = tags.check_radius(name) {
+            self.problems.push(problem.at(self.source, self.first_line(properties), ""));
         }
         let span = self.first_line(text);
         let mut drawn = Drawn { tags, pieces: Vec::new(), texts: Vec::new(), span };
@@ -98,11 +94,22 @@ impl<'a> Reader<'a> {
                 self.error(format!("{what}: {error}"), self.first_line(text), "this one", help);
             }
             Err(error) => {
-                let help = match coordinates.contains('"') {
-                    true => "write coordinates as numbers, without quotes",
-                    false => help,
+                let reason = json::reason_of(&error);
+                let begins = |start: &str| reason.starts_with(start);
+                let help = if begins("the text") {
+                    "write coordinates as numbers, without quotes".into()
+                } else if begins("null") {
+                    "remove the position, or write its numbers".into()
+                } else if begins("a list") {
+                    format!(
+                        "a {kind} has fewer levels of brackets: remove one, or correct its type"
+                    )
+                } else if begins("the number") {
+                    format!("a {kind} has more levels of brackets: add one, or correct its type")
+                } else {
+                    help.into()
                 };
-                self.refuse(coordinates, &what, &error, help);
+                self.refuse(coordinates, &what, &error, &help);
             }
         }
     }

@@ -36,11 +36,27 @@ pub(super) fn foreign(text: &str) -> Option<String> {
 
 /// WGS-84, with or without heights, and ETRS89, which differs from it by a metre at most.
 fn is_degrees(name: &str) -> bool {
+    if let Some(name) = well_known(name) {
+        let is_word = |c: &char| c.is_ascii_alphanumeric();
+        let name = name.chars().filter(is_word).collect::<String>().to_ascii_uppercase();
+        return ["WGS84", "WGS1984", "GCSWGS1984", "ETRS89", "GCSETRS1989"]
+            .contains(&name.as_str());
+    }
     let code = name.rsplit([':', '/', '#']).next().unwrap_or_default();
     let code: String = code.chars().filter(|c| !c.is_whitespace()).collect();
     ["CRS84", "CRS84h", "4326", "4979", "4258", "WGS84"]
         .iter()
         .any(|known| code.eq_ignore_ascii_case(known))
+}
+
+/// The name of a geographic system in well-known text, `GEOGCS["WGS 84", ...]`.
+fn well_known(text: &str) -> Option<&str> {
+    let (kind, rest) = text.split_once('[')?;
+    let is_it = |known: &str| kind.trim().eq_ignore_ascii_case(known);
+    if !["GEOGCS", "GEOGCRS", "GEODCRS"].into_iter().any(is_it) {
+        return None;
+    }
+    rest.trim_start().strip_prefix('"')?.split('"').next()
 }
 
 #[cfg(test)]

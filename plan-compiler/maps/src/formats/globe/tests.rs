@@ -57,6 +57,14 @@ fn maps_unfit_for_a_robot_are_refused() {
         &[[51.0, 7.0], [0.0, 0.0]],
         "the map is 704 km x 5650 km, but a plan is valid up to 20 km from its centre",
     );
+    for east in [7.0, -7.0, 180.0, -180.0] {
+        check(
+            Some([[-90.0, -180.0], [90.0, 180.0]]),
+            &[[51.0, east]],
+            "by the file's bounds the map is 40076 km x 19904 km, but a plan is valid up to 20 km from \
+             its centre",
+        );
+    }
     assert_eq!(Bounds::between([51.0, 7.0], [50.0, 7.1]), None);
     assert_eq!(Bounds::between([51.0, 7.0], [91.0, 7.1]), None);
 }

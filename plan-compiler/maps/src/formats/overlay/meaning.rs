@@ -5,6 +5,7 @@ use super::parser::{Coordinate, CoordinateValue, Statement};
 use crate::formats::utm::Zone;
 use crate::formats::{FARTHEST_LATITUDE_DEG, FARTHEST_M};
 use crate::model::{Extent, Feature, Map, NamedPoint, Point, Reference, Role, Shape};
+use crate::numbers::pair;
 use crate::problem::{Problem, Source};
 use math::GeoPoint;
 use math::scalar::wide;
@@ -15,6 +16,7 @@ use std::sync::Arc;
 const DEFAULT_SIDE_M: f64 = 1000.0;
 /// Largest distance between two places of one map, degrees.
 const FAR_APART_DEG: f64 = 1.0;
+const OUTSIDE_HELP: &str = "enlarge MISSION-AREA, or correct the coordinates";
 /// The passage point at which robots start.
 const START: &str = "StartPlace";
 
@@ -27,8 +29,9 @@ pub(super) fn interpret(
 ) -> Map {
     let side = [DEFAULT_SIDE_M; 2];
     let map = Map { resolution_m, ..Map::empty(Extent { corner: [0.0; 2], size: side }) };
+    let origin = Origin::default();
     let mut reader =
-        Reader { source, problems, map, heading_rad: 0.0, origin: Origin::default(), seen: vec![] };
+        Reader { source, problems, map, heading_rad: 0.0, origin, seen: vec![], words: vec![] };
     // The origin first, because it moves every coordinate in the file.
     for statement in statements {
         reader.information(statement);
@@ -62,6 +65,8 @@ struct Reader<'a> {
     origin: Origin,
     /// Statements that count once, with their values.
     seen: Vec<(Keyword, Vec<f64>)>,
+    /// The keyword of each feature of the map.
+    words: Vec<&'static str>,
 }
 
 impl Reader<'_> {
@@ -213,6 +218,7 @@ impl Reader<'_> {
                 "UTM coordinates are read as WGS-84; MissionLab itself used Clarke 1866",
             ));
         }
+        self.outside();
         if !self.seen.iter().any(|(keyword, _)| *keyword == Keyword::MissionArea) {
             self.problems.push(
                 Problem::note("there is no MISSION-AREA; 1000 m by 1000 m are assumed")
@@ -220,6 +226,67 @@ impl Reader<'_> {
             );
         }
     }
+}
+
+/// Checks that what blocks lies on the map.
+impl Reader<'_> {
+    /// Warns about statements whose shape lies wholly outside the map, by keyword.
+    fn outside(&mut self) {
+        let is_obstacle = |feature: &&Feature| feature.role == Role::Obstacle;
+        let is_inside = |feature: &Feature| touches(&feature.shape, &self.map.extent);
+        let has_obstacles = self.map.features.iter().any(|feature| is_obstacle(&feature));
+        let is_empty =
+            has_obstacles && !self.map.features.iter().filter(is_obstacle).any(is_inside);
+        let mut kinds: Vec<(&str, usize, Range<usize>)> = Vec::new();
+        for (feature, word) in self.map.features.iter().zip(&self.words) {
+            if is_inside(feature) {
+                continue;
+            }
+            match kinds.iter_mut().find(|(known, ..)| known == word) {
+                Some((_, count, _)) => *count += 1,
+                None => kinds.push((word, 1, feature.span.clone())),
+            }
+        }
+        let Extent { corner, size } = self.map.extent;
+        let area = format!("the map, {} m by {} m from {}", size[0], size[1], pair(corner));
+        if is_empty && let Some((_, _, span)) = kinds.first() {
+            let help = match self.origin.at {
+                [0.0, 0.0] => OUTSIDE_HELP.into(),
+                _ if self.origin.is_utm => "check the UTM coordinates against ORIGIN".into(),
+                [x, y] => format!(
+                    "ORIGIN {x} {y} is added to every coordinate: leave it out if they are already on \
+                     the map"
+                ),
+            };
+            let list: Vec<String> =
+                kinds.iter().map(|(word, count, _)| format!("{word} {count}")).collect();
+            let message = format!(
+                "nothing blocks: every obstacle lies outside {area}; outside: {}",
+                list.join(", ")
+            );
+            self.warn(message, &span.clone(), "the first of them", &help);
+            return;
+        }
+        for (word, count, span) in kinds {
+            let label = if count == 1 { "this one" } else { "the first of them" };
+            self.warn(format!("{word} outside {area}: {count}"), &span, label, OUTSIDE_HELP);
+        }
+    }
+}
+
+/// Whether the box around a shape touches a rectangle.
+fn touches(shape: &Shape, area: &Extent) -> bool {
+    let (points, reach) = match shape {
+        Shape::Circle { centre, radius } => (std::slice::from_ref(centre), *radius),
+        Shape::Polyline(points) => (points.as_slice(), 0.0),
+        Shape::Polygon(rings) => (rings.first().map_or(&[][..], Vec::as_slice), 0.0),
+    };
+    (0..2).all(|axis| {
+        let along = points.iter().map(|point| point[axis]);
+        let low = along.clone().fold(f64::INFINITY, f64::min) - reach;
+        let high = along.fold(f64::NEG_INFINITY, f64::max) + reach;
+        low <= area.corner[axis] + area.size[axis] && high >= area.corner[axis]
+    })
 }
 
 /// Conversion of coordinates to the map's metres.
@@ -343,6 +410,7 @@ impl Reader<'_> {
         let name = clean(&statement.name);
         let span = statement.span.clone();
         self.map.features.push(Feature { shape, role, name, height_m, span });
+        self.words.push(statement.form.spellings[0]);
     }
 
     /// The radius is `number * to_radius`: an OBSTACLE gives its radius, an OBJECT its diameter.

@@ -37,7 +37,7 @@ OBJECT 30 10 2 FIXED blue
 OBJECT 40 10 2 MOVABLE "light blue"
 OBJECT 40 10 2 CONTAINER green
 WALL w1* 0 0 10 0 10 20
-WALL "w 2" 0 0 10 0 3.5
+WALL "w 2" 0 5 10 5 3.5
 WALL w3 7 8
 BOUNDARY b 0 0 10 10
 BOUNDARY "myNoCommZone1" 0 0 10 0 10 10
@@ -80,7 +80,7 @@ fn every_statement_is_understood() {
     Obstacle "" circle 21,8 radius 2 high 5
     Obstacle "" circle 31,8 radius 1
     Obstacle "w1" line 1,-2 11,-2 11,18
-    Obstacle "w 2" line 1,-2 11,-2 high 3.5
+    Obstacle "w 2" line 1,3 11,3 high 3.5
     Obstacle "w3" line 8,6 8,6
     Attenuating "myNoCommZone1" polygon 1,-2 11,-2 11,8
     Zone "NoFlyZone" polygon 1,-2 11,-2 11,8
@@ -251,4 +251,37 @@ fn next_token<'a>(rest: &mut &'a str) -> Option<&'a str> {
     let (token, after) = rest.split_at(length);
     *rest = after;
     (!token.is_empty()).then_some(token)
+}
+
+#[test]
+fn obstacles_outside_the_map_are_reported() {
+    let yard = |head: &str, statements: &str| {
+        let text = format!("{head}\nMISSION-AREA 50 40\nCONTROL MEASURES:\n{statements}\n");
+        check(&text).replace('\u{2502}', " ").split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let inside = "WALL a 10 10 20 10\nOBSTACLE 30 20 3\n";
+    let all = yard("ORIGIN 100 100", inside);
+    let message = "\u{26a0} nothing blocks: every obstacle lies outside the map, 50 m by 40 m from (0, \
+                   0); outside: WALL 1, OBSTACLE 1";
+    for words in [message, "a.ovl:4:1", "ORIGIN 100 100 is added to every coordinate"] {
+        assert!(all.contains(words), "{words} missing in\n{all}");
+    }
+    let far = "WALL b 110 10 120 10\nWALL c 110 10 120 10\nOBJECT 60 20 8 FIXED red\n\
+               BOUNDARY NoFlyZone 0 41 9 41 9 50\n";
+    let some = yard("", &format!("{inside}{far}"));
+    for words in [
+        "WALL outside the map, 50 m by 40 m from (0, 0): 2",
+        "a.ovl:6:1",
+        "OBJECT outside",
+        "BOUNDARY outside",
+    ] {
+        assert!(some.contains(words), "{words} missing in\n{some}");
+    }
+    assert!(!some.contains("nothing blocks") && !some.contains("OBSTACLE outside"), "{some}");
+    // What reaches into the map, or touches its edge, counts.
+    let edge =
+        "WALL d -5 20 55 20\nWALL e 50 0 60 0\nOBSTACLE 52 20 2\nOBJECT 80 80 2 MOVABLE red\n";
+    for text in [yard("", inside), yard("", edge), yard("", "")] {
+        assert!(!text.contains('\u{26a0}'), "{text}");
+    }
 }

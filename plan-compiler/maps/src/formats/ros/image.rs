@@ -21,6 +21,8 @@ pub(super) const HELP: &str = "save it as a PGM, PNG or BMP of at most 16384 pix
 
 /// An image as lightness per pixel.
 pub(super) struct Grey {
+    /// Its file.
+    pub(super) path: PathBuf,
     pub(super) columns: u32,
     pub(super) rows: u32,
     pixels: DynamicImage,
@@ -79,7 +81,7 @@ pub(super) fn read(
         let help = moved(yaml, &path).or_else(|| others(yaml)).or(problem.help);
         wrong(problem.message, help.unwrap_or_default())
     })?;
-    decode(&bytes).map_err(|reason| {
+    decode(&path, &bytes).map_err(|reason| {
         let message = format!("{} cannot be read as an image: {reason}", path.display());
         wrong(message, HELP.into())
     })
@@ -100,7 +102,7 @@ fn moved(yaml: &Path, path: &Path) -> Option<String> {
     is_there.then(|| format!("it lies beside the YAML file: write `image: {name}`"))
 }
 
-pub(super) fn decode(bytes: &[u8]) -> Result<Grey, String> {
+pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Grey, String> {
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|error| error.to_string())?;
@@ -121,7 +123,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Grey, String> {
     if columns == 0 || rows == 0 {
         return Err("it has no pixels".into());
     }
-    Ok(Grey { columns, rows, pixels })
+    Ok(Grey { path: path.to_owned(), columns, rows, pixels })
 }
 
 /// Why an image cannot be read; for a truncated file the library mentions only its buffers.

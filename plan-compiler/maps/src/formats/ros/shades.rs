@@ -15,7 +15,7 @@ use crate::raster::NOISE;
 use crate::source;
 use math::scalar::wide;
 use math::{Cell, Grid};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The number of a white pixel of an image, 0, to that of a black one.
@@ -26,6 +26,8 @@ const UNKNOWN: u8 = u8::MAX;
 /// An image whose shades are numbers from 0 to [`DARKEST`].
 #[derive(Clone, Debug)]
 pub struct Shades {
+    /// The file of the image.
+    pub image: PathBuf,
     /// Pixels from west to east.
     pub columns: u32,
     /// Pixels from south to north.
@@ -141,7 +143,7 @@ pub fn read_shades(path: &Path) -> (Option<Shades>, Vec<Problem>) {
         Err(problem) => return (None, vec![problem]),
     };
     if image::is_image(&bytes) {
-        return match image::decode(&bytes) {
+        return match image::decode(path, &bytes) {
             Ok(grey) => (Some(of_image(&grey)), Vec::new()),
             Err(reason) => {
                 let message = format!("{} cannot be read as an image: {reason}", path.display());
@@ -193,7 +195,7 @@ fn shades(grey: &Grey, placement: Option<Placement>, number: impl Fn((f64, bool)
     // The image's first row is the northernmost.
     let all = (0..rows).rev().flat_map(|row| (0..columns).map(move |column| (column, row)));
     let numbers = all.map(|(column, row)| number(grey.pixel(column, row))).collect();
-    Shades { columns, rows, numbers, placement }
+    Shades { image: grey.path.clone(), columns, rows, numbers, placement }
 }
 
 fn percent(share: f64) -> u8 {

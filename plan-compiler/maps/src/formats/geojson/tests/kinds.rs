@@ -258,3 +258,150 @@ fn endless_lists_are_refused_before_they_are_read() {
     let many = feature("Point", "[0, 0]", &"\"a\": 0, ".repeat(20_000));
     reports(&collection(&[many.replace(", }", "}")], ""), &["more than 10000 members"]);
 }
+
+#[test]
+fn a_radius_beyond_any_map_is_an_error() {
+    let tree = |radius: &str| {
+        feature("Point", "[-0.0015, 51.4779]", &format!(r#""natural": "tree", "radius": {radius}"#))
+    };
+    for radius in ["20001", "1e300", "\"4,5\"", "-4", "\"big\""] {
+        let shown = radius.trim_matches('"');
+        let message =
+            format!("\u{d7} the radius of features[0] is not a length from 0 to 20000 m: {shown}");
+        reports(&collection(&[tree(radius)], ""), &[&message]);
+    }
+    for radius in ["20000", "\"4 m\"", "\"12 ft\"", "0"] {
+        let (drawn, messages) = map(&collection(&[tree(radius)], ""));
+        assert_eq!(obstacles(&drawn), 1, "{radius} {messages}");
+    }
+}
+
+#[test]
+fn each_member_of_a_list_is_a_value() {
+    for properties in [
+        r#""highway": ["footway", "steps"]"#,
+        r#""highway": "['footway', 'steps']""#,
+        r#""highway": "[\"footway\", \"steps\"]""#,
+        r#""building": ["yes", "no"]"#,
+        r#""building": [true]"#,
+        r#""tags": [{"key": "building", "value": "yes"}]"#,
+        r#""tags": "{'building': 'yes', 'name': \"O'Hara's\"}""#,
+        r#""tags": {"highway": ["footway", "steps"]}"#,
+    ] {
+        let (map, messages) = map(&collection(&[hall(properties)], ""));
+        assert!(obstacles(&map) > 0, "{properties}\n{messages}");
+    }
+    let named = r#""tags": "{'building': 'yes', 'name': \"O'Hara's\"}""#;
+    assert_eq!(map(&collection(&[hall(named)], "")).0.features[0].name, "O'Hara's");
+}
+
+#[test]
+fn bounds_wider_than_half_the_globe_are_not_called_swapped() {
+    let text = collection(&[hall(r#""building": "yes""#)], "\"bbox\": [-180, -90, 180, 90], ");
+    let text = text.replace("-0.001", "7.001");
+    reports(&text, &["by the file's bounds the map is 40076 km x", "this bbox"]);
+}
+
+/// What overpass turbo writes of an area whose ways were only partly fetched.
+#[test]
+fn areas_that_are_not_whole_are_reported() {
+    let line = "[[-0.0016439, 51.4778461], [-0.0013561, 51.4778461], [-0.0013561, 51.4779539]]";
+    let open = feature("LineString", line, r#""building": "yes""#);
+    let words = "\u{26a0} outlines that do not close: 1; drawn as walls with free ground inside";
+    reports(&collection(&[open], ""), &[words]);
+    let tainted = hall(r#""building": "yes", "@tainted": true"#);
+    let words = "\u{26a0} objects that lack parts, marked `@tainted`: 1; drawn without them";
+    reports(&collection(&[tainted], ""), &[words, "out geom;"]);
+    let whole = [hall(r#""building": "yes", "@tainted": false"#), hall(r#""barrier": "wall""#)];
+    let (_, messages) = map(&collection(&whole, ""));
+    assert!(!messages.contains('\u{26a0}'), "{messages}");
+    let walls = [feature("LineString", line, r#""barrier": "wall""#)];
+    assert!(!map(&collection(&walls, "")).1.contains('\u{26a0}'));
+}
+
+#[test]
+fn what_json_does_not_allow_is_named() {
+    let nan = collection(&[hall(r#""building": "yes", "height": NaN"#)], "");
+    reports(&nan, &["NaN is not allowed in JSON", "write null", "a.geojson:1:"]);
+    let inf = collection(&[hall(r#""building": "yes""#)], "\"bbox\": [-Infinity, 0, 1, 1], ");
+    reports(&inf, &["-Infinity is not allowed in JSON", "write null"]);
+    let place = collection(&[hall("").replace("51.4778461", "NaN")], "");
+    reports(&place, &["NaN is not allowed in JSON"]);
+    let comma = "a comma before a closing bracket is not allowed in JSON";
+    reports(&collection(&[hall(r#""building": "yes","#)], ""), &[comma, "remove the comma"]);
+    reports(&collection(&[hall("")], "").replace("]}", ",\n]}"), &[comma]);
+    // A file that was cut off is still called that.
+    let cut = collection(&[hall("")], "").replace("]}", "");
+    reports(&cut, &["check where it was cut off"]);
+}
+
+#[test]
+fn coordinates_of_another_shape_are_explained() {
+    let building = r#""building": "yes""#;
+    for (coordinates, message, help) in [
+        (
+            format!("[{HALL}]"),
+            "a list is where a number must be",
+            "a Polygon has fewer levels of brackets",
+        ),
+        (
+            HALL.replace("[[[", "[[").replace("]]]", "]]"),
+            "the number -0.0016439 is where",
+            "a Polygon has more levels of brackets",
+        ),
+        (
+            HALL.replace("51.4778461", "\"51.4778461\""),
+            "the text \"51.4778461\" is where a number must be",
+            "without quotes",
+        ),
+        (
+            HALL.replace("51.4778461", "null"),
+            "null is where a number must be",
+            "remove the position",
+        ),
+    ] {
+        let text = collection(&[feature("Polygon", &coordinates, building)], "");
+        reports(&text, &["the geometry of features[0] cannot be read", message, help]);
+        let (_, messages) = read_as(&text, &ReadOptions::default());
+        for word in ["f64", "sequence", "invalid type"] {
+            assert!(!messages.contains(word), "{messages}");
+        }
+    }
+}
+
+#[test]
+fn a_feature_without_a_place_is_shown() {
+    let null =
+        "{\"type\": \"Feature\", \"properties\": {\"building\": \"yes\"}, \"geometry\": null}";
+    let nested = null.replace("null", "{\"geometry\": {}}");
+    let empty = feature("Polygon", "[]", r#""building": "yes""#);
+    for feature in [null, &nested, &empty] {
+        let text = collection(&[hall(""), format!("\n{feature}")], "");
+        reports(
+            &text,
+            &[
+                "without coordinates, so not on the map: building=yes 1",
+                "a.geojson:2:",
+                "give it coordinates, or remove it",
+            ],
+        );
+    }
+}
+
+#[test]
+fn degrees_in_well_known_text_are_accepted() {
+    let with = |name: &str| {
+        let crs = format!(r#""crs": {{"type": "name", "properties": {{"name": "{name}"}}}}, "#);
+        collection(&[hall(r#""building": "yes""#)], &crs)
+    };
+    for name in [
+        r#"GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\"]]"#,
+        r#"GEOGCRS[\"WGS 84\",DATUM[\"World Geodetic System 1984\"]]"#,
+        r#"GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\"]]"#,
+    ] {
+        assert_eq!(obstacles(&map(&with(name)).0), 1, "{name}");
+    }
+    let utm = r#"PROJCS[\"WGS 84 / UTM zone 32N\",GEOGCS[\"WGS 84\"]]"#;
+    reports(&with(utm), &["not in degrees of WGS-84"]);
+    reports(&with(r#"GEOGCS[\"OSGB 1936\"]"#), &["not in degrees of WGS-84"]);
+}

@@ -109,7 +109,7 @@ fn features_that_cannot_be_read_are_all_reported() {
        ╰────
       help: a geometry has a type and coordinates that are nested as deep as it asks for
 
-      × the geometry of features[1] cannot be read: invalid type: string "a", expected f64
+      × the geometry of features[1] cannot be read: the text "a" is where a number must be
        ╭─[a.geojson:3:87]
      2 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [0]}},
      3 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": ["a", 0]}},
@@ -119,8 +119,8 @@ fn features_that_cannot_be_read_are_all_reported() {
        ╰────
       help: write coordinates as numbers, without quotes
 
-      × the geometry of features[2] cannot be read: invalid type: integer `0`, expected a position:
-      │ [longitude, latitude]
+      × the geometry of features[2] cannot be read: the number 0 is where a position, [longitude,
+      │ latitude], must be
        ╭─[a.geojson:4:88]
      3 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": ["a", 0]}},
      4 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [[0, 0], [0, 1], [1, 1], [0, 0]]}},
@@ -128,7 +128,7 @@ fn features_that_cannot_be_read_are_all_reported() {
        ·                                                                                        ╰── here
      5 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Circle", "coordinates": [0, 0]}},
        ╰────
-      help: a geometry has a type and coordinates that are nested as deep as it asks for
+      help: a Polygon has more levels of brackets: add one, or correct its type
 
       × the geometry of features[3] cannot be read: `Circle` is not a type of geometry
        ╭─[a.geojson:5:51]
@@ -150,25 +150,25 @@ fn features_that_cannot_be_read_are_all_reported() {
        ╰────
       help: a geometry has a type and coordinates that are nested as deep as it asks for
 
-      × the radius of features[5] is not a length
+      × the radius of features[5] is not a length from 0 to 20000 m: wide
        ╭─[a.geojson:7:35]
      6 │ {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [0, 1e999]}},
      7 │ {"type": "Feature", "properties": {"obstacle": true, "radius": "wide"}, "geometry": {"type": "Point", "coordinates": [0, 0]}},
        ·                                   ────────────────────────────────────
      8 │ {"type": "Feature", "properties": {"obstacle": true, "radius": -1}, "geometry": {"type": "Point", "coordinates": [0, 0]}},
        ╰────
-      help: write it in metres
+      help: write it in metres, with a decimal point
 
-      × the radius of features[6] is not a length
+      × the radius of features[6] is not a length from 0 to 20000 m: -1
        ╭─[a.geojson:8:35]
      7 │ {"type": "Feature", "properties": {"obstacle": true, "radius": "wide"}, "geometry": {"type": "Point", "coordinates": [0, 0]}},
      8 │ {"type": "Feature", "properties": {"obstacle": true, "radius": -1}, "geometry": {"type": "Point", "coordinates": [0, 0]}},
        ·                                   ────────────────────────────────
      9 │ {"type": "Feature"},
        ╰────
-      help: write it in metres
+      help: write it in metres, with a decimal point
 
-      × the properties of features[8] are not an object: invalid type: sequence, expected an object
+      × the properties of features[8] are not an object: a list is where an object must be
         ╭─[a.geojson:10:35]
       9 │ {"type": "Feature"},
      10 │ {"type": "Feature", "properties": []},
@@ -306,7 +306,7 @@ fn files_that_are_not_maps_are_refused() {
     reference 51 7 at 0,0 heading 0
     point "Gate" 0,0
     ----
-      × the bbox is not a list of numbers: invalid type: string "a", expected f64
+      × the bbox is not a list of numbers: the text "a" is where a number must be
        ╭─[a.geojson:1:45]
      1 │ {"type": "FeatureCollection", "bbox": [7, "a"], "features": [{"type": "Feature", "properties": {"name": "Gate"}, "geometry": {"type": "Point", "coordinates": [7, 51]}}]}
        ·                                             ▲

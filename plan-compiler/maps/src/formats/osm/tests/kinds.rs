@@ -357,3 +357,29 @@ fn a_text_beyond_the_budget_is_refused() {
     );
     assert!(xml::parse_within(&source(&text), &mut Vec::new(), 32 << 10).is_some());
 }
+
+#[test]
+fn a_radius_that_is_not_a_length_is_an_error() {
+    let tree = |radius: &str| {
+        let tags = format!("<tag k=\"natural\" v=\"tree\"/><tag k=\"radius\" v=\"{radius}\"/>");
+        let node = format!("<node id=\"5\" lat=\"51.4779\" lon=\"-0.0015\">{tags}</node>");
+        let text = format!("<osm version=\"0.6\">{BOUNDS}\n{node}</osm>");
+        let (map, problems) = read(&source(&text), &ReadOptions::default());
+        (map, drawn(&problems, false))
+    };
+    for radius in ["4", "4 m", "12 ft", "0"] {
+        let (map, messages) = tree(radius);
+        assert!(map.is_some() && !messages.contains('\u{d7}'), "{messages}");
+    }
+    for radius in ["4,5", "-4", "big", "3-4", "20001"] {
+        let (_, messages) = tree(radius);
+        let message =
+            format!("\u{d7} the radius of node 5 is not a length from 0 to 20000 m: {radius}");
+        assert!(messages.contains(&message) && messages.contains("a.osm:2:"), "{messages}");
+    }
+    // Of what does not block, a radius has no effect.
+    let (map, messages) = in_osm(&format!(
+        "{BOUNDS}<node id=\"5\" lat=\"51.4779\" lon=\"-0.0015\"><tag k=\"radius\" v=\"big\"/></node>"
+    ));
+    assert!(map.features.is_empty(), "{messages}");
+}

@@ -1,4 +1,5 @@
-//! Checks that a PGM, PPM or PBM holds exactly the samples that its header promises.
+//! Checks that a PGM, PPM or PBM holds exactly the samples that its header promises. White space
+//! after them is accepted: editors and scripts add a line end.
 //!
 //! The short header decides where every row begins. A file with converted line ends or a wrong
 //! header decodes without an error, but is shifted by a pixel per row; only the number of bytes
@@ -24,15 +25,19 @@ pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
             .into());
     }
     if more > 0 {
-        return Err(format!("it holds {more} bytes more than its header declares"));
+        let rest = data.get(promised..).unwrap_or_default();
+        if !rest.trim_ascii().is_empty() {
+            return Err(format!("it holds {} more than its header declares", count(more, "byte")));
+        }
     }
     // The decoder refuses truncated files; only headers that it reads differently get here.
     if missing > 0 {
-        return Err(format!("it holds {missing} bytes less than its header declares"));
+        return Err(format!("it holds {} less than its header declares", count(missing, "byte")));
     }
     let largest = header.maximal_sample();
     let is_above = |sample: &u8| u32::from(*sample) > largest;
-    if sample_bytes(&header) == 1 && !is_bitmap(&header) && data.iter().any(is_above) {
+    let mut values = data.iter().take(promised);
+    if sample_bytes(&header) == 1 && !is_bitmap(&header) && values.any(is_above) {
         return Err(format!(
             "it holds values above the largest that its header declares, {largest}"
         ));
@@ -40,27 +45,34 @@ pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
+/// A number of things: `1 byte`, `2 bytes`.
+fn count(number: usize, what: &str) -> String {
+    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
+}
+
 /// Checks samples that are written as text.
 fn plain(header: &PnmHeader, data: &[u8]) -> Result<(), String> {
-    let count = if is_bitmap(header) {
+    let found = if is_bitmap(header) {
         data.iter().filter(|byte| !byte.is_ascii_whitespace()).count()
     } else {
         let words = data.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         let largest = header.maximal_sample();
         let number = |word: &[u8]| std::str::from_utf8(word).ok()?.parse::<u32>().ok();
-        let mut count = 0;
+        let mut found = 0;
         for word in words {
             if number(word).is_some_and(|number| number > largest) {
                 return Err(format!(
                     "it holds values above the largest that its header declares, {largest}"
                 ));
             }
-            count += 1;
+            found += 1;
         }
-        count
+        found
     };
-    match count.checked_sub(samples(header)) {
-        Some(more @ 1..) => Err(format!("it holds {more} values more than its header declares")),
+    match found.checked_sub(samples(header)) {
+        Some(more @ 1..) => {
+            Err(format!("it holds {} more than its header declares", count(more, "value")))
+        }
         _ => Ok(()),
     }
 }

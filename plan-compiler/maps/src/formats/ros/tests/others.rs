@@ -46,15 +46,16 @@ fn a_pgm_holds_what_its_header_says() {
         (&b"P5\r\n3 2\r\n255\r\n\x00\xcd\xff\xff\xfe\xff"[..], "the line ends of Windows"),
         (b"P5\n3 2\n255\r\n\x00\xcd\xff\xff\xfe\xff", "the line ends of Windows"),
         (b"P5\n3 2\n255\n\x00\xcd\xff\xff\xfe\xff\xff\xff", "it holds 2 bytes more"),
-        (b"P5\n3 2\n255\n\x00\xcd\xff\xff\xfe\xff\n", "it holds 1 bytes more"),
+        (b"P5\n3 2\n255\n\x00\xcd\xff\xff\xfe\xff\na", "it holds 2 bytes more"),
+        (b"P5\r\n3 2\r\n255\r\n\x00\xcd\xff\xff\xfe\n", "the line ends of Windows"),
         (b"P5\n3 2\n255\n\x00\xcd\xff\xff\xfe", "it is cut off"),
         (b"P5\n3 2\n65535\n\x00\xcd\xff\xff\xfe\xff", "it is cut off"),
         (b"P5\n3 2\n100\n\x00\xcd\xff\xff\xfe\xff", "values above the largest"),
-        (b"P2 3 2 255 0 205 255 255 254 255 9", "it holds 1 values more"),
+        (b"P2 3 2 255 0 205 255 255 254 255 9", "it holds 1 value more"),
         (b"P2 3 2 100 0 205 255 255 254 255", "values above the largest"),
-        (b"P4 9 1 \x80\x00\x00", "it holds 1 bytes more"),
-        (b"P1 3 1 1 0 0 1", "it holds 1 values more"),
-        (b"P6 1 1 255 \0\0\0\0", "it holds 1 bytes more"),
+        (b"P4 9 1 \x80\x00\x00", "it holds 1 byte more"),
+        (b"P1 3 1 1 0 0 1", "it holds 1 value more"),
+        (b"P6 1 1 255 \0\0\0\0", "it holds 1 byte more"),
     ] {
         let got = check_with(&[("a.pgm", bytes)], YAML);
         assert!(got.contains(reason) && got.ends_with("no map\n"), "{bytes:?}: {got}");
@@ -64,6 +65,9 @@ fn a_pgm_holds_what_its_header_says() {
         (b"P1 3 1 1 00", "#.."),
         (b"P5 # a comment\n2 1 # another\n100\n\x00\x64", "#."),
         (b"P2 3 1 255 0\n205 255\n\n", "#?."),
+        // A line end after the pixels.
+        (b"P5 2 1 100\n\x00\x64\n", "#."),
+        (b"P5 2 1 255\n\x00\xff\r\n", "#."),
     ] {
         let got = check_with(&[("a.pgm", bytes)], YAML);
         assert!(got.ends_with(&format!("  {cells}\n")), "{bytes:?}: {got}");
