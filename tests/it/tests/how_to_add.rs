@@ -147,7 +147,7 @@ fn a_schema_and_a_format_are_added_by_the_steps_of_the_readme() {
     tree.edit(
         "firmware/controller/src/lib.rs",
         &[(
-            "avoid: vector::rotated(repulsion.vector, heading_rad),",
+            "avoid: vector::rotated(repulsion.vector, aim.heading_rad),",
             "\n        east: schemas::head_east(),",
         )],
     );

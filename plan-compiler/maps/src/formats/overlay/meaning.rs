@@ -230,7 +230,7 @@ impl Reader<'_> {
 
 /// Checks that what blocks lies on the map.
 impl Reader<'_> {
-    /// Warns about statements whose shape lies wholly outside the map, by keyword.
+    /// Notes the statements whose shape lies wholly outside the map, by keyword. Warns if all do.
     fn outside(&mut self) {
         let is_obstacle = |feature: &&Feature| feature.role == Role::Obstacle;
         let is_inside = |feature: &Feature| touches(&feature.shape, &self.map.extent);
@@ -269,7 +269,9 @@ impl Reader<'_> {
         }
         for (word, count, span) in kinds {
             let label = if count == 1 { "this one" } else { "the first of them" };
-            self.warn(format!("{word} outside {area}: {count}"), &span, label, OUTSIDE_HELP);
+            // Real overlays have walls beyond their area.
+            let note = Problem::note(format!("{word} outside {area}: {count}"));
+            self.problems.push(note.at(self.source, span, label).help(OUTSIDE_HELP));
         }
     }
 }
