@@ -5,14 +5,14 @@
 //! | step | module | what it does |
 //! |---|---|---|
 //! | sense | [`sense`] | judges the sensors, estimates position and heading |
-//! | monitor, criticalities, switch, decompose | [`behave`] | lets the behaviours decide what to do |
-//! | listen | [`team`] | notes the news of mates, tracks the links to them |
 //! | arming | [`arming`] | checks what the robot needs before it may drive |
+//! | listen | [`team`] | notes the news of mates, tracks the links to them |
+//! | monitor, criticalities, switch, decompose | [`behave`] | lets the behaviours decide what to do |
 //! | advise | [`guidance`] | looks up the plan, detects arrival and trouble |
 //! | schemas, blend | `schemas` | computes vectors and sums them by their gains |
 //! | detour | [`detour`] | turns the sum away from closed directions and out of dead ends |
-//! | drive | [`drive`] | turns the sum into speed and turn rate |
 //! | back out | [`back_out`] | drives astern where a car or a boat has no room to turn |
+//! | drive | [`drive`] | turns the sum into speed and turn rate |
 //! | edge | [`edge`] | slows down before the edge of the map |
 //! | limit | [`limit`], [`brake`] | clamps both by operator, obstacles and vehicle |
 //! | progress | [`stuck`] | notices that the robot does not get on |
