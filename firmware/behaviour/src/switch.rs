@@ -17,8 +17,7 @@ impl Behaviours {
     /// Otherwise it would wait for them again and again.
     pub(crate) fn engage(&mut self, context: &mut Context<'_>) {
         let awaited_before = core::mem::take(&mut self.plans.awaited);
-        let (mut taken, mut aside, mut wanted) = (0, 0, 0);
-        self.held_back = 0;
+        let (mut taken, mut aside, mut wanted, mut held_back) = (0, 0, 0, 0);
         // By reference: the drop of a `heapless::Vec` iterator has a panic path.
         for claim in &self.claims(context.mission) {
             let bit = behaviour_bit(claim.index);
@@ -26,7 +25,7 @@ impl Behaviours {
             let waits = if claim.is_engaged {
                 taken |= claim.resources;
                 // One whose resources are wanted is stopped at its points.
-                self.held_back |= if is_aside && wanted & claim.resources == 0 { bit } else { 0 };
+                held_back |= if is_aside && wanted & claim.resources == 0 { bit } else { 0 };
                 // One that has become urgent since waits no more.
                 let waits = (self.refused | self.deferring) & bit != 0 && !claim.is_urgent;
                 if waits {
@@ -44,6 +43,8 @@ impl Behaviours {
                 wanted |= claim.resources;
             }
         }
+        // One that is in the way of another one still goes on until it is not.
+        self.held_back = held_back & !self.plans.awaited;
         self.plans.awaited |= aside;
     }
 

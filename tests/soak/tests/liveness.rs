@@ -1,7 +1,7 @@
 //! H35, H36: whatever sleeps and protects something, the robot does not idle while a behaviour is critical, and
 //! the most critical one has its turn within the bound that the compiler reports.
 
-use behaviour::{Behaviours, Decision, Observations, Phase, REST_US, Report};
+use behaviour::{Behaviours, Decision, Observations, Phase, REST_US, Refusal, Report};
 use maps::problem::{Problem, Source};
 use plan_compiler::behaviours::{Plans, compile};
 use plan_compiler::mission::parse;
@@ -17,6 +17,11 @@ const SEEN_MS: u64 = 2 * TICK_US / 1_000;
 const MISSIONS: u64 = 300;
 /// Further ones, with loops that end by a condition or by their timeout.
 const WITH_LOOPS: u64 = 200;
+/// Further ones, in which some behaviours do not need the robot's motion.
+const WITH_WAITS: u64 = 200;
+/// One that is engaged and most critical waits for the others' protection no longer than this,
+/// milliseconds: no plan takes longer.
+const LONGEST_MS: u64 = 12_000;
 /// Ticks of each: about four minutes.
 const TICKS: u64 = 5_000;
 
@@ -43,8 +48,9 @@ const CHANNELS: [&str; 6] = ["battery", "fuel", "link", "custom 1", "custom 2", 
 /// A mission of three or four behaviours. Each makes a fact true, protects it for some steps, and
 /// makes another one false, which a third may protect. With loops, a step may be repeated until the
 /// behaviour becomes less critical, or until a timeout, alone or in turn with another one; the
-/// behaviour may be interrupted at the best point.
-fn mission(random: &mut Random, has_loops: bool) -> String {
+/// behaviour may be interrupted at the best point. With waits, some behaviours share no resource with the
+/// others: only what they protect keeps them apart.
+fn mission(random: &mut Random, has_loops: bool, has_waits: bool) -> String {
     let count = 3 + random.below(2);
     let facts = 2 + random.below(2);
     let (mut inputs, mut fact_lines) = (String::from("[inputs]\n"), String::from("[facts]\n"));
@@ -56,6 +62,7 @@ fn mission(random: &mut Random, has_loops: bool) -> String {
         let source = CHANNELS[b as usize];
         writeln!(inputs, "in{b} = {{ source = \"{source}\", missing = {{ then = 0 }} }}").unwrap();
         let steps = 3 + random.below(2);
+        let step_kind = if has_waits && random.one_in(2) { "wait" } else { "hold" };
         // Most pairs can exclude each other: each violates what the next one protects.
         let (own, other) = (b % facts, (b + 1) % facts);
         // The last one changes nothing, so it may interrupt all others anywhere.
@@ -68,7 +75,8 @@ fn mission(random: &mut Random, has_loops: bool) -> String {
                 _ if step + 1 == steps && has_effects => format!(", delete = [\"f{other}\"]"),
                 _ => String::new(),
             };
-            writeln!(actions, "a{b}s{step} = {{ do = \"hold {time:.1} s\"{effect} }}").unwrap();
+            writeln!(actions, "a{b}s{step} = {{ do = \"{step_kind} {time:.1} s\"{effect} }}")
+                .unwrap();
         }
         let mut graph: Vec<String> = (0..steps).map(|step| format!("a{b}s{step}")).collect();
         if has_loops && random.one_in(2) {
@@ -166,16 +174,18 @@ struct Seen {
 /// Drives one mission with inputs that jump, and checks every tick.
 fn drive(seed: u64, seen: &mut Seen) -> Result<(), String> {
     let mut random = Random(seed);
-    let text = mission(&mut random, seed >= MISSIONS);
+    let has_waits = seed >= MISSIONS + WITH_LOOPS;
+    let text = mission(&mut random, seed >= MISSIONS, has_waits);
     let (section, bounds) = bounds(&text);
     let mission = Mission::parse(&section).expect("it is sound");
     let mut behaviours = Behaviours::new(&mission);
     let mut channels = [Some(0.0); 8];
-    let (mut waits, mut idle) = ([0_u64; 8], 0);
+    let (mut waits, mut deferrals, mut idle) = ([0_u64; 8], [0_u64; 8], 0);
     let mut rests_until_us = [0_u64; 8];
     for tick in 1..=TICKS {
         for channel in channels.iter_mut().take(bounds.len()) {
-            if random.one_in(40) {
+            // Those that are critical for long begin anew again and again.
+            if random.one_in(if has_waits { 250 } else { 40 }) {
                 // Dormant in every third case.
                 *channel = Some(random.below(9).saturating_sub(2) as f32 / 6.0);
             }
@@ -192,6 +202,7 @@ fn drive(seed: u64, seen: &mut Seen) -> Result<(), String> {
         let mut report = Report::default();
         behaviours.step(&mission, &observations, &mut report);
         let mut has_ended = false;
+        let mut refused = [false; 8];
         for decision in &report.decisions {
             match *decision {
                 Decision::Failed { behaviour } => {
@@ -206,7 +217,10 @@ fn drive(seed: u64, seen: &mut Seen) -> Result<(), String> {
                     seen.overruled += usize::from(is_urgent);
                     seen.circles += usize::from(!is_urgent);
                 }
-                Decision::Refused { why: behaviour::Refusal::Excluded, .. } => seen.excluded += 1,
+                Decision::Refused { behaviour, why: Refusal::Excluded, .. } => {
+                    refused[usize::from(behaviour)] = true;
+                    seen.excluded += 1;
+                }
                 Decision::Interrupted { is_unconditional, .. } => {
                     seen.interrupted += usize::from(!is_unconditional);
                     seen.stopped += usize::from(is_unconditional);
@@ -233,6 +247,13 @@ fn drive(seed: u64, seen: &mut Seen) -> Result<(), String> {
             let is_first = wants(index) && own > highest + 0.02;
             let waits_on = is_first && !is_engaged(index);
             waits[index] = if waits_on { waits[index] + TICK_US / 1_000 } else { 0 };
+            let is_deferred = is_first && is_engaged(index) && refused[index];
+            deferrals[index] = if is_deferred { deferrals[index] + TICK_US / 1_000 } else { 0 };
+            if deferrals[index] > LONGEST_MS {
+                return Err(format!(
+                    "seed {seed}, tick {tick}: b{index} is engaged and waits all the same\n{text}"
+                ));
+            }
             if let Some(bound) = bounds[index]
                 && waits[index] > bound + SEEN_MS
             {
@@ -249,9 +270,11 @@ fn drive(seed: u64, seen: &mut Seen) -> Result<(), String> {
 #[test]
 fn h35_sleepers_that_exclude_each_other_lock_nobody_out() {
     let mut seen = Seen::default();
-    let failures: Vec<String> =
-        (0..MISSIONS + WITH_LOOPS).filter_map(|seed| drive(seed, &mut seen).err()).collect();
-    assert!(failures.is_empty(), "{} fail, {seen:?}; first: {}", failures.len(), failures[0]);
+    let failures: Vec<String> = (0..MISSIONS + WITH_LOOPS + WITH_WAITS)
+        .filter_map(|seed| drive(seed, &mut seen).err())
+        .collect();
+    let first = failures.first();
+    assert!(failures.is_empty(), "{} fail, {seen:?}; first: {}", failures.len(), first.unwrap());
     // The runs are hard enough.
     assert!(seen.overruled > 10 && seen.circles > 10 && seen.excluded > 1_000, "{seen:?}");
     assert!(seen.interrupted > 1_000 && seen.stopped > 1_000, "{seen:?}");
