@@ -3,6 +3,7 @@
 use crate::bench::{ORIGIN, TICK_US, armed, blob_at, open_field};
 use controller::sense::{Sensed, Track, sense};
 use math::{Vec2, scalar};
+use plan_format::parameters::Steering;
 use plan_format::{Blob, Origin, Parameters};
 use robot_io::{Commands, Fix, Percepts, Reason};
 
@@ -291,4 +292,89 @@ fn a_map_without_a_place_on_the_globe_has_no_positions() {
     let blob = Blob::parse(&blob).unwrap();
     let sensed = sense(&blob, &mut Track::default(), &Percepts::default());
     assert_eq!((sensed.position, sensed.heading_rad), (Err(Reason::NoOrigin), None));
+}
+
+/// A robot that is stuck is commanded to turn, and its gyroscope reports nonsense. The compass shows the
+/// truth, so it is right.
+#[test]
+fn a_gyroscope_that_leaps_does_not_condemn_the_compass() {
+    let mut watch = Watch::new(ORIGIN);
+    for tick in 0..80_u16 {
+        let turn = Commands { turn_rate_radps: 1.0, ..Commands::stop(Reason::Driving) };
+        watch.track.commanded(&turn);
+        let turn_rate_radps = Some(if tick.is_multiple_of(2) { 3.2 } else { -3.2 });
+        let fix = Some(watch.fix(5.0, 5.0));
+        let heading_rad = Some(0.3);
+        let sensed = watch.look(Percepts {
+            fix,
+            heading_rad,
+            turn_rate_radps,
+            operator: armed(),
+            ..Percepts::default()
+        });
+        assert!(!sensed.is_compass_wrong, "{tick}");
+    }
+}
+
+/// The course contradicts the compass by a quarter turn. That proves the compass wrong after three
+/// seconds (the first course counts as one), but not on a boat, which drifts, and not where the
+/// robot is carried.
+#[test]
+fn a_course_proves_the_compass_wrong_where_the_robot_drives_by_itself() {
+    let wrong_after = |steering: Steering, speed_mps: f32| {
+        let mut parameters = Parameters::default();
+        parameters.vehicle.steering = steering;
+        let blob = Blob::without_map(parameters, Some(ORIGIN), Some(Vec2::new(50.0, 50.0)));
+        let mut watch = Watch { blob, ..Watch::new(ORIGIN) };
+        (0..200_u16).find(|&tick| {
+            let north_m = 0.05 * f32::from(tick);
+            let fix = Fix { velocity_mmps: Some([0, 1_000]), ..watch.fix(0.0, north_m) };
+            let percepts = Percepts {
+                fix: Some(fix),
+                heading_rad: Some(0.0),
+                speed_mps: Some(speed_mps),
+                operator: armed(),
+                ..Percepts::default()
+            };
+            watch.look(percepts).is_compass_wrong
+        })
+    };
+    let found = wrong_after(Steering::Differential, 1.0);
+    assert!(found.is_some_and(|tick| (39..=43).contains(&tick)), "after 2 s: {found:?}");
+    assert_eq!(wrong_after(Steering::Boat, 1.0), None);
+    assert_eq!(wrong_after(Steering::Differential, 0.0), None);
+}
+
+/// Wheels turn, and the positions waver around one place: the robot is stuck. If they repeat one place,
+/// their source is frozen.
+#[test]
+fn positions_that_waver_show_a_stuck_robot_and_those_that_do_not_a_frozen_source() {
+    let last = |waver_m: f32| {
+        let mut watch = Watch::new(ORIGIN);
+        let mut fix = watch.fix(5.0, 5.0);
+        let mut was_stuck = false;
+        for tick in 0..100_u16 {
+            let forward = Commands { speed_mps: 1.0, ..Commands::stop(Reason::Driving) };
+            watch.track.commanded(&forward);
+            if tick.is_multiple_of(4) {
+                let off_m = if tick % 24 < 12 { waver_m } else { 0.0 };
+                fix = watch.fix(5.0 + off_m, 5.0);
+            }
+            let percepts = Percepts {
+                fix: Some(fix),
+                heading_rad: Some(0.0),
+                speed_mps: Some(1.0),
+                operator: armed(),
+                ..Percepts::default()
+            };
+            let sensed = watch.look(percepts);
+            was_stuck |= sensed.is_stuck;
+            if sensed.position.is_err() {
+                return (was_stuck, sensed.position.err());
+            }
+        }
+        (was_stuck, None)
+    };
+    assert_eq!(last(0.05), (true, None));
+    assert_eq!(last(0.0), (false, Some(Reason::FrozenFix)));
 }
