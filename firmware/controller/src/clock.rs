@@ -123,6 +123,26 @@ mod tests {
         assert_eq!(found(200, twice), None);
     }
 
+    /// However long it was wrong, a hundred ticks are enough, or one more.
+    #[test]
+    fn a_clock_that_goes_again_is_trusted_again() {
+        for is_back in [false, true] {
+            let mut clock = Clock::default();
+            let mut time_us = 10_000_000_000;
+            for tick in 0..2_000_u64 {
+                time_us = if is_back { time_us - 50_000 } else { time_us + tick % 2 * 50_000 };
+                clock.advance(time_us);
+            }
+            assert!(clock.is_wrong());
+            let wrong = (0..300_u64).take_while(|_| {
+                time_us += 50_000;
+                clock.advance(time_us);
+                clock.is_wrong()
+            });
+            assert!((99..=101).contains(&wrong.count()), "{is_back}");
+        }
+    }
+
     #[test]
     fn steps_that_count_add_up() {
         let mut clock = Clock::default();

@@ -289,13 +289,24 @@ mod tests {
         layer: Option<u8>,
         way_m: f32,
     ) -> (Vec2, Rule) {
+        tick_to(detours, readings, layer, way_m, Vec2::new(9.0, 0.0))
+    }
+
+    /// The same on the way to another destination.
+    fn tick_to(
+        detours: &mut Detours,
+        readings: &[(f32, f32)],
+        layer: Option<u8>,
+        way_m: f32,
+        destination: Vec2,
+    ) -> (Vec2, Rule) {
         let reading = |&(bearing_rad, distance_m)| RangeReading { bearing_rad, distance_m };
         let readings: Vec<RangeReading> = readings.iter().map(reading).collect();
         let near = Obstacles::near(&readings, &points(&readings), 5.0, &[], 0.0);
         let situation = Situation {
             elapsed_s: TICK_S,
             turn_rate_radps: 2.0,
-            destination: Vec2::new(9.0, 0.0),
+            destination,
             way_m,
             layer,
             vehicle: &Parameters::default().vehicle,
@@ -359,5 +370,64 @@ mod tests {
         }
         // It has got on until now, so a wall begins no detour at once.
         assert_eq!([at(WALL), at(WALL)], [Rule::Swirl; 2]);
+    }
+
+    /// A wall across the way and beside the robot. On the left it reaches farther.
+    const NICHE: &[(f32, f32)] =
+        &[(-1.7, 0.4), (-0.5, 0.45), (0.0, 0.4), (0.5, 0.45), (0.9, 0.4), (1.7, 0.4)];
+
+    /// Detours take turns: the first one is to the side on which an open direction is nearer, each lasts
+    /// twice as long as the one before, up to eight times, and each needs the patience anew. Five that did
+    /// not help are enough.
+    #[test]
+    fn detours_take_turns_and_become_longer() {
+        let mut detours = Detours::default();
+        let mut legs: Vec<(u32, bool)> = Vec::new();
+        let (mut length, mut waited, mut exhausted_at) = (0, Vec::new(), None);
+        let (mut waits, mut is_to_the_left) = (0, false);
+        for at in 0..5_000_u32 {
+            let (direction, rule) = tick(&mut detours, NICHE, None, 5.0);
+            if rule == Rule::Detour {
+                (length, is_to_the_left) = (length + 1, direction.y > 0.0);
+                if waits > 0 {
+                    waited.push(waits);
+                }
+                waits = 0;
+            } else {
+                assert_eq!(rule, Rule::Swirl);
+                assert!(
+                    direction.y < 0.0,
+                    "the open direction on the right is nearer: {direction:?}"
+                );
+                if length > 0 {
+                    legs.push((length, is_to_the_left));
+                }
+                (length, waits) = (0, waits + 1);
+            }
+            if detours.are_exhausted() {
+                exhausted_at.get_or_insert(at);
+            }
+        }
+        // Ticks of 50 ms: 10, 20, 40, 80 and 80 s, each after a second.
+        let ticks: Vec<u32> = legs.iter().map(|leg| leg.0).collect();
+        assert_eq!(ticks[..5], [200, 400, 800, 1_600, 1_600], "{legs:?}");
+        assert!(legs.windows(2).all(|pair| pair[0].1 != pair[1].1), "{legs:?}");
+        assert!(waited.iter().all(|ticks| (21..=22).contains(ticks)), "{waited:?}");
+        assert_eq!(
+            exhausted_at,
+            Some(ticks[..5].iter().sum::<u32>() + waited[..5].iter().sum::<u32>())
+        );
+    }
+
+    /// With another destination everything begins anew; a way that is shorter by less than a decimetre is
+    /// not progress.
+    #[test]
+    fn another_destination_begins_anew() {
+        let mut detours = Detours::default();
+        assert_eq!(detour_ticks(30, |_| tick(&mut detours, NICHE, None, 5.0)).first(), Some(&22));
+        let mut elsewhere = |at: u32| {
+            tick_to(&mut detours, NICHE, None, 5.0 - 0.002 * at as f32, Vec2::new(9.0, 1.0))
+        };
+        assert_eq!(detour_ticks(40, &mut elsewhere).first(), Some(&22));
     }
 }
