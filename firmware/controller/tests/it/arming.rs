@@ -103,17 +103,19 @@ fn fenced(mut change: impl FnMut(usize, &mut Percepts)) -> Vec<Reason> {
 /// dead-reckons, and poses take over where the fixes end.
 #[test]
 fn a_fix_that_cannot_be_used_does_not_put_the_robot_outside_its_fence() {
-    let now_and_then = |index: usize| index.is_multiple_of(4);
-    let void = fenced(|index, percepts| {
-        let fix = percepts.fix.as_mut().expect("a fix");
-        fix.is_valid = now_and_then(index);
-    });
-    assert_eq!(void, [Reason::Driving]);
-    let poor = fenced(|index, percepts| {
-        let fix = percepts.fix.as_mut().expect("a fix");
-        fix.accuracy_mm = if now_and_then(index) { 10 } else { 6_000 };
-    });
-    assert_eq!(poor, [Reason::Driving]);
+    // Three of four fixes cannot be used, and are 100 m to the north.
+    let spoilt = |spoil: fn(&mut robot_io::Fix)| {
+        fenced(|index, percepts| {
+            let fix = percepts.fix.as_mut().expect("a fix");
+            if !index.is_multiple_of(4) {
+                fix.place.lat_e7 += 9_000;
+                spoil(fix);
+            }
+        })
+    };
+    assert_eq!(spoilt(|fix| fix.is_valid = false), [Reason::Driving]);
+    assert_eq!(spoilt(|fix| fix.accuracy_mm = 6_000), [Reason::Driving]);
+    assert!(spoilt(|_| ()).contains(&Reason::OutsideFence), "a fix that can be used counts");
     let mut start = None;
     let poses = fenced(|_, percepts| {
         // The robot drives east.
@@ -139,6 +141,9 @@ fn a_battery_that_is_not_read_is_not_full() {
     let blob = field(parameters);
     let (robot, reasons) = drive(&blob, 20, false, |_, _| {});
     assert_eq!(story(reasons), [Reason::NotReady]);
+    // Facing away from the goal, it would only turn.
+    let turned = |_: usize, percepts: &mut Percepts| percepts.heading_rad = Some(3.0);
+    assert_eq!(story(drive(&blob, 20, false, turned).1), [Reason::NotReady]);
     assert_eq!(robot.state.checks().names().collect::<Vec<_>>(), ["battery"]);
     let (_, reasons) = drive(&blob, 300, false, |index, percepts| {
         let volts = if index < 100 { 11.5 } else { 10.0 };
