@@ -143,7 +143,8 @@ fn a_battery_that_is_not_read_is_not_full() {
     assert_eq!(story(reasons), [Reason::NotReady]);
     // Facing away from the goal, it would only turn.
     let turned = |_: usize, percepts: &mut Percepts| percepts.heading_rad = Some(3.0);
-    assert_eq!(story(drive(&blob, 20, false, turned).1), [Reason::NotReady]);
+    let (robot, reasons) = drive(&blob, 20, false, turned);
+    assert_eq!((story(reasons), robot.heading_rad), (vec![Reason::NotReady], 0.0));
     assert_eq!(robot.state.checks().names().collect::<Vec<_>>(), ["battery"]);
     let (_, reasons) = drive(&blob, 300, false, |index, percepts| {
         let volts = if index < 100 { 11.5 } else { 10.0 };
