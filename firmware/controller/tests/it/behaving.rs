@@ -131,7 +131,12 @@ fn outputs_are_off_while_the_robot_is_stopped() {
     assert_eq!(robot.tick_with(|percepts| percepts.operator.is_emergency_stop = true).outputs, 0);
     assert_eq!(robot.tick_with(|_| {}).outputs, 8);
     assert_eq!(robot.tick_with(|percepts| percepts.operator.is_armed = false).outputs, 0);
-    assert_eq!(robot.tick_with(|_| {}).outputs, 8);
+    // Ordered to arm again, it is not armed while a check fails.
+    let garbled = robot.tick_with(|percepts| {
+        (percepts.scan_us, percepts.garbled_ranges) = (Some(percepts.time_us), 2);
+    });
+    assert_eq!((garbled.reason, garbled.outputs), (Reason::NotReady, 0));
+    assert_eq!(robot.tick_with(|percepts| percepts.scan_us = Some(percepts.time_us)).outputs, 8);
 }
 
 /// An order to arm does not arm the robot while a check fails: its plans wait and its outputs stay off.
