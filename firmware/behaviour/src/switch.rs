@@ -17,15 +17,14 @@ impl Behaviours {
     /// Otherwise it would wait for them again and again.
     pub(crate) fn engage(&mut self, context: &mut Context<'_>) {
         let awaited_before = core::mem::take(&mut self.plans.awaited);
-        let (mut taken, mut aside, mut wanted, mut held_back) = (0, 0, 0, 0);
+        let (mut taken, mut aside, mut held_back) = (0, 0, 0);
         // By reference: the drop of a `heapless::Vec` iterator has a panic path.
         for claim in &self.claims(context.mission) {
             let bit = behaviour_bit(claim.index);
             let is_aside = aside & bit != 0 && !claim.is_urgent;
             let waits = if claim.is_engaged {
                 taken |= claim.resources;
-                // One whose resources are wanted is stopped at its points.
-                held_back |= if is_aside && wanted & claim.resources == 0 { bit } else { 0 };
+                held_back |= if is_aside { bit } else { 0 };
                 // One that has become urgent since waits no more.
                 let waits = (self.refused | self.deferring) & bit != 0 && !claim.is_urgent;
                 if waits {
@@ -40,7 +39,6 @@ impl Behaviours {
             };
             if waits {
                 aside |= awaited_before & !self.plans.awaited;
-                wanted |= claim.resources;
             }
         }
         // One that is in the way of another one still goes on until it is not.
