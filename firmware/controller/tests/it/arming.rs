@@ -139,7 +139,7 @@ fn a_battery_that_is_not_read_is_not_full() {
     let mut parameters = Parameters::default();
     parameters.safety.battery_low = 10.5;
     let blob = field(parameters);
-    let (robot, reasons) = drive(&blob, 20, false, |_, _| {});
+    let (_, reasons) = drive(&blob, 20, false, |_, _| {});
     assert_eq!(story(reasons), [Reason::NotReady]);
     // Facing away from the goal, it would only turn.
     let turned = |_: usize, percepts: &mut Percepts| percepts.heading_rad = Some(3.0);
