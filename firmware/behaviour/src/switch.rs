@@ -13,8 +13,8 @@ impl Behaviours {
     /// Engages the most critical behaviours that share no resource, each as soon as the behaviours
     /// that block it can be interrupted.
     ///
-    /// While one waits, those that were in its way and are not any more stay so: they begin nothing.
-    /// Otherwise it would wait for them again and again.
+    /// While a behaviour waits, others that have got out of its way begin nothing. Otherwise it would
+    /// wait for them again and again.
     pub(crate) fn engage(&mut self, context: &mut Context<'_>) {
         let awaited_before = core::mem::take(&mut self.plans.awaited);
         let (mut taken, mut aside, mut held_back) = (0, 0, 0);
@@ -41,7 +41,7 @@ impl Behaviours {
                 aside |= awaited_before & !self.plans.awaited;
             }
         }
-        // One that is in the way of another one still goes on until it is not.
+        // A behaviour that is still in somebody's way goes on, to get out of it.
         self.held_back = held_back & !self.plans.awaited;
         self.plans.awaited |= aside;
     }

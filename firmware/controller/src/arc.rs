@@ -1,4 +1,4 @@
-//! Whether a round body that drives along an arc keeps clear of a point.
+//! Where arcs end, and whether a round body that drives along one keeps clear of a point.
 
 use math::{Vec2, scalar, vector};
 
@@ -117,6 +117,16 @@ impl Arc {
     }
 }
 
+/// The end of an arc that begins at 0 towards +x, metres. Of more than half a turn, only half.
+pub(crate) fn end_of(length_m: f32, curvature_per_m: f32) -> Vec2 {
+    let turned_rad = scalar::clamp(length_m * curvature_per_m, -scalar::PI, scalar::PI);
+    if turned_rad.abs() < STRAIGHT_RAD {
+        return Vec2::new(length_m, 0.0);
+    }
+    let end = vector::from_angle(turned_rad);
+    Vec2::new(end.y / curvature_per_m, (1.0 - end.x) / curvature_per_m)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -156,5 +166,20 @@ mod tests {
         let turn = Arc::new(3.6, 1.0);
         let behind = Vec2::new(-0.6, 1.0);
         assert!(!turn.is_clear_of(&body(0.95), behind, vector::length(behind)));
+    }
+
+    #[test]
+    fn arcs_end_where_geometry_says() {
+        let quarter_m = 0.25 * scalar::PI;
+        for (length_m, curvature_per_m, x, y) in [
+            (1.0, 0.0, 1.0, 0.0),
+            (1.0, 0.005, 1.0, 0.0),
+            (quarter_m, 2.0, 0.5, 0.5),
+            (quarter_m, -2.0, 0.5, -0.5),
+            (10.0, 2.0, 0.0, 1.0),
+        ] {
+            let end = end_of(length_m, curvature_per_m);
+            assert!((end - Vec2::new(x, y)).norm() < 3e-3, "{length_m} {curvature_per_m}: {end:?}");
+        }
     }
 }

@@ -199,16 +199,11 @@ fn can_begin(vehicle: &Vehicle, near: &Obstacles, curvature_per_m: f32) -> bool 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brake::RESTING;
     use crate::scan::points;
     use plan_format::{Blob, Parameters};
     use robot_io::RangeReading;
 
-    const NOWHERE: Moving = Moving {
-        twist: Twist { speed_mps: 0.0, turn_rate_radps: 0.0 },
-        drift_mps: 0.0,
-        elapsed_s: 0.05,
-        age_s: 0.0,
-    };
     /// A wall 4 cm before a body of 0.3 m.
     const WALL: &[(f32, f32)] = &[(-0.5, 0.39), (0.0, 0.34), (0.5, 0.39)];
 
@@ -269,7 +264,7 @@ mod tests {
         let vehicle = car();
         let turn_radps = vehicle.cautious_speed_mps / 0.5;
         for (side, wanted) in [(1.0, left()), (-1.0, Vec2::new(left().x, -left().y))] {
-            let twist = first(&vehicle, WALL, NOWHERE, wanted).expect("it backs out");
+            let twist = first(&vehicle, WALL, RESTING, wanted).expect("it backs out");
             assert_eq!(twist.speed_mps, -vehicle.cautious_speed_mps);
             assert!((twist.turn_rate_radps - side * turn_radps).abs() < 1e-6, "{twist:?}");
         }
@@ -278,7 +273,7 @@ mod tests {
     #[test]
     fn a_slow_turn_rate_widens_the_circle() {
         let vehicle = Vehicle { min_turn_radius_m: 0.1, max_turn_rate_radps: 0.5, ..car() };
-        let twist = first(&vehicle, WALL, NOWHERE, left()).expect("it backs out");
+        let twist = first(&vehicle, WALL, RESTING, left()).expect("it backs out");
         assert!((twist.turn_rate_radps - 0.5).abs() < 1e-6, "{twist:?}");
     }
 
@@ -286,17 +281,17 @@ mod tests {
     fn only_a_vehicle_that_may_and_must_backs_out() {
         let vehicle = car();
         let boat = Vehicle { steering: Steering::Boat, ..vehicle };
-        assert!(first(&boat, WALL, NOWHERE, left()).is_some());
+        assert!(first(&boat, WALL, RESTING, left()).is_some());
         let rover = Vehicle { steering: Steering::Differential, ..vehicle };
-        let rolling = Moving { twist: Twist { speed_mps: 0.5, turn_rate_radps: 0.0 }, ..NOWHERE };
+        let rolling = Moving { twist: Twist { speed_mps: 0.5, turn_rate_radps: 0.0 }, ..RESTING };
         let never = Vehicle { back_out: BackOut::Never, ..vehicle };
         let beside = [(1.6, 0.6), (-1.6, 0.6)];
         for (vehicle, readings, now, wanted) in [
-            (&rover, WALL, NOWHERE, left()),
-            (&never, WALL, NOWHERE, left()),
+            (&rover, WALL, RESTING, left()),
+            (&never, WALL, RESTING, left()),
             (&vehicle, WALL, rolling, left()),
-            (&vehicle, WALL, NOWHERE, Vec2::zeros()),
-            (&vehicle, &beside, NOWHERE, Vec2::new(1.0, 0.0)),
+            (&vehicle, WALL, RESTING, Vec2::zeros()),
+            (&vehicle, &beside, RESTING, Vec2::new(1.0, 0.0)),
         ] {
             assert_eq!(first(vehicle, readings, now, wanted), None, "{vehicle:?} {readings:?}");
         }
@@ -307,12 +302,12 @@ mod tests {
     fn sensors_that_have_seen_astern_are_trusted_from_then_on() {
         let vehicle = Vehicle { back_out: BackOut::Seen, ..car() };
         let mut backing = BackingOut::default();
-        assert_eq!(choose(&mut backing, &vehicle, WALL, NOWHERE, left()), None);
+        assert_eq!(choose(&mut backing, &vehicle, WALL, RESTING, left()), None);
         // Abeam does not count.
-        assert_eq!(choose(&mut backing, &vehicle, &[(2.2, 2.0)], NOWHERE, left()), None);
-        assert_eq!(choose(&mut backing, &vehicle, WALL, NOWHERE, left()), None);
-        assert_eq!(choose(&mut backing, &vehicle, &[(2.6, 2.0)], NOWHERE, left()), None);
-        assert!(choose(&mut backing, &vehicle, WALL, NOWHERE, left()).is_some());
+        assert_eq!(choose(&mut backing, &vehicle, &[(2.2, 2.0)], RESTING, left()), None);
+        assert_eq!(choose(&mut backing, &vehicle, WALL, RESTING, left()), None);
+        assert_eq!(choose(&mut backing, &vehicle, &[(2.6, 2.0)], RESTING, left()), None);
+        assert!(choose(&mut backing, &vehicle, WALL, RESTING, left()).is_some());
     }
 
     /// The wanted direction wavers; the side stays. Free again, the leg ends, but not at once.
@@ -320,8 +315,8 @@ mod tests {
     fn a_leg_keeps_its_side_and_a_least_length() {
         let vehicle = car();
         let mut backing = BackingOut::default();
-        let astern = Moving { twist: Twist { speed_mps: -0.3, turn_rate_radps: 0.0 }, ..NOWHERE };
-        assert!(choose(&mut backing, &vehicle, WALL, NOWHERE, left()).is_some());
+        let astern = Moving { twist: Twist { speed_mps: -0.3, turn_rate_radps: 0.0 }, ..RESTING };
+        assert!(choose(&mut backing, &vehicle, WALL, RESTING, left()).is_some());
         let right = Vec2::new(left().x, -left().y);
         let twist = choose(&mut backing, &vehicle, WALL, astern, right).expect("it goes on");
         assert!(twist.turn_rate_radps > 0.0, "{twist:?}");
@@ -337,8 +332,8 @@ mod tests {
     fn leg_m(wanted: Vec2) -> f32 {
         let vehicle = car();
         let mut backing = BackingOut::default();
-        let astern = Moving { twist: Twist { speed_mps: -0.3, turn_rate_radps: 0.0 }, ..NOWHERE };
-        assert!(choose(&mut backing, &vehicle, WALL, NOWHERE, wanted).is_some());
+        let astern = Moving { twist: Twist { speed_mps: -0.3, turn_rate_radps: 0.0 }, ..RESTING };
+        assert!(choose(&mut backing, &vehicle, WALL, RESTING, wanted).is_some());
         let mut driven_m = 0.0;
         while driven_m < 3.0 && choose(&mut backing, &vehicle, WALL, astern, wanted).is_some() {
             driven_m += 0.3 * 0.05;
@@ -364,10 +359,10 @@ mod tests {
         let (length_m, along) = (0.5 * 1.4 + 0.6, wanted);
         let arc_m = length_m / 1.4;
         let end = Vec2::new(along.y * arc_m, (1.0 - along.x) * arc_m);
-        let astern = Moving { twist: Twist { speed_mps: -0.3, turn_rate_radps: 0.0 }, ..NOWHERE };
+        let astern = Moving { twist: Twist { speed_mps: -0.3, turn_rate_radps: 0.0 }, ..RESTING };
         for (beyond_m, is_over) in [(0.30, false), (0.34, true)] {
             let mut backing = BackingOut::default();
-            assert!(choose(&mut backing, &vehicle, WALL, NOWHERE, wanted).is_some());
+            assert!(choose(&mut backing, &vehicle, WALL, RESTING, wanted).is_some());
             let obstacle = end + along * beyond_m;
             let seen = [(vector::angle(obstacle), vector::length(obstacle))];
             let goes_on = |_| choose(&mut backing, &vehicle, &seen, astern, wanted).is_some();
@@ -381,7 +376,7 @@ mod tests {
         let vehicle = car();
         let with = |more: &[(f32, f32)]| {
             let all: heapless::Vec<(f32, f32), 16> = WALL.iter().chain(more).copied().collect();
-            first(&vehicle, &all, NOWHERE, left())
+            first(&vehicle, &all, RESTING, left())
         };
         let behind = [(3.1, 0.34), (2.6, 0.39), (-2.6, 0.39)];
         assert_eq!(with(&behind), None);
@@ -396,7 +391,7 @@ mod tests {
         let beside = [(-1.9, 0.38), (1.9, 0.38)];
         let all: heapless::Vec<(f32, f32), 16> = WALL.iter().chain(&beside).copied().collect();
         let turn_radps = |vehicle: &Vehicle| {
-            first(vehicle, &all, NOWHERE, left()).expect("a way is free").turn_rate_radps
+            first(vehicle, &all, RESTING, left()).expect("a way is free").turn_rate_radps
         };
         assert!(turn_radps(&car()) > 0.0);
         assert_eq!(turn_radps(&Vehicle { steering: Steering::Boat, ..car() }), 0.0);
@@ -406,7 +401,7 @@ mod tests {
     fn a_stop_of_another_kind_ends_a_leg() {
         let vehicle = car();
         let mut backing = BackingOut::default();
-        assert!(choose(&mut backing, &vehicle, WALL, NOWHERE, left()).is_some());
+        assert!(choose(&mut backing, &vehicle, WALL, RESTING, left()).is_some());
         backing.commanded(&Commands::stop(Reason::EmergencyStop));
         assert_eq!(backing, BackingOut::default());
     }
@@ -420,7 +415,7 @@ mod tests {
         let bytes = crate::edge::tests::square();
         let blob = Blob::parse(&bytes).expect("the blob is valid");
         let edge = Edge::around(&blob, Vec2::new(x_m, y_m), heading_rad);
-        choose_at(&edge, &mut BackingOut::default(), &car(), readings, NOWHERE, wanted)
+        choose_at(&edge, &mut BackingOut::default(), &car(), readings, RESTING, wanted)
     }
 
     #[test]

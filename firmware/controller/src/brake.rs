@@ -59,6 +59,15 @@ pub struct Moving {
     pub age_s: f32,
 }
 
+/// A robot that rests, in a tick of 50 ms.
+#[cfg(test)]
+pub(crate) const RESTING: Moving = Moving {
+    twist: Twist { speed_mps: 0.0, turn_rate_radps: 0.0 },
+    drift_mps: 0.0,
+    elapsed_s: 0.05,
+    age_s: 0.0,
+};
+
 /// Speed at which a boat drifts to the outside of a steady turn, m/s; 0 for other vehicles.
 pub fn steady_drift_mps(vehicle: &Vehicle, twist: &Twist) -> f32 {
     match vehicle.steering {
@@ -219,12 +228,6 @@ mod tests {
         plan_format::Parameters::default().vehicle
     }
 
-    const RESTING: Moving = Moving {
-        twist: Twist { speed_mps: 0.0, turn_rate_radps: 0.0 },
-        drift_mps: 0.0,
-        elapsed_s: 0.05,
-        age_s: 0.0,
-    };
     /// With readings that are half a second old.
     const LATE: Moving = Moving { age_s: 0.5, ..RESTING };
 

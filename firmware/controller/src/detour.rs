@@ -88,6 +88,7 @@ pub struct Detours {
     /// Time in which the robot drove, microseconds: the times below are counted by it, so that waiting
     /// for something else does not begin a detour.
     now_us: u64,
+    /// The detour under way.
     under_way: Option<UnderWay>,
     /// Side of the last detour that did not help.
     last: Option<Side>,
@@ -179,17 +180,13 @@ impl Detours {
         let &Situation { destination, layer, way_m, .. } = situation;
         let time_us = self.now_us;
         let fresh = Best { destination_m: destination.into(), layer, way_m, time_us };
-        let best = match self.best {
-            Some(best) if best.destination_m == fresh.destination_m && best.layer == layer => best,
-            // Ways of different layers do not compare.
-            Some(best) if best.destination_m == fresh.destination_m => {
-                Best { layer, way_m, ..best }
-            }
-            _ => {
-                *self = Self { now_us: time_us, best: Some(fresh), ..Self::default() };
-                return;
-            }
+        let known = self.best.filter(|best| best.destination_m == fresh.destination_m);
+        let Some(known) = known else {
+            *self = Self { now_us: time_us, best: Some(fresh), ..Self::default() };
+            return;
         };
+        // Ways of different layers do not compare.
+        let best = if known.layer == layer { known } else { Best { layer, way_m, ..known } };
         self.best = Some(best);
         if way_m < best.way_m - PROGRESS_M {
             let under_way = self.under_way.filter(|_| !is_ahead_open);

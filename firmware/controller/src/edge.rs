@@ -19,6 +19,7 @@ use math::{Vec2, scalar, vector};
 use plan_format::parameters::{OnTrouble, Vehicle};
 use plan_format::{Blob, Cell};
 
+use crate::arc;
 use crate::brake::{self, Moving};
 use crate::drive::{Twist, circle_m};
 
@@ -28,8 +29,6 @@ const TRIES: usize = 7;
 const INWARD: f32 = 0.5;
 /// Off the map, distances to it that differ by less than this count as equal, metres.
 const ROUNDING_M: f32 = 1e-3;
-/// A way that turns by less than this is straight, radians.
-const STRAIGHT_RAD: f32 = 0.01;
 
 /// The map around the robot. Where the robot may leave its map, every way counts as on it.
 #[derive(Clone, Copy, Debug)]
@@ -143,7 +142,8 @@ impl<'b> Edge<'b> {
             }
         };
         [(0.5, 0.0), (1.0, aside_m), (1.0, -aside_m)].into_iter().all(|(share, aside_m)| {
-            let way = along_arc(share * length_m.abs(), curvature_per_m) + Vec2::new(0.0, aside_m);
+            let way =
+                arc::end_of(share * length_m.abs(), curvature_per_m) + Vec2::new(0.0, aside_m);
             let way = vector::rotated(way * sign, self.heading_rad);
             is_allowed(self.position + way)
         })
@@ -216,21 +216,12 @@ fn must_stay(blob: &Blob<'_>, room_m: f32) -> bool {
         && room_m > -parameters.vehicle.radius_m
 }
 
-/// The end of an arc that begins at 0 towards +x, metres. Of more than half a turn, only half.
-fn along_arc(length_m: f32, curvature_per_m: f32) -> Vec2 {
-    let turned_rad = scalar::clamp(length_m * curvature_per_m, -scalar::PI, scalar::PI);
-    if turned_rad.abs() < STRAIGHT_RAD {
-        return Vec2::new(length_m, 0.0);
-    }
-    let end = vector::from_angle(turned_rad);
-    Vec2::new(end.y / curvature_per_m, (1.0 - end.x) / curvature_per_m)
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     extern crate std;
 
     use super::*;
+    use crate::brake::RESTING;
     use plan_format::parameters::Steering;
     use plan_format::{Draft, Grid, Parameters, write};
     use proptest::prelude::*;
@@ -256,13 +247,6 @@ pub(crate) mod tests {
         })
         .expect("the draft is sound")
     }
-
-    const RESTING: Moving = Moving {
-        twist: Twist { speed_mps: 0.0, turn_rate_radps: 0.0 },
-        drift_mps: 0.0,
-        elapsed_s: 0.05,
-        age_s: 0.0,
-    };
 
     #[test]
     fn close_to_the_edge_the_robot_drives_along_it_and_away_from_it() {
@@ -347,21 +331,6 @@ pub(crate) mod tests {
         let blob = Blob::parse(&bytes).expect("the blob is valid");
         assert_eq!(rooms_m(&blob, Vec2::new(-2.0, 3.5)), [(1.0, 9.0), (1.5, 2.5)]);
         assert_eq!(rooms_m(&blob, Vec2::new(7.5, 1.0)), [(10.5, -0.5), (-1.0, 5.0)]);
-    }
-
-    #[test]
-    fn arcs_end_where_geometry_says() {
-        let quarter_m = 0.25 * scalar::PI;
-        for (length_m, curvature_per_m, x, y) in [
-            (1.0, 0.0, 1.0, 0.0),
-            (1.0, 0.005, 1.0, 0.0),
-            (quarter_m, 2.0, 0.5, 0.5),
-            (quarter_m, -2.0, 0.5, -0.5),
-            (10.0, 2.0, 0.0, 1.0),
-        ] {
-            let end = along_arc(length_m, curvature_per_m);
-            assert!((end - Vec2::new(x, y)).norm() < 3e-3, "{length_m} {curvature_per_m}: {end:?}");
-        }
     }
 
     /// The default vehicle stops from 1.6 m/s within 0.8 m, from half of it within 0.24 m, then 0.08

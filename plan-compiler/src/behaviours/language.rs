@@ -27,7 +27,7 @@ pub const TABLES: [&str; 5] = ["inputs", "facts", "actions", "frames", "behaviou
 const MAX_TIME_S: f64 = 1e6;
 
 /// The lowest and the highest result of any rule base: the centres of gravity of NB and PB alone.
-const REACH: [f32; 2] = [1.0 / 18.0, 17.0 / 18.0];
+pub(super) const REACH: [f32; 2] = [1.0 / 18.0, 17.0 / 18.0];
 
 /// Reads the behaviour tables of a mission file. The result contains everything that was
 /// understood.
@@ -217,10 +217,10 @@ fn behaviour(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Behavio
     // These would make the comparison of both thresholds fail too. The lints report the others.
     let [low, high] = REACH;
     if unconditional.value < low {
-        unreachable(report, "unconditional", &unconditional);
+        unreachable(report, "unconditional", unconditional.value, &unconditional.span);
     }
     if dormant.value > high {
-        unreachable(report, "dormant", &dormant);
+        unreachable(report, "dormant", dormant.value, &dormant.span);
     }
     let hysteresis = level(report, "hysteresis", DEFAULT_HYSTERESIS).value;
     let root = frame(report, "plan").unwrap_or_else(|| name.clone());
@@ -256,10 +256,10 @@ fn behaviour(report: &mut Report<'_>, name: Text, item: &Item) -> Option<Behavio
 }
 
 /// Reports a threshold that no rule base reaches.
-fn unreachable(report: &mut Report<'_>, key: &str, level: &Spanned<f32>) {
+pub(super) fn unreachable(report: &mut Report<'_>, key: &str, level: f32, span: &Span) {
     let message = format!("`{key}` cannot be reached: rules result in 1/18 to 17/18");
-    let label = format!("{} lies outside 0.0556 to 0.9444", level.value);
-    report.error(message, &level.span, &label, "choose a value in between");
+    let label = format!("{level} lies outside 0.0556 to 0.9444");
+    report.error(message, span, &label, "choose a value in between");
 }
 
 /// A rule base: a table with one row per input. The key `inference` is beside it.

@@ -251,11 +251,26 @@ impl Flaw {
         }
         let problem = Problem::warning(message).help(help);
         let label = if self.count == 1 { "this one" } else { "the first of them" };
-        problems.push(match source.filter(|_| !self.first.is_empty()) {
-            Some(source) => problem.at(source, self.first.clone(), label),
-            None => problem,
-        });
+        problems.push(at(problem, source, &self.first, label));
     }
+}
+
+/// Adds the bytes of an object to a problem, where the encoding gives them.
+pub(super) fn at(
+    problem: Problem,
+    source: Option<&Arc<Source>>,
+    span: &Range<usize>,
+    label: &str,
+) -> Problem {
+    match source.filter(|_| !span.is_empty()) {
+        Some(source) => problem.at(source, span.clone(), label),
+        None => problem,
+    }
+}
+
+/// The warning about outlines that should close.
+pub(super) fn open_outlines(count: usize) -> String {
+    format!("outlines that do not close: {count}; drawn as walls with free ground inside")
 }
 
 /// Objects of a file that are not drawn, or not as they should be.

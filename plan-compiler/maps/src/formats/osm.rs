@@ -24,7 +24,7 @@ mod wire;
 mod xml;
 
 use super::ReadOptions;
-use super::globe::{Passed, Plane, Stray};
+use super::globe::{self, Passed, Plane, Stray};
 use super::tags::{Judge, Meaning, Tags};
 use super::{holes, openings};
 use crate::model::{Feature, Map, NamedPoint, Point, Role, Shape};
@@ -106,7 +106,7 @@ fn draw(
     drawing.draw();
     let Drawing { missing, outside, wrong, passed, plane, map, .. } = drawing;
     problems.extend(
-        wrong.into_iter().map(|(problem, span)| flaws::at(problem, source, &span, "this node")),
+        wrong.into_iter().map(|(problem, span)| globe::at(problem, source, &span, "this node")),
     );
     missing.report(problems);
     outside.report(source, problems);

@@ -3,10 +3,9 @@
 
 use super::Lints;
 use super::recursion::is_last;
+use crate::behaviours::language::{REACH, unreachable};
 use plan_format::mission::Symbol;
 
-/// The lowest and the highest result of any rule base: the centres of gravity of NB and PB alone.
-const REACH: (f32, f32) = (1.0 / 18.0, 17.0 / 18.0);
 /// Above this, min clipping between NB and NM dips below what NB alone gives.
 const UNEVEN: f32 = 0.935;
 
@@ -43,11 +42,9 @@ impl Lints<'_> {
     }
 
     fn threshold(&mut self, what: &str, value: f32, span: &crate::toml::Span) {
-        let (low, high) = REACH;
+        let [low, high] = REACH;
         if value < low || value > high {
-            let message = format!("`{what}` cannot be reached: rules result in 1/18 to 17/18");
-            let label = format!("{value} lies outside 0.0556 to 0.9444");
-            self.report.error(message, span, &label, "choose a value in between");
+            unreachable(&mut self.report, what, value, span);
         } else if value > UNEVEN {
             let message = format!("`{what}` is in the range where results are uneven");
             let help = "with min clipping PB next to PM results in 0.936; choose 0.935 or less";

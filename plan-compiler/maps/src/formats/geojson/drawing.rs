@@ -2,7 +2,7 @@
 
 use super::Drawn;
 use super::coordinates::{Piece, Position};
-use crate::formats::globe::{Flaw, Passed, Plane};
+use crate::formats::globe::{Flaw, Passed, Plane, open_outlines};
 use crate::formats::tags::Judge;
 use crate::formats::{holes, openings};
 use crate::model::{Feature, Map, NamedPoint, Point, Role, Shape};
@@ -32,9 +32,7 @@ impl Flaws {
         self.nowhere.report(nowhere, "give it coordinates, or remove it", Some(source), problems);
         let help = "fetch them with all their parts: in Overpass end the query with `out geom;`, or \
                     with `(._;>;); out body;`";
-        let open = self.open.count;
-        let message =
-            format!("outlines that do not close: {open}; drawn as walls with free ground inside");
+        let message = open_outlines(self.open.count);
         self.open.report(message, help, Some(source), problems);
         let tainted = self.tainted.count;
         let message =

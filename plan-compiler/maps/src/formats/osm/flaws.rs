@@ -1,5 +1,6 @@
 //! What an extract lacks, and what is wrong in it, as warnings.
 
+use crate::formats::globe;
 use crate::problem::{Problem, Source};
 use std::ops::Range;
 use std::sync::Arc;
@@ -35,10 +36,7 @@ impl Missing {
                 "areas that lack ways: {relations_cut}, ways missing: {members}; drawn without them"
             ),
         );
-        report(
-            *open,
-            format!("outlines that do not close: {open}; drawn as walls with free ground inside"),
-        );
+        report(*open, globe::open_outlines(*open));
     }
 }
 
@@ -59,19 +57,6 @@ impl Outside {
         );
         let problem = Problem::warning(message)
             .help("check the roles of the relation's ways: an area's outline is `outer`, its courtyards are `inner`");
-        problems.push(at(problem, source, span, "this relation"));
-    }
-}
-
-/// Adds the bytes of an object to a problem, where the encoding gives them.
-pub(super) fn at(
-    problem: Problem,
-    source: Option<&Arc<Source>>,
-    span: &Range<usize>,
-    label: &str,
-) -> Problem {
-    match source.filter(|_| !span.is_empty()) {
-        Some(source) => problem.at(source, span.clone(), label),
-        None => problem,
+        problems.push(globe::at(problem, source, span, "this relation"));
     }
 }
