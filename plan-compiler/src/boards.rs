@@ -1,15 +1,96 @@
-//! The boards whose flash the compiler knows, and whether a blob fits there.
+//! The boards that the compiler knows: whether a blob fits into their flash, and whether they have
+//! what its mission needs.
 //!
 //! The table is `boards/table/boards.toml`, from which each board's linker script is generated too.
 //! The compiler needs it to refuse a blob that no flashing tool could write, and to put the
 //! address into files that carry one.
 
-pub use board_table::{BOARDS, Board};
+pub use board_table::{BOARDS, Board, Equipment};
 
+use controller::sense::COURSE_SPEED_MPS;
 use maps::problem::Problem;
+use plan_format::Blob;
+use plan_format::mission::{ActionKind, Source};
+use plan_format::parameters::Steering;
+
+/// What speaks against this blob on the board.
+pub fn check(board: &Board, blob: &[u8]) -> Vec<Problem> {
+    let mut problems: Vec<Problem> = fits(board, blob.len()).into_iter().collect();
+    // The compiler reads back what it writes.
+    if let Ok(blob) = Blob::parse_exact(blob) {
+        let lacking =
+            needs(&blob).into_iter().filter(|(equipment, _)| !board.has.contains(equipment));
+        problems.extend(lacking.map(|(equipment, need)| {
+            let name = equipment.name();
+            let without = match equipment {
+                Equipment::Compass | Equipment::Ranges | Equipment::Inputs => {
+                    format!("reads no {name}")
+                }
+                Equipment::Outputs => "sets no outputs".into(),
+                Equipment::Steering => "drives two wheels only".into(),
+            };
+            Problem::warning(format!("the firmware of {} {without}: {need}", board.name)).help(
+                format!(
+                    "add it to the board's code and \"{name}\" to its row in \
+                     boards/table/boards.toml, or change the mission"
+                ),
+            )
+        }));
+    }
+    problems
+}
+
+/// What the mission needs besides GPS, link, arm button and two wheels, and what happens without.
+fn needs(blob: &Blob<'_>) -> Vec<(Equipment, String)> {
+    let (parameters, mission) = (blob.parameters(), blob.mission());
+    let vehicle = &parameters.vehicle;
+    let mut needs = Vec::new();
+    let fastest_mps = vehicle.base_speed_mps.min(vehicle.max_speed_mps);
+    if !vehicle.may_creep || vehicle.max_speed_mps <= COURSE_SPEED_MPS {
+        let need = format!(
+            "the heading is the course of the fixes, which needs `vehicle.may_creep` and more than \
+             {COURSE_SPEED_MPS} m/s, so the robot never finds it"
+        );
+        needs.push((Equipment::Compass, need));
+    } else if fastest_mps <= COURSE_SPEED_MPS {
+        let need = format!(
+            "the heading is the course of the fixes, which shows above {COURSE_SPEED_MPS} m/s only; \
+             at `vehicle.base_speed` = {fastest_mps} the robot loses it after a few seconds and \
+             creeps faster to find it again"
+        );
+        needs.push((Equipment::Compass, need));
+    }
+    if parameters.ranges.is_required {
+        let need = "`ranges.required` keeps the robot from being armed".to_owned();
+        needs.push((Equipment::Ranges, need));
+    }
+    if parameters.safety.battery_low > 0.0 {
+        let need = "`battery.low` keeps the robot from being armed".to_owned();
+        needs.push((Equipment::Inputs, need));
+    }
+    let channels =
+        mission.inputs().iter().filter(|input| matches!(input.source, Source::Channel(_)));
+    let channels: Vec<_> =
+        channels.map(|input| format!("`{}`", mission.name(input.name))).collect();
+    if !channels.is_empty() {
+        let need = format!("the inputs {} never have a value", channels.join(", "));
+        needs.push((Equipment::Inputs, need));
+    }
+    let sets = |kind| matches!(kind, ActionKind::SetOutput { .. });
+    let outputs = mission.actions().iter().filter(|action| sets(action.kind)).count();
+    if outputs > 0 {
+        let need = format!("{outputs} actions that set an output switch nothing");
+        needs.push((Equipment::Outputs, need));
+    }
+    if vehicle.steering != Steering::Differential {
+        let need = "`vehicle.steering` needs more".to_owned();
+        needs.push((Equipment::Steering, need));
+    }
+    needs
+}
 
 /// The error or note about putting a blob of `blob_bytes` into the board's plan region, if any.
-pub fn check(board: &Board, blob_bytes: usize) -> Option<Problem> {
+fn fits(board: &Board, blob_bytes: usize) -> Option<Problem> {
     let (name, room, slot) = (&board.name, board.memory.plans.bytes, board.slot_bytes());
     if blob_bytes > room {
         let message = format!(
@@ -46,12 +127,12 @@ mod tests {
     #[test]
     fn the_last_byte_of_a_region_may_be_used_and_no_more() {
         let board = Board::find("nrf52840-dk").unwrap();
-        let severity = |bytes| check(board, bytes).map(|problem| problem.severity);
+        let severity = |bytes| fits(board, bytes).map(|problem| problem.severity);
         assert_eq!(severity(98_304), None);
         assert_eq!(severity(98_305), Some(Severity::Note));
         assert_eq!(severity(196_608), Some(Severity::Note));
         assert_eq!(severity(196_609), Some(Severity::Error));
-        let help = |bytes| check(board, bytes).unwrap().help.unwrap();
+        let help = |bytes| fits(board, bytes).unwrap().help.unwrap();
         assert!(help(196_609).contains("stm32f405 (262144), pico2"), "{}", help(196_609));
         assert!(help(2 << 20).contains("not fit on any known board"), "{}", help(2 << 20));
     }

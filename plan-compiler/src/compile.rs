@@ -167,6 +167,7 @@ fn decide(input: &Input<'_>, problems: &mut Vec<Problem>) -> Option<Prepared> {
         return None;
     }
     problems.extend(warnings::of_cells(input, &grid));
+    problems.extend(warnings::of_tolerance(input, &grid));
     problems.extend(warnings::nearly_blocked(input, &grid, radius, physical));
     problems.extend(warnings::of_places(input, &grid, physical));
     let names: Vec<&str> = layers.iter().map(|layer| layer.name.as_str()).collect();

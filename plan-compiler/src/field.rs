@@ -4,6 +4,7 @@
 //! its look-up answers; its cost is [`UNREACHED`] unless the code is a move or the goal.
 
 use crate::tolls::MOST;
+use plan_format::grid::cost_metres;
 use plan_format::layout::MAX_UNIT;
 use plan_format::{Answer, Cell, Direction, Grid, Layer};
 
@@ -78,6 +79,11 @@ pub fn eighths_of(grid: &Grid, layer: &Layer<'_>, cell: Cell) -> Option<u32> {
     };
     let multiplier = cost.checked_sub(rest)? / direction.step_cost();
     Some(multiplier << (MAX_UNIT - layer.unit()))
+}
+
+/// A cost of [`Layer::look_up_exact`], metres.
+pub fn exact_metres(grid: &Grid, layer: &Layer<'_>, cost: u32) -> f64 {
+    cost_metres(cost, grid.resolution_m) / f64::from(1_u32 << layer.unit())
 }
 
 /// All cells of a grid, row by row from the south.

@@ -3,10 +3,9 @@
 //! A file is written beside its destination and renamed onto it, so that no reader sees half of it
 //! and a failure keeps the old file.
 
-use crate::field::eighths_of;
+use crate::field::{eighths_of, exact_metres};
 use crate::tolls::LEAST;
 use maps::problem::Problem;
-use plan_format::grid::cost_metres;
 use plan_format::{Answer, Cell, Grid, Layer};
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -130,11 +129,11 @@ pub fn write_array(
     for row in 0..grid.rows {
         for column in 0..grid.columns {
             let cell = Cell::new(column, row);
-            let answer = layer.look_up(cell);
+            let answer = layer.look_up_exact(cell);
             let number = match what {
                 What::Toll => eighths_of(grid, layer, cell).unwrap_or(0) as f32 / LEAST as f32,
                 What::Limit => layer.speed_limit(cell).unwrap_or(f32::INFINITY),
-                _ => cost(answer, grid) as f32,
+                _ => cost(answer, grid, layer) as f32,
             };
             let code = || match code(answer, what) {
                 0 if what == What::Goal => layer.goal_number(cell) as i8,
@@ -156,9 +155,9 @@ pub fn write_array(
 }
 
 /// Cost to the goal, metres; infinite where there is no route.
-fn cost(answer: Answer, grid: &Grid) -> f64 {
+fn cost(answer: Answer, grid: &Grid, layer: &Layer<'_>) -> f64 {
     match answer {
-        Answer::Move { cost, .. } => cost_metres(cost, grid.resolution_m),
+        Answer::Move { cost, .. } => exact_metres(grid, layer, cost),
         Answer::Goal => 0.0,
         Answer::NoRoute | Answer::Blocked { .. } | Answer::OffMap => f64::INFINITY,
     }

@@ -85,7 +85,7 @@ impl Robot for Rover {
     }
 }
 
-/// An LED, lit while the robot is armed.
+/// An LED, lit while the order to arm stands: the robot may drive off at any moment.
 pub(crate) struct Light(Output<'static>);
 
 impl Light {

@@ -63,7 +63,7 @@ impl Robot for Rover {
     }
 }
 
-/// An LED, lit while the robot is armed.
+/// An LED, lit while the order to arm stands: the robot may drive off at any moment.
 pub(crate) struct Light(pub(crate) Output<'static>);
 
 impl Observer for Light {

@@ -57,8 +57,42 @@ pub struct Board {
     pub erase_bytes: usize,
     /// The UF2 family that the chip's boot loader accepts; `None` if it does not accept UF2.
     pub uf2_family: Option<u32>,
+    /// What the firmware reads and drives besides GPS, link, arm button and two wheels.
+    pub has: Vec<Equipment>,
     /// State of its firmware.
     pub state: State,
+}
+
+/// A part that the firmware of a board may read or drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Equipment {
+    /// Compass or IMU.
+    Compass,
+    /// Range finder.
+    Ranges,
+    /// Values of input channels, such as the battery's charge.
+    Inputs,
+    /// Digital outputs.
+    Outputs,
+    /// Steered wheels or a rudder.
+    Steering,
+}
+
+impl Equipment {
+    /// Its name in the table.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Compass => "compass",
+            Self::Ranges => "ranges",
+            Self::Inputs => "inputs",
+            Self::Outputs => "outputs",
+            Self::Steering => "steering",
+        }
+    }
+
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::Compass, Self::Ranges, Self::Inputs, Self::Outputs, Self::Steering];
 }
 
 /// A machine that QEMU emulates.

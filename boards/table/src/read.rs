@@ -2,7 +2,7 @@
 
 use toml_edit::{DocumentMut, InlineTable, Item, Table as Keys, Value};
 
-use crate::{Board, Machine, Memory, Region, State, Table};
+use crate::{Board, Equipment, Machine, Memory, Region, State, Table};
 
 /// Reads the whole file. An error names the row and the key.
 pub(crate) fn table(text: &str) -> Result<Table, String> {
@@ -66,8 +66,19 @@ fn board(name: &str, keys: &mut Keys) -> Result<Board, String> {
         memory,
         erase_bytes,
         uf2_family,
+        has: equipment(keys)?,
         state,
     })
+}
+
+fn equipment(keys: &mut Keys) -> Result<Vec<Equipment>, String> {
+    let item = keys.remove("has");
+    let has = item.as_ref().and_then(Item::as_array).ok_or("`has` is not a list")?;
+    let find = |value: &Value| {
+        let name = value.as_str()?;
+        Equipment::ALL.into_iter().find(|equipment| equipment.name() == name)
+    };
+    has.iter().map(|value| find(value).ok_or(format!("`has` has {value}"))).collect()
 }
 
 fn machine(name: &str, keys: &mut Keys) -> Result<Machine, String> {
@@ -142,6 +153,7 @@ mod tests {
         erase_kib = 64\n\
         ram = { address = 0x2000_0000, kib = 64 }\n\
         stack_kib = 16\n\
+        has = [\"compass\", \"outputs\"]\n\
         uf2_family = 7\n\
         state = \"tried\"\n\
         [machine.emulated]\n\
@@ -159,6 +171,7 @@ mod tests {
         assert_eq!(board.memory.plans, Region { address: 0x1_0000, bytes: 256 << 10 });
         assert_eq!((board.erase_bytes, board.slot_bytes()), (64 << 10, 128 << 10));
         assert_eq!((board.uf2_family, board.state), (Some(7), State::Tried));
+        assert_eq!(board.has, [Equipment::Compass, Equipment::Outputs]);
         assert_eq!(table.machines[0].memory.ram.range(), 0x2000_0000..0x2001_0000);
     }
 
@@ -172,6 +185,8 @@ mod tests {
             ("0x0, kib = 64", "0x0, kib = 65", "`program` and `plans` overlap"),
             ("0x1_0000, kib = 256", "0x1_0000, kib = 192", "not whole erase units"),
             ("0x1_0000, kib = 256", "0x1_0000, kib = 256, bank = 2", "`plans` is not"),
+            ("has = [\"compass\"", "has = [\"lidar\"", "`has` has \"lidar\""),
+            ("has = [", "hass = [", "`has` is not a list"),
             ("erase_kib = 64\n", "erase_kib = 0\n", "not whole erase units"),
             ("0x2000_0000, kib = 64", "0xFFFF_F000, kib = 64", "ends beyond 32 bits"),
             ("stack_kib = 16", "stack_kib = 64", "leaves nothing of `ram`"),

@@ -166,12 +166,12 @@ impl Intent {
         !matches!(self.errand, Errand::None(_))
     }
 
-    /// The vehicle with the constraints of the running actions applied.
+    /// The vehicle with the constraints of the running actions, and the latency that counts.
     pub fn constrained(&self, vehicle: &Vehicle) -> Vehicle {
         Vehicle {
             max_speed_mps: vehicle.max_speed_mps.min(self.max_speed_mps),
             stop_distance_m: vehicle.stop_distance_m.max(self.min_distance_m),
-            ..*vehicle
+            ..vehicle.with_least_latency()
         }
     }
 

@@ -48,6 +48,10 @@ const LEAP_RAD: f32 = 0.5;
 /// receiver gives a course after one or two.
 const LONGEST_CREEP_S: f32 = 15.0;
 
+/// A heading is lost when the robot has driven by it for this time, seconds, and nothing has shown how
+/// it turned: commands alone do not keep a heading.
+const LONGEST_UNSEEN_S: f32 = 5.0;
+
 /// Position and heading, or why the position is unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensed {
@@ -116,8 +120,9 @@ pub struct Track {
     speed_mps: f32,
     /// Turn rate of the last commands.
     turn_rate_radps: f32,
-    /// Time for which the robot has crept without finding its heading, seconds.
-    crept_s: f32,
+    /// Time for which the robot has driven and nothing has shown its heading, seconds. Without a
+    /// heading, time for which it has crept to find it.
+    unseen_s: f32,
     is_creeping: bool,
 }
 
@@ -295,6 +300,21 @@ impl Track {
         (course_rad, is_stuck)
     }
 
+    /// Notes whether something shows the heading or, in a turn, how it changes. Without that, driving
+    /// loses it.
+    fn doubt_heading(&mut self, is_seen: bool, percepts: &Percepts, elapsed_s: f32) {
+        let drives = self.speed_mps != 0.0 || self.turn_rate_radps != 0.0;
+        let had_heading = self.heading_rad.is_some();
+        if had_heading && is_seen || !percepts.operator.is_armed {
+            self.unseen_s = 0.0;
+        } else if had_heading && drives || self.is_creeping {
+            self.unseen_s += elapsed_s;
+        }
+        if had_heading && self.unseen_s > LONGEST_UNSEEN_S {
+            (self.heading_rad, self.unseen_s) = (None, 0.0);
+        }
+    }
+
     /// Whether no fix was ever good, and the last one came long ago: the receiver's state says more.
     fn has_only_heard_poor_fixes(&self, policy: &FixPolicy) -> bool {
         self.fixes.refusal() == Some(Reason::PoorFix)
@@ -382,9 +402,16 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
         (course_rad, is_stuck) = (course, is_stuck | sticks);
     }
     let map_heading_rad = blob.origin().map(|origin| origin.heading_rad as f32);
-    find_heading(track, percepts, &twist, vehicle, map_heading_rad, course_rad, &parameters.fixes);
-
-    let has_heading = track.heading_rad.is_some();
+    let is_seen = find_heading(
+        track,
+        percepts,
+        &twist,
+        vehicle,
+        map_heading_rad,
+        course_rad,
+        &parameters.fixes,
+    );
+    track.doubt_heading(is_seen || twist.is_turn_measured, percepts, elapsed_s);
     if !percepts.operator.is_armed {
         // A new order to arm is a new attempt.
         track.compass.restart();
@@ -392,18 +419,13 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
         track.fixes.unprove();
         track.poses.unprove();
     }
-    if has_heading || !percepts.operator.is_armed {
-        track.crept_s = 0.0;
-    } else if track.is_creeping {
-        track.crept_s += elapsed_s;
-    }
     Sensed {
         position: track.position(blob, percepts.receiver),
         accuracy_m: track.accuracy_m,
         heading_rad: track.heading_rad,
         is_compass_wrong: track.compass.is_wrong(),
         is_heading_wrong: track.compass.is_wrong() && !gives_course(percepts),
-        may_creep: track.crept_s < LONGEST_CREEP_S,
+        may_creep: track.heading_rad.is_some() || track.unseen_s < LONGEST_CREEP_S,
         ranges,
         is_clock_stopped: track.clock.is_wrong(),
         is_stuck: is_stuck || track.odometry.are_motors_dead(),
@@ -412,7 +434,7 @@ pub fn sense(blob: &Blob<'_>, track: &mut Track, percepts: &Percepts) -> Sensed 
     }
 }
 
-/// Sets the heading from the best source.
+/// Sets the heading from the best source. Returns whether one shows it.
 fn find_heading(
     track: &mut Track,
     percepts: &Percepts,
@@ -421,9 +443,9 @@ fn find_heading(
     map_heading_rad: Option<f32>,
     course_rad: Option<f32>,
     policy: &FixPolicy,
-) {
+) -> bool {
     if track.has_pose_heading && track.poses.is_fresh(track.clock.now_us(), policy) {
-        return;
+        return true;
     }
     let expected_rad = track.heading_rad;
     let since_us = track.clock.now_us().saturating_sub(track.course_us).min(LONGEST_STEP_US);
@@ -436,7 +458,7 @@ fn find_heading(
     }
     let (Some(heading_rad), Some(map_heading_rad)) = (percepts.heading_rad, map_heading_rad) else {
         track.compass.miss(twist.elapsed_s);
-        return;
+        return course_rad.is_some();
     };
     let reading_rad = scalar::wrap_angle(heading_rad + map_heading_rad);
     // A boat drifts, and a vehicle that shall stand may be carried.
@@ -451,9 +473,9 @@ fn find_heading(
         modelled_radps: track.odometry.modelled_turn_radps(),
         elapsed_s: twist.elapsed_s,
     };
-    if let Some(compass_rad) = track.compass.judge(reading_rad, &evidence) {
-        track.heading_rad = Some(compass_rad);
-    }
+    let compass_rad = track.compass.judge(reading_rad, &evidence);
+    track.heading_rad = compass_rad.or(track.heading_rad);
+    compass_rad.or(course_rad).is_some()
 }
 
 /// Whether the receiver reports velocities, so that driving shows the heading. Many receivers omit
@@ -596,6 +618,38 @@ mod tests {
                 robot.track.commanded(&commands);
             }
             assert_eq!(last, Some(may_creep), "{commands:?} {disarms}");
+        }
+    }
+
+    /// A course shows the heading once. At 0.3 m/s, or on the spot, no other one follows, and commands
+    /// alone keep a heading for 5 s.
+    #[test]
+    fn a_heading_that_nothing_shows_is_lost_while_the_robot_drives() {
+        let standing = Commands::stop(Reason::Driving);
+        let slow = Commands { speed_mps: 0.3, ..standing };
+        let turning = Commands { turn_rate_radps: 0.5, ..standing };
+        let nothing = Percepts::default();
+        let compass = Percepts { heading_rad: Some(0.0), ..Percepts::default() };
+        let gyroscope = Percepts { turn_rate_radps: Some(0.0), ..Percepts::default() };
+        for (commands, percepts, ticks, has_heading) in [
+            (slow, &nothing, 49, true),
+            (slow, &nothing, 53, false),
+            (turning, &nothing, 53, false),
+            (standing, &nothing, 200, true),
+            (slow, &compass, 200, true),
+            (slow, &gyroscope, 200, true),
+        ] {
+            let mut robot = Robot::new(true);
+            let velocity_mmps = Some([1_000, 0]);
+            let fix = robot.fix(500).map(|fix| Fix { velocity_mmps, ..fix });
+            robot.sense(Percepts { fix, ..percepts.clone() });
+            assert!(robot.track.heading_rad.is_some(), "the course shows it");
+            for _ in 0..ticks {
+                robot.track.commanded(&commands);
+                robot.sense(percepts.clone());
+            }
+            let case = (commands, percepts, ticks);
+            assert_eq!(robot.track.heading_rad.is_some(), has_heading, "{case:?}");
         }
     }
 

@@ -36,7 +36,7 @@ pub(super) fn build(
     let Some(blob) = compile(input, bytes, output, args, quiet, &mut problems)? else {
         return Err(Failure::Wrong(problems));
     };
-    problems.extend(args.board.and_then(|board| boards::check(board, blob.len())));
+    problems.extend(args.board.into_iter().flat_map(|board| boards::check(board, &blob)));
     if !has_errors(&problems) {
         let file = image.encode(&blob);
         problems.extend(output::write_file(output, |out| out.write_all(&file)).err());
@@ -140,7 +140,7 @@ fn summary(
         took.as_millis()
     );
     for parallel in blob.parallel_plans() {
-        let _ = writeln!(text, "  {} to {}", parallel.name(), goals_text(&parallel));
+        let _ = writeln!(text, "  {} to {}", parallel.name(), goals_text(&blob, &parallel));
         for layer in parallel.layers() {
             let counts = layer.counts();
             let _ = writeln!(

@@ -43,7 +43,8 @@ pub(super) fn run(args: &Convert, quiet: bool) -> Result<(), Failure> {
     let Some(blob) = blob.filter(|_| !has_errors(&problems)) else {
         return Err(Failure::Wrong(problems));
     };
-    problems.extend(args.compiling.board.and_then(|board| boards::check(board, blob.len())));
+    let board = args.compiling.board.into_iter();
+    problems.extend(board.flat_map(|board| boards::check(board, &blob)));
     if to_iplan {
         write_iplan(args, &blob, &mut problems)?;
     } else if !has_errors(&problems) {

@@ -3,7 +3,7 @@
 use maps::numbers::pair;
 use plan_compiler::width::{LayerPassages, Need, Passage};
 use plan_format::parameters::{Blend, Derived};
-use plan_format::{Blob, Counts, FORMAT_VERSION, Grid, Layer, ParallelPlan, Parameters};
+use plan_format::{Answer, Blob, Counts, FORMAT_VERSION, Grid, Layer, ParallelPlan, Parameters};
 use serde::Serialize;
 
 /// The JSON object. Programs rely on these names.
@@ -159,9 +159,13 @@ pub(super) fn bytes_per_cell(grid: &Grid, bytes: usize) -> f64 {
     bytes as f64 / grid.cells().max(1) as f64
 }
 
-/// The goals of a plan as text.
-pub(super) fn goals_text(parallel: &ParallelPlan<'_>) -> String {
-    let goals: Vec<String> = parallel.goals_m().map(pair).collect();
+/// The goals of a plan as text, without those that were left out of all layers.
+pub(super) fn goals_text(blob: &Blob<'_>, parallel: &ParallelPlan<'_>) -> String {
+    let is_kept = |&[x, y]: &[f64; 2]| {
+        let place = parallel.layer(0).zip(blob.grid().cell_at(x, y));
+        place.is_some_and(|(layer, cell)| layer.look_up(cell) == Answer::Goal)
+    };
+    let goals: Vec<String> = parallel.goals_m().filter(is_kept).map(pair).collect();
     match goals.as_slice() {
         [goal] => goal.clone(),
         several => format!("the cheapest of {}", several.join(", ")),

@@ -52,7 +52,7 @@ fn write_text(
     }
     write_robot(out, blob)?;
     for parallel in blob.parallel_plans() {
-        writeln!(out, "  plan    {} to {}", parallel.name(), goals_text(&parallel))?;
+        writeln!(out, "  plan    {} to {}", parallel.name(), goals_text(blob, &parallel))?;
         for layer in parallel.layers() {
             let counts = layer.counts();
             writeln!(

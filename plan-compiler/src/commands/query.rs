@@ -7,9 +7,8 @@ use super::{Failure, find, open, read_blob};
 use crate::cli::{PointAt, Query};
 use maps::problem::Problem;
 use math::GeoPoint;
-use plan_compiler::field::eighths_of;
+use plan_compiler::field::{eighths_of, exact_metres};
 use plan_compiler::tolls::LEAST;
-use plan_format::grid::cost_metres;
 use plan_format::{Answer, Blob, Layer};
 use serde::Serialize;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
@@ -133,7 +132,7 @@ fn answer(blob: &Blob<'_>, layer: &Layer<'_>, at: Option<[f64; 2]>) -> Line {
     // In double precision. The robot looks up in single precision, which differs only for points on
     // the edge of a cell.
     let cell = at.and_then(|[x, y]| grid.cell_at(x, y));
-    let answer = cell.map_or(Answer::OffMap, |cell| layer.look_up(cell));
+    let answer = cell.map_or(Answer::OffMap, |cell| layer.look_up_exact(cell));
     let priced = cell.filter(|_| layer.has_tolls());
     let toll = priced.and_then(|cell| eighths_of(grid, layer, cell));
     let toll = toll.map(|eighths| f64::from(eighths) / f64::from(LEAST));
@@ -142,7 +141,7 @@ fn answer(blob: &Blob<'_>, layer: &Layer<'_>, at: Option<[f64; 2]>) -> Line {
     let limit_mps = limit.map(|mps| (f64::from(mps) * 100.0).round() / 100.0);
     let (cost_m, direction) = match answer {
         Answer::Move { direction, cost } => {
-            (Some(cost_metres(cost, grid.resolution_m)), Some(direction.name()))
+            (Some(exact_metres(grid, layer, cost)), Some(direction.name()))
         }
         Answer::Goal => (Some(0.0), Some("goal")),
         Answer::Blocked { escape } => (None, escape.map(|direction| direction.name())),

@@ -19,6 +19,28 @@ const LITTLE_LEFT: f64 = 1.0 / 3.0;
 /// A goal that a smaller share of the free cells can reach is probably enclosed.
 const FEW_REACH: f64 = 0.1;
 
+/// Warns about a tolerance that the cells are too large for: a robot in the goal's cell is at the goal.
+pub(super) fn of_tolerance(input: &Input<'_>, grid: &Grid) -> Option<Problem> {
+    let key = "schemas.goal_tolerance";
+    let place = input.mission.given.as_ref()?.place(key)?;
+    let tolerance_m = f64::from(input.mission.parameters.schemas.goal_tolerance_m);
+    let finest_m = tolerance_m * std::f64::consts::SQRT_2;
+    if grid.resolution_m <= finest_m + 1e-6 {
+        return None;
+    }
+    let message = format!(
+        "`{key}` is {} m, but in cells of {} m the robot stops anywhere in the goal's cell",
+        metres(tolerance_m),
+        metres(grid.resolution_m)
+    );
+    let help = format!(
+        "make the cells {} m at most with `resolution`, or the tolerance larger",
+        metres((finest_m * 1000.0).floor() / 1000.0)
+    );
+    let problem = Problem::warning(message).help(help);
+    Some(problem.at(&place.source, place.span.clone(), "given here"))
+}
+
 /// Warns about a requested cell size that is far coarser or finer than the map.
 pub(super) fn of_cells(input: &Input<'_>, grid: &Grid) -> Option<Problem> {
     let asked = input.options.resolution_m.or(input.mission.resolution_m)?;

@@ -18,8 +18,13 @@ fn speed_within(vehicle: &Vehicle, distance_m: f64) -> f64 {
 
 /// Contradictions between a robot's speed, its brakes, its sensors and its distances.
 pub(crate) fn check(parameters: &Parameters, given: &Given) -> Vec<Problem> {
-    let checks =
-        [beyond_reach, faster_than_fixes, margin_in_stop_distance, sphere_in_stopping_distance];
+    let checks = [
+        below_two_ticks,
+        beyond_reach,
+        faster_than_fixes,
+        margin_in_stop_distance,
+        sphere_in_stopping_distance,
+    ];
     checks.iter().filter_map(|check| check(parameters, given)).collect()
 }
 
@@ -37,9 +42,25 @@ fn named(key: &str, value: f32, unit: &str, given: &Given) -> String {
     format!("`{key}` ({value} {unit}{whose})")
 }
 
+/// The control loop alone takes two ticks.
+fn below_two_ticks(parameters: &Parameters, given: &Given) -> Option<Problem> {
+    let vehicle = &parameters.vehicle;
+    if vehicle.latency_us >= Vehicle::LEAST_LATENCY_US {
+        return None;
+    }
+    let key = "vehicle.latency";
+    let least = metres(f64::from(Vehicle::LEAST_LATENCY_US) / 1e6);
+    let message = format!(
+        "{} is below the {least} s that two ticks take: the robot counts with {least} s",
+        named(key, vehicle.latency_us as f32 / 1e6, "s", given)
+    );
+    let help = format!("measure from the reading to the effect of the brakes, or write {least}");
+    Some(at(Problem::warning(message).help(help), given, &[key]))
+}
+
 /// The robot must see an obstacle before it is too late to stop.
 fn beyond_reach(parameters: &Parameters, given: &Given) -> Option<Problem> {
-    let vehicle = &parameters.vehicle;
+    let vehicle = &parameters.vehicle.with_least_latency();
     let room = [vehicle.reach_m, -vehicle.radius_m, -vehicle.stop_distance_m].map(f64::from);
     let room_m: f64 = room.iter().sum();
     let needed_m = f64::from(vehicle.stopping_distance_m(vehicle.max_speed_mps));
@@ -105,21 +126,25 @@ fn margin_in_stop_distance(parameters: &Parameters, given: &Given) -> Option<Pro
 /// Obstacles should repel before the brakes have to act.
 fn sphere_in_stopping_distance(parameters: &Parameters, given: &Given) -> Option<Problem> {
     let key = "schemas.avoid_sphere";
-    let sphere = parameters.schemas.avoid_sphere_m;
-    let stopping_m = {
-        let vehicle = &parameters.vehicle;
-        f64::from(vehicle.stopping_distance_m(vehicle.max_speed_mps))
-    };
-    if !given.has(key) || f64::from(sphere) + 1e-3 >= stopping_m {
+    let (vehicle, schemas) = (parameters.vehicle.with_least_latency(), &parameters.schemas);
+    let stopping_m = f64::from(vehicle.stopping_distance_m(vehicle.max_speed_mps));
+    // From the body. The sphere begins at the margin.
+    let brakes_m = stopping_m + f64::from(vehicle.stop_distance_m);
+    let margin_m = f64::from(schemas.avoid_margin_m);
+    let repels_m = margin_m + f64::from(schemas.avoid_sphere_m);
+    if !given.has(key) || repels_m + 1e-3 >= brakes_m {
         return None;
     }
-    let least = metres((stopping_m * 100.0 - 0.01).ceil() / 100.0);
+    let up = |m: f64| metres((m * 100.0 - 0.01).ceil() / 100.0);
     let message = format!(
-        "{} is less than the {least} m in which the robot stops from {} m/s: it brakes before \
-         obstacles repel it",
-        named(key, sphere, "m", given),
-        parameters.vehicle.max_speed_mps
+        "with {}, obstacles repel up to {} m from the body, but the robot brakes for them from {} m \
+         on at {} m/s: it brakes before they repel it",
+        named(key, schemas.avoid_sphere_m, "m", given),
+        metres((repels_m * 100.0 + 0.01).floor() / 100.0),
+        up(brakes_m),
+        vehicle.max_speed_mps
     );
+    let least = up(brakes_m - margin_m);
     let help = format!("leave avoid_sphere out, or make it at least {least}");
     Some(at(Problem::warning(message).help(help), given, &[key]))
 }
@@ -142,7 +167,7 @@ mod tests {
     #[test]
     fn a_speed_and_its_stopping_distance_are_inverse() {
         let mut vehicle = Parameters::default().vehicle;
-        for (braking, latency_us) in [(2.0, 100_000), (0.5, 0), (9.0, 1_000_000)] {
+        for (braking, latency_us) in [(2.0, 100_000), (0.5, 200_000), (9.0, 1_000_000)] {
             (vehicle.braking_mps2, vehicle.latency_us) = (braking, latency_us);
             for speed in [0.0, 0.1, 1.6, 20.0] {
                 let back = speed_within(&vehicle, vehicle.stopping_distance_m(speed).into());
@@ -182,9 +207,16 @@ mod tests {
             ),
             (
                 "[vehicle]\nmax_speed = 2\n[schemas]\navoid_sphere = 1.1\n",
-                "`schemas.avoid_sphere` (1.1 m) is less than the 1.2 m in which the robot stops \
-                 from 2 m/s: it brakes before obstacles repel it",
+                "with `schemas.avoid_sphere` (1.1 m), obstacles repel up to 1.12 m from the body, \
+                 but the robot brakes for them from 1.22 m on at 2 m/s: it brakes before they repel it",
             ),
+            ("[schemas]\navoid_margin = 2\navoid_sphere = 0.5\n", ""),
+            (
+                "[vehicle]\nlatency = 0.05\n",
+                "`vehicle.latency` (0.05 s) is below the 0.1 s that two ticks take: the robot counts \
+                 with 0.1 s",
+            ),
+            ("[vehicle]\nlatency = 0.1\n", ""),
             ("[vehicle]\nmax_speed = 2\n[schemas]\navoid_sphere = 1.2\n", ""),
             ("[vehicle]\nstop_distance = 0.4\n[schemas]\navoid_margin = 0.4\n", ""),
         ] {

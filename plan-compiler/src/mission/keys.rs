@@ -226,10 +226,10 @@ pub const KEYS: &[Key] = &[
         "base_speed",
         "m/s",
         "follows: `max_speed`",
-        "Speed for a blended vector of length 1. It may not exceed `max_speed`.",
+        "Speed for a blended vector of length 1, above 0. It may not exceed `max_speed`.",
         |m, v| m.parameters.vehicle.base_speed_mps = v as f32,
     ),
-    number("vehicle", "max_speed", "m/s", "1.6", "Highest speed.", |m, v| {
+    number("vehicle", "max_speed", "m/s", "1.6", "Highest speed, above 0.", |m, v| {
         m.parameters.vehicle.max_speed_mps = v as f32
     }),
     number(
@@ -237,7 +237,7 @@ pub const KEYS: &[Key] = &[
         "cautious_speed",
         "m/s",
         "follows: 0.3, at most `base_speed`",
-        "Speed where obstacles repel strongly. It may not exceed `base_speed`.",
+        "Speed where obstacles repel strongly; with 0 the robot stands there. It may not exceed `base_speed`.",
         |m, v| m.parameters.vehicle.cautious_speed_mps = v as f32,
     ),
     number(
@@ -270,7 +270,7 @@ pub const KEYS: &[Key] = &[
             "latency",
             "s",
             "0.1",
-            "Longest time from a range reading to the effect of the brakes.",
+            "Longest time from a range reading to the effect of the brakes. At least 0.1 counts: two ticks.",
             |m, v| m.parameters.vehicle.latency_us = (v * 1e6).round() as u32,
         ),
         0.0,
@@ -296,7 +296,7 @@ pub const KEYS: &[Key] = &[
         "vehicle",
         "may_creep",
         "true",
-        "Whether the robot creeps straight ahead until its heading is known.",
+        "Whether the robot creeps straight ahead, at 0.6 m/s or at a lower `max_speed`, until its heading is known. Without a compass the heading is the course of the fixes, which counts above 0.5 m/s.",
         |m, v| m.parameters.vehicle.may_creep = v,
     ),
     word(
@@ -331,7 +331,7 @@ pub const KEYS: &[Key] = &[
         "avoid_sphere",
         "m",
         "follows: the stopping distance from `max_speed`, at least `avoid_margin`",
-        "Obstacles beyond the margin repel up to this distance.",
+        "Obstacles repel up to this distance beyond the margin.",
         |m, v| m.parameters.schemas.avoid_sphere_m = v as f32,
     ),
     number(
@@ -379,7 +379,7 @@ pub const KEYS: &[Key] = &[
         "goal_tolerance",
         "m",
         "1.0",
-        "The goal is reached within this distance.",
+        "The goal is reached within this distance, and anywhere in its cell.",
         |m, v| m.parameters.schemas.goal_tolerance_m = v as f32,
     ),
     counted(
@@ -523,7 +523,7 @@ pub const KEYS: &[Key] = &[
         "low",
         "",
         "0.0",
-        "The robot stops if its battery, the first input channel, is below this; 0 for never. A battery with a threshold must be read before the robot may be armed.",
+        "The robot stops if its battery, the first input channel, is below this, in the unit of the channel; 0 for never. A battery with a threshold must be read before the robot may be armed.",
         |m, v| m.parameters.safety.battery_low = v as f32,
     ),
     number(

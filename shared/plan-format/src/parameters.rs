@@ -326,6 +326,15 @@ pub struct SafetyPolicy {
 }
 
 impl Vehicle {
+    /// Least latency that counts, microseconds: a reading waits for the next tick, and a command holds
+    /// until the one after it, at 20 ticks a second.
+    pub const LEAST_LATENCY_US: u32 = 100_000;
+
+    /// The vehicle with the latency that counts.
+    pub fn with_least_latency(self) -> Self {
+        Self { latency_us: self.latency_us.max(Self::LEAST_LATENCY_US), ..self }
+    }
+
     /// Distance from a range reading to the stop, metres, at a speed in m/s: what the robot drives
     /// during the latency, and what it takes to brake.
     pub fn stopping_distance_m(&self, speed_mps: f32) -> f32 {
@@ -370,6 +379,7 @@ pub struct Derived {
 impl Derived {
     /// What follows from a vehicle's radius, top speed, brakes and latency.
     pub fn of(vehicle: &Vehicle) -> Self {
+        let vehicle = vehicle.with_least_latency();
         let (radius_m, top_mps) = (vehicle.radius_m, vehicle.max_speed_mps);
         let stop_distance_m = (radius_m / 15.0).max(0.02);
         let look_ahead = if vehicle.steering == Steering::Differential { 1.6 } else { 2.0 };

@@ -6,6 +6,8 @@ use std::path::Path;
 
 use board_table::{BOARDS, Board, MACHINES, State};
 use it::root;
+use robot_io::packet::{self, Uplink};
+use robot_io::{Operator, Reason};
 
 use crate::cli::Run;
 
@@ -107,6 +109,70 @@ fn help_lists_every_board_and_marks_those_without_firmware() {
         .collect();
     let expected = BOARDS.iter().map(|board| (&*board.name, board.state.has_firmware()));
     assert_eq!(listed, expected.collect::<Vec<_>>(), "{help}");
+}
+
+/// A kit has GPS, link, arm button and two wheels.
+#[test]
+fn what_a_mission_needs_and_a_board_lacks_is_a_warning() {
+    const MAP: &str = "type octile\nheight 2\nwidth 3\nmap\n...\n...\n";
+    let glebe = root().join("tests/maps/glebe.mission.toml");
+    let glebe = glebe.to_str().expect("the path is Unicode");
+    for (mission, expected) in [
+        ("", &[][..]),
+        ("base_speed = 0.51", &[]),
+        ("base_speed = 0.5", &["reads no compass", "creeps faster to find it again"]),
+        ("max_speed = 0.5", &["reads no compass", "never finds it"]),
+        ("may_creep = false", &["reads no compass", "never finds it"]),
+        ("steering = \"boat\"", &["drives two wheels only: `vehicle.steering`"]),
+        ("[ranges]\nrequired = true", &["reads no ranges: `ranges.required`"]),
+        ("[battery]\nlow = 0.5", &["reads no inputs: `battery.low`"]),
+        (glebe, &["inputs `level` never", "sets no outputs: 2 actions"]),
+    ] {
+        let text = format!("map = \"a.map\"\n[goals]\ngate = [0.5, 0.5]\n[vehicle]\n{mission}\n");
+        let run = Run::new(&[("a.map", MAP.as_bytes()), ("a.mission.toml", text.as_bytes())]);
+        let file = if mission == glebe { glebe } else { "a.mission.toml" };
+        let ended = run.run(&format!("build {file} --board pico2 -o a.uf2"), "");
+        let words = ended.err.split_whitespace().filter(|word| *word != "│");
+        let said = words.collect::<Vec<_>>().join(" ");
+        assert_eq!(
+            (ended.status, said.contains("the firmware of")),
+            (0, !expected.is_empty()),
+            "{said}"
+        );
+        for words in expected {
+            assert!(said.contains(words), "{mission}: {said}");
+        }
+        let ended = run.run(&format!("build {file} -o a.bin"), "");
+        assert!(!ended.err.contains("the firmware of"), "{mission}: {}", ended.err);
+    }
+}
+
+#[test]
+fn the_readme_shows_the_operators_packets() {
+    let readme = read("boards/README.md");
+    for (words, is_armed, is_emergency_stop) in
+        [("disarmed", false, false), ("armed", true, false), ("emergency stop", true, true)]
+    {
+        let operator = Operator { is_armed, is_emergency_stop, manual: None };
+        let packet = packet::encode(&Uplink::Operator(operator)).expect("it is short");
+        let bytes: Vec<_> = packet.iter().map(|byte| format!("{byte:02x}")).collect();
+        let row = format!("| {words} | `{}` |", bytes.join(" "));
+        assert!(readme.contains(&row), "boards/README.md lacks the row\n{row}");
+    }
+}
+
+/// The variants of [`Reason`], from its source.
+#[test]
+fn every_reason_is_explained() {
+    let source = read("shared/robot-io/src/commands.rs");
+    let variants = source.split_once("pub enum Reason {").expect("the enum").1;
+    let variants = variants.split_once('}').expect("its end").0.lines().map(str::trim);
+    let variants: Vec<_> = variants.filter_map(|line| line.strip_suffix(',')).collect();
+    assert!(variants.contains(&format!("{:?}", Reason::LowBattery).as_str()), "{variants:?}");
+    let document = read("plan-compiler/MISSION.md");
+    for variant in variants.iter().filter(|line| !line.starts_with("///")) {
+        assert!(document.contains(&format!("\n| `{variant}` | ")), "MISSION.md lacks `{variant}`");
+    }
 }
 
 #[test]

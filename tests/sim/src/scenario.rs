@@ -132,13 +132,14 @@ impl Scenario {
             .find(|&point| self.layer_from(point).is_some() && self.truth.is_clear(point, radius_m))
     }
 
-    /// The limits of a run. The robot stops where it believes the goal to be; its receiver is
-    /// almost always less than three sigma off.
+    /// The limits of a run. The robot stops where it believes the goal or the goal's cell to be; its
+    /// receiver is almost always less than three sigma off.
     fn limits(&self, start: &Start) -> Limits {
         let sigma_m = start.sensors.gps.map_or(0.0, |gps| gps.sigma_m);
         let tolerance_m = f64::from(self.plan().parameters().schemas.goal_tolerance_m);
+        let diagonal_m = std::f64::consts::SQRT_2 * self.plan().grid().resolution_m;
         Limits {
-            goal_tolerance_m: tolerance_m + 0.2 + 3.0 * sigma_m,
+            goal_tolerance_m: tolerance_m.max(diagonal_m) + 0.2 + 3.0 * sigma_m,
             ends_at_goal: self.plan().mission().behaviours().is_empty(),
             ..Limits::to_goal(self.parallel_plan().goal_m())
         }

@@ -104,6 +104,8 @@ fn a_goal_that_no_route_can_lead_to_is_named() {
     ] {
         assert!(built.err.contains(text), "{text}: {}", built.err);
     }
+    let kept = "any to the cheapest of (35.2, 25.2), (5, 25), (35.4, 25.4)\n";
+    assert!(built.err.contains(kept), "{}", built.err);
     run.done("verify plans.bin --map yard.ovl");
     let goal = |layer: &str| {
         parsed(&run.done(&format!("query plans.bin --layer any/{layer} --at 6,18")))["goal"].clone()

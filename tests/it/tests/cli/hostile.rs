@@ -263,6 +263,15 @@ fn a_map_that_was_hardly_meant_is_built_with_a_warning() {
         assert_eq!(ended.status, 0, "{arguments}: {}", ended.err);
         assert!(ended.err.contains(words), "{arguments}: {}", ended.err);
     }
+    let mission = "map = 'yard.ovl'\ngoals.a = [35, 25]\nschemas.goal_tolerance = 0.5\n";
+    let files = [("yard.ovl", YARD.as_bytes()), ("a.mission.toml", mission.as_bytes())];
+    let run = Run::new(&files);
+    for (cells, warns) in [("0.708", true), ("0.707", false)] {
+        let ended = run.run(&format!("build a.mission.toml --resolution {cells} -o a.bin -q"), "");
+        assert_eq!(ended.status, 0, "{cells}: {}", ended.err);
+        let words = "the robot stops anywhere";
+        assert_eq!(ended.err.contains(words), warns, "{cells}: {}", ended.err);
+    }
     let yaml = "image: yard.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\n\
         occupied_thresh: 0.65\nfree_thresh: 0.196\n";
     let mut pgm = b"P5 40 40 255\n".to_vec();

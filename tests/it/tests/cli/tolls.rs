@@ -27,6 +27,8 @@ fn the_meadow_is_crossed_by_its_path() {
         let answer = answer(&run, "school/physical", at);
         assert_eq!((&answer["toll"], &answer["limit_mps"]), (&toll.into(), &Value::Null), "{at}");
     }
+    // Costs count halves of a unit here: a step of half a metre at a factor of 4.5.
+    assert_eq!(answer(&run, "school/physical", "70.1,38.6")["cost_m"], 2.25);
     // Beside the barn, grown by 0.3 m: bands multiply with the meadow.
     assert_eq!(answer(&run, "school/physical", "27.2,25")["toll"], 6.0);
     assert_eq!(answer(&run, "school/physical", "26.8,25")["toll"], 3.0);
