@@ -162,6 +162,14 @@ mod tests {
             let found = Arc::new(1.0, 0.0).is_clear_of_place(&body(0.3), place);
             assert_eq!(found, is_clear, "{place}");
         }
+        // A long way meets what is at its end, and a body keeps its distance aside.
+        let [ahead, beside] = [Vec2::new(3.2, 0.0), Vec2::new(0.8, 0.35)];
+        assert!(!Arc::new(3.0, 0.0).is_clear_of_place(&body(0.3), ahead));
+        let keeps = Body { radius_m: 0.3, aside_m: 0.1 };
+        assert!(!Arc::new(1.0, 0.0).is_clear_of_place(&keeps, beside));
+        // A tight arc of less than a quarter turn leaves its centre behind.
+        let centre = Vec2::new(-0.01, 0.15);
+        assert!(Arc::new(0.2, 5.0).is_clear_of_place(&body(0.3), centre));
         // More than a quarter turn leads back to what was behind.
         let turn = Arc::new(3.6, 1.0);
         let behind = Vec2::new(-0.6, 1.0);

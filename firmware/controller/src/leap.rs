@@ -137,3 +137,82 @@ impl Differences {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan::SECTOR_RAD;
+    use heapless::Vec;
+    use robot_io::RangeReading;
+
+    /// The leap between two scans with one reading in each sector from the first on: at 5 m, and changed
+    /// by this much, metres. A reading may change by 0.25 m.
+    fn leap_m(changes_m: &[f32]) -> f32 {
+        let bearings = (0..MAX_RANGES).map(|sector| sector as f32 * SECTOR_RAD);
+        let readings: Vec<_, MAX_RANGES> = bearings
+            .zip(changes_m)
+            .map(|(bearing_rad, change_m)| {
+                let bearing_rad = math::scalar::wrap_angle(bearing_rad);
+                RangeReading { bearing_rad, distance_m: 5.0 + change_m }
+            })
+            .collect();
+        let before = readings.iter().map(|reading| RangeReading { distance_m: 5.0, ..*reading });
+        let mut last = Scan::default();
+        last.take(&before.collect::<Vec<_, MAX_RANGES>>());
+        let mut by_sector_m = [0.0; MAX_RANGES];
+        for reading in last.readings() {
+            by_sector_m[sector(reading.bearing_rad)] = reading.distance_m;
+        }
+        let percepts = Percepts { ranges: readings, ..Percepts::default() };
+        let most_m = most_m(0.0, 0.0);
+        Differences::between(&last, &mut by_sector_m, &percepts, most_m).leap_m()
+    }
+
+    /// Metres that the robot has moved, and a second in which obstacles may move.
+    #[test]
+    fn what_moves_changes_readings() {
+        for (since_m, elapsed_s, expected_m) in
+            [(0.0, 0.0, 0.25), (1.0, 0.0, 1.25), (0.0, 0.5, 0.75), (1.0, 0.5, 1.75)]
+        {
+            assert_eq!(most_m(since_m, elapsed_s), expected_m, "{since_m} {elapsed_s}");
+        }
+    }
+
+    #[test]
+    fn readings_leap_together() {
+        // Changes that are neither as before nor a leap.
+        let wavering = [0.15, -0.15, 0.18, -0.18, 0.21, -0.21, 0.24, -0.24];
+        let with = |leaps: &[f32], others: &[f32]| {
+            let all: Vec<f32, MAX_RANGES> = leaps.iter().chain(others).copied().collect();
+            leap_m(&all)
+        };
+        for (leaps, others, expected_m) in [
+            // Half of all in one direction, and none stays: their mean.
+            (&[0.5, 0.8, 1.1, 1.4][..], &wavering[..4], 0.95),
+            (&[-0.5, -0.8, -1.1, -1.4], &wavering[..4], -0.95),
+            (&[0.5, 0.8, 1.1, 1.4], &wavering[..5], 0.0),
+            (&[0.5, 0.8, 1.1], &[], 0.0),
+            (&[0.5, 0.8, 1.1, 1.4], &[0.0], 0.0),
+            // A third of all by the same, and a third of them at most stay.
+            (&[0.5; 4], &wavering, 0.5),
+            (&[-0.5; 4], &wavering, -0.5),
+            (&[0.5; 4], &[0.0, 0.15, 0.18, 0.21, 0.24], 0.5),
+            (&[0.5; 4], &[0.0, 0.0], 0.0),
+            (&[0.5; 3], &[0.15, 0.18, 0.21, 0.24], 0.0),
+            (&[0.5; 5], &[0.0, -0.5, 0.15], 0.5),
+        ] {
+            let found_m = with(leaps, others);
+            assert!((found_m - expected_m).abs() < 1e-5, "{leaps:?} {others:?}: {found_m}");
+        }
+    }
+
+    /// A sector without a reading in one of the scans shows nothing.
+    #[test]
+    fn only_sectors_with_two_readings_have_changed() {
+        let (mut before_m, mut now_m) = ([0.0; MAX_RANGES], [0.0; MAX_RANGES]);
+        (before_m[0], now_m[0]) = (2.0, 3.0);
+        (before_m[1], now_m[2]) = (2.0, 3.0);
+        let changes_m = changes_m(&before_m, &now_m);
+        assert_eq!((changes_m[0], changes_m[1], changes_m[2]), (1.0, 0.0, 0.0));
+    }
+}
