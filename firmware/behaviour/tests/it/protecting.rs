@@ -421,6 +421,29 @@ fn a_start_up_protects_its_interval() {
     );
 }
 
+/// A start-up that protects nothing lets others change what they like.
+#[test]
+fn a_start_up_without_an_interval_excludes_none() {
+    check(
+        "input a
+         input b
+         fact clean set
+         action look hold 200
+         action spray hold 100; deletes clean
+         frame prepare
+         = look look
+         frame survey
+         = look
+         frame spraying
+         = spray
+         behaviour surveyor survey; when a NB NM NS ZO PS PM PB; resources 1; start-up prepare
+         behaviour sprayer spraying; when b NB NM NS ZO PS PM PB; resources 2",
+        "a=0.5 b=0 x1\nb=0.3333 x1",
+        "1: surveyor prepares, [look look], look
+         2: sprayer engaged, [spray], look & spray",
+    );
+}
+
 /// A sleeper of whose facts one is violated protects the others still.
 #[test]
 fn what_is_not_violated_stays_protected() {

@@ -50,6 +50,19 @@ fn the_earliest_point_and_the_best_differ() {
     );
 }
 
+/// H37: a point ahead that loses as much is no better.
+#[test]
+fn of_equal_points_the_earlier_one_is_best() {
+    let mission = two("; best").replace("one:5 two:2", "one:3 two:3");
+    check(
+        &mission,
+        "first=0.5 second=0\nsecond=0.6667 x2",
+        "1: a engaged, [one:3 two:3 three], one
+         2: b waits: a is at no point, one
+         3: a interrupted by b losing 3, b engaged, [other], other",
+    );
+}
+
 /// H38: the lost work is reported, at a point and at once.
 #[test]
 fn the_cost_of_an_unconditional_switch_is_that_of_what_ran() {
