@@ -2,7 +2,7 @@
 
 use super::description::{self, describe, goals_text};
 use super::progress::{with_patience, with_progress};
-use super::{Failure, check_output, print_json, project, tell};
+use super::{Failure, print_json, project, tell};
 use crate::cli::{Build, Compiling};
 use maps::problem::{Problem, has_errors};
 use plan_compiler::boards::{self, Board};
@@ -67,7 +67,7 @@ pub(super) fn compile(
     let Some(mut project) = with_patience(quiet, "reading", reading)? else {
         return Ok(None);
     };
-    check_output(output, &project.inputs, problems);
+    problems.extend(output::check_against(output, &project.inputs));
     project.options.max_memory_bytes = args.max_memory;
     if let Some(source) = &project.mission.behaviours.source {
         problems.extend(mutual_waits::check(source, &project.mission.team));

@@ -1,7 +1,7 @@
 //! `comms`: where radio reaches.
 
 use super::progress::with_patience;
-use super::{Failure, check_output, file_name, print_json, print_text, project, tell};
+use super::{Failure, file_name, print_json, print_text, project, tell};
 use crate::cli::Comms;
 use maps::numbers::{metres, pair};
 use maps::problem::{Problem, has_errors};
@@ -45,7 +45,7 @@ pub(super) fn run(args: &Comms, quiet: bool) -> Result<(), Failure> {
     };
     let rule = rule(args, project.mission.radio.take())?;
     if let Some(output) = &args.output {
-        check_output(output, &project.inputs, &mut problems);
+        problems.extend(output::check_against(output, &project.inputs));
     }
     let input = project.input();
     let computing = || {

@@ -1,7 +1,7 @@
 //! `cover`: strips over an area.
 
 use super::progress::with_patience;
-use super::{Failure, check_output, file_name, print_json, print_text, project, quoted, tell};
+use super::{Failure, file_name, print_json, print_text, project, quoted, tell};
 use crate::cli::Cover as Args;
 use maps::numbers::metres;
 use maps::problem::{Problem, has_errors};
@@ -57,7 +57,7 @@ pub(super) fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
         // The mission that is added to may be replaced: that is what adding means.
         let inputs =
             project.inputs.iter().filter(|path| kind != Kind::Mission || !is_mission(path));
-        check_output(output, &inputs.collect::<Vec<_>>(), &mut problems);
+        problems.extend(output::check_against(output, &inputs.collect::<Vec<_>>()));
     }
     let asked = Asked { layer: args.layer.as_deref(), edge_m: args.edge, start: args.start };
     let area = area.filter(|_| !has_errors(&problems));

@@ -27,7 +27,6 @@ use maps::terminal::safe;
 use plan_compiler::{output, trace};
 use plan_format::{Blob, Layer, MAGIC, ParallelPlan};
 use serde::Serialize;
-use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -104,21 +103,10 @@ fn print(bytes: &[u8]) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// Reports an unwritable output, and an output that would replace an input (through a symbolic
-/// link, for example), before the work starts.
-fn check_output(output: &Path, inputs: &[impl AsRef<Path>], problems: &mut Vec<Problem>) {
-    problems.extend(output::check(output));
-    let Ok(replaced) = fs::canonicalize(output) else { return };
-    if inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == replaced)) {
-        let message = format!("the output {} is also the input", output.display());
-        problems.push(Problem::error(message).help("choose another output with -o"));
-    }
-}
-
-/// As [`check_output`], for commands that have no other problems to report with it.
+/// Refuses an output that cannot be written or that is an input, for commands that have no other
+/// problems to report with it.
 fn refuse_output(output: &Path, inputs: &[impl AsRef<Path>]) -> Result<(), Failure> {
-    let mut problems = Vec::new();
-    check_output(output, inputs, &mut problems);
+    let problems = output::check_against(output, inputs);
     if problems.is_empty() { Ok(()) } else { Err(Failure::Wrong(problems)) }
 }
 

@@ -1,7 +1,7 @@
 //! `render`: layers as a picture.
 
 use super::verify::compare_cells;
-use super::{Failure, check_output, find, open, project, read_blob, refuse_output, tell};
+use super::{Failure, find, open, project, read_blob, refuse_output, tell};
 use crate::cli::Render;
 use maps::numbers::{metres, pair};
 use maps::problem::{Problem, has_errors};
@@ -211,7 +211,7 @@ fn features(
     let asked = Options { reading: args.reading.options(), ..Options::default() };
     let project = project::read_for((bytes, blob), path, asked, None, &mut problems)?;
     if let Some(project) = &project {
-        check_output(&args.output, &project.inputs, &mut problems);
+        problems.extend(output::check_against(&args.output, &project.inputs));
         compare_cells(blob, project, &mut problems);
     }
     match project {
