@@ -6,7 +6,7 @@ use crate::compile;
 use crate::field::UNREACHED;
 use crate::input::{Input, Options};
 use crate::mission::PHYSICAL;
-use geo::{Area as _, BoundingRect, Contains, LineString, Polygon, Validation};
+use geo::{Area as _, BooleanOps, BoundingRect, Contains, LineString, Polygon, Rect, Validation};
 use maps::names::nearest;
 use maps::numbers::{metres, pair};
 use maps::problem::Problem;
@@ -109,6 +109,25 @@ impl Area {
     /// Its size without its holes, m².
     pub fn size_m2(&self) -> f64 {
         self.polygons.iter().map(Polygon::unsigned_area).sum()
+    }
+
+    /// How much of it lies off a grid, or outside the map's boundary, m².
+    pub fn off_map_m2(&self, grid: &Grid, boundary: Option<&[Point]>) -> f64 {
+        let [west, south] = grid.corner_m;
+        let [width, height] =
+            [grid.columns, grid.rows].map(|cells| f64::from(cells) * grid.resolution_m);
+        let whole = Rect::new((west, south), (west + width, south + height)).to_polygon();
+        let boundary = boundary.map(|points| Polygon::new(ring(points), Vec::new()));
+        let on_map = |polygon: &Polygon| {
+            let inside = polygon.intersection(&whole);
+            let inside = match &boundary {
+                Some(boundary) => inside.intersection(boundary),
+                None => inside,
+            };
+            inside.unsigned_area()
+        };
+        let off: f64 = self.polygons.iter().map(|one| one.unsigned_area() - on_map(one)).sum();
+        off.max(0.0)
     }
 
     /// The longer side of the box around it, metres.
@@ -241,6 +260,8 @@ pub struct Site {
     pub radius_m: f64,
     /// Distance of strips from the area's edge, metres.
     pub edge_m: f64,
+    /// How much of the area lies off the map, m².
+    pub off_map_m2: f64,
 }
 
 impl Site {
@@ -319,7 +340,19 @@ pub fn site(
         return None;
     }
     let ground = Ground { grid, cells: within };
-    Some(Site { area, wanted, ground, cut_off, inside, anywhere, start, radius_m, edge_m })
+    let off_map_m2 = area.off_map_m2(&grid, input.map.boundary.as_deref());
+    Some(Site {
+        area,
+        wanted,
+        ground,
+        cut_off,
+        inside,
+        anywhere,
+        start,
+        radius_m,
+        edge_m,
+        off_map_m2,
+    })
 }
 
 fn blocked(area: &Area, radius_m: f64, edge_m: f64) -> Problem {
@@ -330,7 +363,10 @@ fn blocked(area: &Area, radius_m: f64, edge_m: f64) -> Problem {
         metres(radius_m),
         metres(edge_m)
     );
-    Problem::error(message).help("make --edge, --robot-radius or --resolution smaller")
+    let smaller = [("--edge", edge_m), ("--robot-radius", radius_m)];
+    let smaller = smaller.iter().filter(|(_, metres)| *metres > 0.0).map(|(name, _)| *name);
+    let options: Vec<&str> = smaller.chain(["--resolution"]).collect();
+    Problem::error(message).help(format!("make {} smaller", options.join(" or ")))
 }
 
 /// The cells that are free in a layer.
