@@ -75,7 +75,7 @@ pub(crate) struct Explain {
     /// The trace, written by `cargo mission --trace FILE`
     pub(crate) trace: PathBuf,
     /// Explain one tick in full instead of listing all turns: a number from 0, `first` or `last`
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) tick: Option<TickAt>,
 }
 
@@ -171,8 +171,8 @@ pub(crate) struct Render {
     /// The file to write: .svg or .png
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// The longer side of the picture, 200 to 8000; text, lines and arrows scale with it
-    #[arg(long, value_name = "PIXELS", default_value_t = Style::default().size_px, value_parser = size())]
+    /// Most pixels of the picture's longer side, 200 to 8000; text, lines and arrows scale with it
+    #[arg(long, value_name = "PIXELS", default_value_t = Style::default().size_px, value_parser = size(), allow_negative_numbers = true)]
     pub(crate) size: u32,
     /// Do not draw the arrows of the advice
     #[arg(long)]
@@ -283,6 +283,31 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    /// `--width -1` gets this program's own message on its range, not one on an unknown option `-1`.
+    #[test]
+    fn every_number_may_be_negative() {
+        let mut command = Cli::command();
+        command.build();
+        let mut tried = 0;
+        for sub in command.get_subcommands() {
+            for option in sub.get_arguments().filter_map(|argument| {
+                let names = argument.get_value_names().unwrap_or_default();
+                let takes_number = |name: &clap::builder::Str| {
+                    ["METRES", "DEGREES", "M2", "DB", "DBM", "GHZ", "GIB", "PIXELS", "N"]
+                        .contains(&name.as_str())
+                };
+                argument.get_long().filter(|_| names.iter().any(takes_number))
+            }) {
+                let line = ["p", sub.get_name(), &format!("--{option}"), "-1"];
+                let error = Cli::try_parse_from(line).expect_err("an input is missing");
+                let unknown = clap::error::ErrorKind::UnknownArgument;
+                assert_ne!(error.kind(), unknown, "{line:?}: {error}");
+                tried += 1;
+            }
+        }
+        assert!(tried > 20, "{tried}");
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub(crate) struct Compiling {
     #[arg(long, value_name = "NAME", value_parser = board())]
     pub(crate) board: Option<&'static Board>,
     /// Refuse maps whose search needs more memory than this; 4 if not given
-    #[arg(long, value_name = "GIB", value_parser = gib)]
+    #[arg(long, value_name = "GIB", value_parser = gib, allow_negative_numbers = true)]
     pub(crate) max_memory: Option<u64>,
     /// A goal in the map's metres, x east, y north, or on the globe as NAME=geo:LAT,LON;
     /// repeatable. With several positions, "NAME=X,Y;X,Y", the plan leads to the cheapest.

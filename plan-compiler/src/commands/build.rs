@@ -5,6 +5,7 @@ use super::progress::{with_patience, with_progress};
 use super::{Failure, print_json, project, tell};
 use crate::cli::{Build, Compiling};
 use maps::problem::{Problem, has_errors};
+use maps::terminal::quoted;
 use plan_compiler::boards::{self, Board};
 use plan_compiler::compile::{Need, STEPS_A_LAYER, gib, prepare};
 use plan_compiler::image::Image;
@@ -169,7 +170,7 @@ fn summary(
 
 /// How to get the file onto the board.
 fn flashing(path: &Path, image: Image, board: &Board) -> String {
-    let (chip, path) = (&board.chip, path.display());
+    let (chip, path) = (&board.chip, quoted(path));
     let download = format!("flash it with probe-rs download --chip {chip} --verify");
     match image {
         Image::Raw => {

@@ -43,7 +43,11 @@ pub(super) fn run(args: &Comms, quiet: bool) -> Result<(), Failure> {
     let Some(mut project) = with_patience(quiet, "reading", reading)? else {
         return Err(Failure::Wrong(problems));
     };
-    let rule = rule(args, project.mission.radio.take())?;
+    let rule = match rule(args, project.mission.radio.take()) {
+        // A radio with a mistake has no places; the mistake is the reason.
+        Err(_) if has_errors(&problems) => return Err(Failure::Wrong(problems)),
+        rule => rule?,
+    };
     if let Some(output) = &args.output {
         problems.extend(output::check_against(output, &project.inputs));
     }

@@ -1,10 +1,11 @@
 //! `cover`: strips over an area.
 
 use super::progress::with_patience;
-use super::{Failure, file_name, print_json, print_text, project, quoted, tell};
+use super::{Failure, file_name, print_json, print_text, project, tell};
 use crate::cli::Cover as Args;
 use maps::numbers::metres;
 use maps::problem::{Problem, has_errors};
+use maps::terminal::quoted;
 use maps::{Bitmap, Source};
 use plan_compiler::cover::{
     Area, Asked, Cover, Settings, Site, Strip, Writing, check_settings, corners, cover, covered,

@@ -23,7 +23,7 @@ use maps::formats::foreign;
 use maps::names::nearest;
 use maps::problem::{Problem, Severity, draw};
 use maps::source;
-use maps::terminal::safe;
+use maps::terminal::{quoted, safe};
 use plan_compiler::{output, trace};
 use plan_format::{Blob, Layer, MAGIC, ParallelPlan};
 use serde::Serialize;
@@ -68,12 +68,12 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Convert(args) => convert::run(args, cli.quiet),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
-        Command::Explain(args) => explain::run(args),
+        Command::Explain(args) => explain::run(args, cli.quiet),
     }
 }
 
-/// Prints warnings and notes about work that succeeded; when quiet, only warnings.
-fn tell(problems: &[Problem], quiet: bool) {
+/// Prints problems and notes; when quiet, no notes.
+pub(crate) fn tell(problems: &[Problem], quiet: bool) {
     let least = if quiet { Severity::Warning } else { Severity::Note };
     let shown = problems.iter().filter(|problem| problem.severity >= least).cloned();
     crate::eprint(&draw(&shown.collect::<Vec<_>>(), crate::colour()));
@@ -164,12 +164,6 @@ fn help_for_kind(path: &Path, kind: &str) -> String {
         TRACE => format!("show it with `plan-compiler explain {name}`"),
         _ => format!("compile it first: `plan-compiler build {name} -o plans.bin`"),
     }
-}
-
-/// A path for a shell, in quotes if it contains spaces.
-fn quoted(path: &Path) -> String {
-    let name = path.display().to_string();
-    if name.contains(char::is_whitespace) { format!("\"{name}\"") } else { name }
 }
 
 /// The layer with a name; without a name, the only layer of the blob.
