@@ -25,7 +25,7 @@ mod order;
 mod rows;
 mod strips;
 
-pub use area::{Area, Asked, Site, check_settings, corners, site};
+pub use area::{Area, Asked, Site, check_asked, check_settings, corners, site};
 pub use files::{csv, geojson};
 pub use mission::{Writing, mission, other_behaviours};
 pub use order::Passable;

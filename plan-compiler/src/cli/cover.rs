@@ -41,7 +41,7 @@ pub(crate) struct Cover {
     pub(crate) layer: Option<String>,
     /// In a mission, lead to every strip by a plan of its own, so that the work goes on from anywhere:
     /// after refuelling, for example
-    #[arg(long)]
+    #[arg(long, requires = "output")]
     pub(crate) plan_each: bool,
     /// Where the robot starts, in the map's metres; if not given, the map's start
     #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
@@ -54,7 +54,7 @@ pub(crate) struct Cover {
     #[arg(long)]
     pub(crate) json: bool,
     /// Most pixels of the picture's longer side, 200 to 8000
-    #[arg(long, value_name = "PIXELS", default_value_t = Style::default().size_px, value_parser = size(), allow_negative_numbers = true)]
+    #[arg(long, value_name = "PIXELS", requires = "output", default_value_t = Style::default().size_px, value_parser = size(), allow_negative_numbers = true)]
     pub(crate) size: u32,
     #[command(flatten)]
     pub(crate) map: MapOptions,

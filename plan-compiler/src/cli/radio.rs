@@ -28,7 +28,7 @@ pub(crate) struct Comms {
     #[arg(long, value_name = "PLACES")]
     pub(crate) need: Option<Needed>,
     /// Most pixels of the picture's longer side, 200 to 8000
-    #[arg(long, value_name = "PIXELS", default_value_t = Style::default().size_px, value_parser = size(), allow_negative_numbers = true)]
+    #[arg(long, value_name = "PIXELS", requires = "output", default_value_t = Style::default().size_px, value_parser = size(), allow_negative_numbers = true)]
     pub(crate) size: u32,
     #[command(flatten)]
     pub(crate) radio: RadioOptions,

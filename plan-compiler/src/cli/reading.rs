@@ -1,7 +1,7 @@
 //! Options for reading and compiling a map, which several commands share.
 
 use super::words::{board, gib, length, place, words};
-use clap::{Args, ValueEnum};
+use clap::{Arg, Args, ValueEnum};
 use maps::Unknown;
 use maps::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
 use maps::formats::{Format, OparOptions, ReadOptions, TagRule, TagRules};
@@ -64,6 +64,30 @@ pub(crate) enum CornersRule {
     Allow,
 }
 
+/// The options of [`MapOptions`].
+pub(super) const ABOUT_MAPS: [&str; 15] = [
+    "mission",
+    "robot",
+    "resolution",
+    "robot_radius",
+    "corners",
+    "fill_walls",
+    "format",
+    "unknown",
+    "opar_units",
+    "opar_order",
+    "opar_types",
+    "block",
+    "free",
+    "open_gates",
+    "origin",
+];
+
+/// An option about a map, which has an effect only beside the option that gives one.
+pub(super) fn only_with(option: Arg, map: &'static str) -> Arg {
+    if ABOUT_MAPS.contains(&option.get_id().as_str()) { option.requires(map) } else { option }
+}
+
 /// How to read what a map file leaves open.
 #[derive(Debug, Args)]
 pub(crate) struct Reading {
@@ -110,7 +134,7 @@ impl Reading {
             format: self.format,
             unknown: self.unknown,
             opar,
-            tags: TagRules { block, free, keep: Vec::new(), open_gates: self.open_gates },
+            tags: TagRules { block, free, open_gates: self.open_gates, ..TagRules::default() },
             origin: self.origin,
         }
     }

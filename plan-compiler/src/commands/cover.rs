@@ -8,8 +8,8 @@ use maps::problem::{Problem, has_errors};
 use maps::terminal::quoted;
 use maps::{Bitmap, Source};
 use plan_compiler::cover::{
-    Area, Asked, Cover, Settings, Site, Strip, Writing, check_settings, corners, cover, covered,
-    csv, geojson, mission, other_behaviours, site,
+    Area, Asked, Cover, Settings, Site, Strip, Writing, check_asked, check_settings, corners,
+    cover, covered, csv, geojson, mission, other_behaviours, site,
 };
 use plan_compiler::input::Input;
 use plan_compiler::project::{Project, is_mission};
@@ -35,6 +35,10 @@ enum Kind {
 
 pub(super) fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     let kind = args.output.as_deref().map(kind).transpose()?;
+    if args.plan_each && kind != Some(Kind::Mission) {
+        let message = "--plan-each is about missions: end the output's name in .toml";
+        return Err(Failure::Usage(message.into()));
+    }
     let mut problems = Vec::new();
     let project = read(args, quiet, &mut problems)?;
     let input = project.input();
@@ -62,6 +66,9 @@ pub(super) fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     }
     let asked = Asked { layer: args.layer.as_deref(), edge_m: args.edge, start: args.start };
     let area = area.filter(|_| !has_errors(&problems));
+    if let (None, Some(grid)) = (&area, &grid) {
+        check_asked(&input, grid, asked, &mut problems);
+    }
     let site = area.and_then(|area| site(&input, area, asked, &mut problems));
     let Some(site) = site.filter(|_| !has_errors(&problems)) else {
         return Err(Failure::Wrong(problems));
@@ -108,6 +115,7 @@ fn read(args: &Args, quiet: bool, problems: &mut Vec<Problem>) -> Result<Project
     let mut options = project::options(&[], &args.map);
     // In maps with tags, an area may be all objects of a kind.
     options.reading.tags.keep.extend(args.area.as_deref().and_then(missions::kind));
+    options.reading.tags.used.extend(args.area.clone());
     let reading =
         || project::read_with(&args.input, options, args.map.mission.as_deref(), problems);
     match with_patience(quiet, "reading", reading)? {

@@ -28,7 +28,7 @@ use plan_compiler::{output, trace};
 use plan_format::{Blob, Layer, MAGIC, ParallelPlan};
 use serde::Serialize;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -113,6 +113,19 @@ fn refuse_output(output: &Path, inputs: &[impl AsRef<Path>]) -> Result<(), Failu
 /// The bytes of a blob.
 fn read_blob(path: &Path) -> Result<Vec<u8>, Failure> {
     Ok(source::read_bytes(path)?)
+}
+
+/// Adds to a failure that a further input cannot be read either.
+fn with_unreadable(failure: Failure, input: Option<&PathBuf>) -> Failure {
+    // Reading from a pipe would wait.
+    let input = input.filter(|input| !input.exists() || input.is_file());
+    match (failure, input.and_then(|input| source::read_bytes(input).err())) {
+        (Failure::Wrong(mut problems), Some(problem)) => {
+            problems.push(problem);
+            Failure::Wrong(problems)
+        }
+        (failure, _) => failure,
+    }
 }
 
 /// The plan in a blob's bytes.

@@ -292,7 +292,10 @@ pub fn site(
     let grid = compile::grid(input, problems)?;
     let radius_m = compile::robot_radius(input, problems)?;
     let edge_m = asked.edge_m.unwrap_or(radius_m);
-    let anywhere = free(input, &grid, asked.layer, problems)?;
+    let Some(anywhere) = free(input, &grid, asked.layer, &mut Vec::new()) else {
+        check_asked(input, &grid, asked, problems);
+        return None;
+    };
     let bare = Options { robot_radius_m: Some(0.0), ..input.options.clone() };
     // Its problems are those of the layer above.
     let bare = free(&Input { options: &bare, ..*input }, &grid, asked.layer, &mut Vec::new())?;
@@ -369,6 +372,25 @@ fn blocked(area: &Area, radius_m: f64, edge_m: f64) -> Problem {
     Problem::error(message).help(format!("make {} smaller", options.join(" or ")))
 }
 
+/// What is wrong with the layer and the start that are asked for, whatever the area.
+pub fn check_asked(input: &Input<'_>, grid: &Grid, asked: Asked<'_>, problems: &mut Vec<Problem>) {
+    let cells = free(input, grid, asked.layer, problems);
+    let cells = cells.or_else(|| free(input, grid, None, &mut Vec::new()));
+    if let (Some(cells), Some(start)) = (cells, asked.start) {
+        problems.extend(check_start(&Ground { grid: *grid, cells }, start).err());
+    }
+}
+
+/// Refuses a start at which the robot cannot be.
+fn check_start(anywhere: &Ground, [x, y]: Point) -> Result<(), Problem> {
+    let cell = anywhere.grid.cell_at(x, y);
+    if cell.is_some_and(|cell| anywhere.cells.get(cell)) {
+        return Ok(());
+    }
+    let message = format!("the start {} is blocked or off the map", pair([x, y]));
+    Err(Problem::error(message).help("choose a free place: --start X,Y"))
+}
+
 /// The cells that are free in a layer.
 fn free(
     input: &Input<'_>,
@@ -401,15 +423,12 @@ fn reached(
     problems: &mut Vec<Problem>,
 ) -> Option<(Bitmap, Point)> {
     let grid = &anywhere.grid;
-    let is_free = |[x, y]: Point| grid.cell_at(x, y).is_some_and(|cell| anywhere.cells.get(cell));
-    let start = match start {
-        Some(start) if !is_free(start) => {
-            let message = format!("the start {} is blocked or off the map", pair(start));
-            problems.push(Problem::error(message).help("choose a free place: --start X,Y"));
-            return None;
-        }
-        given => given.or(input.map.start.as_ref().map(|start| start.at).filter(|at| is_free(*at))),
-    };
+    if let Some(problem) = start.and_then(|start| check_start(anywhere, start).err()) {
+        problems.push(problem);
+        return None;
+    }
+    let of_map = input.map.start.as_ref().map(|start| start.at);
+    let start = start.or(of_map.filter(|at| check_start(anywhere, *at).is_ok()));
     let mut roads = Roads::of(anywhere);
     let mut reach = |from: Point| {
         let field = roads.field(from);

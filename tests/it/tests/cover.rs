@@ -157,6 +157,43 @@ fn the_summary_hides_nothing() {
     assert!(err.contains(help) && !err.contains("make --edge smaller"), "{err}");
 }
 
+/// The area is of use to this command, and mistakes about it do not hide others.
+#[test]
+fn the_area_is_not_the_only_thing_that_is_looked_at() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let ring = "[[7.0,51.0],[7.0006,51.0],[7.0006,51.0003],[7.0,51.0003],[7.0,51.0]]";
+    let feature = |name: &str| {
+        format!(
+            "{{\"type\":\"Feature\",\"properties\":{{\"layer\":\"{name}\"}},\"geometry\":\
+             {{\"type\":\"Polygon\",\"coordinates\":[{ring}]}}}}"
+        )
+    };
+    let write = |name: &str, features: &[String]| {
+        let list = features.join(",");
+        let text = format!("{{\"type\":\"FeatureCollection\",\"features\":[{list}]}}");
+        fs::write(folder.path().join(name), text).expect("there is room");
+    };
+    write("one.geojson", &[feature("A")]);
+    write("two.geojson", &[feature("A"), feature("B")]);
+    let (status, _, err) = run(folder.path(), "one.geojson --area A --width 3");
+    assert!(status == Some(0) && !err.contains("nothing on the map is an obstacle"), "{err}");
+    let (status, _, err) = run(folder.path(), "two.geojson --area A --width 3");
+    assert!(status == Some(0) && err.contains("which only a mission can use: B"), "{err}");
+
+    let wrong = "one.geojson --area X --width 3 --start 999,9 --layer phys";
+    let (status, _, err) = run(folder.path(), wrong);
+    for part in ["no area named `X`", "(999, 9) is blocked or off the map", "no layer `phys`"] {
+        assert!(status == Some(1) && err.contains(part), "{part} is missing in\n{err}");
+    }
+    let (_, _, err) = run(folder.path(), &wrong.replace('X', "A"));
+    for part in ["(999, 9) is blocked or off the map", "no layer `phys`"] {
+        assert_eq!(err.matches(part).count(), 1, "{part}\n{err}");
+    }
+    let (status, _, err) =
+        run(folder.path(), "one.geojson --area A --width 3 --plan-each -o a.csv");
+    assert!(status == Some(2) && err.contains("end the output's name in .toml"), "{err}");
+}
+
 /// A robot that another behaviour leads away gets back by a plan, if there is one.
 #[test]
 fn a_mission_with_other_behaviours_asks_for_plans() {
