@@ -10,9 +10,10 @@
 //!        --order--> a sequence of strips and the transitions between them
 //! ```
 //!
-//! Invariants: no strip leaves the cells of its ground. Every point of the ground is within half the
-//! width and half a cell of a strip, but for gaps that the caller leaves. Equal input gives equal
-//! strips on every machine.
+//! Invariants: no strip leaves the cells of its ground, and none is shorter than half a cell; where
+//! there is room, none is shorter than half the width. Every point of the ground is within half the
+//! width and half a cell of a strip, but for gaps that the caller leaves and corners that only a
+//! shorter strip would reach. Equal input gives equal strips on every machine.
 //!
 //! Deliberately absent: curves between strips, which are the robot's business, and headlands: the
 //! nearest strips already run along the edge where it is parallel to them.
@@ -24,9 +25,9 @@ mod order;
 mod rows;
 mod strips;
 
-pub use area::{Area, Asked, Site, check_settings, corners, site};
+pub use area::{Area, Asked, Site, check_asked, check_settings, corners, site};
 pub use files::{csv, geojson};
-pub use mission::{Writing, mission};
+pub use mission::{Writing, mission, other_behaviours};
 pub use order::Passable;
 
 use maps::{Bitmap, Point};

@@ -6,7 +6,6 @@ mod tips;
 
 use clap::Parser;
 use commands::Failure;
-use maps::problem::draw;
 use maps::terminal::{safe, safe_line};
 use std::io::{self, IsTerminal};
 use std::process::ExitCode;
@@ -39,7 +38,7 @@ fn main() -> ExitCode {
     match commands::run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Wrong(problems)) => {
-            eprint(&draw(&problems, colour()));
+            commands::tell(&problems, cli.quiet);
             WRONG_INPUT.into()
         }
         Err(Failure::Usage(message)) => {

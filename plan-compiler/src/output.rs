@@ -9,7 +9,7 @@ use maps::problem::Problem;
 use plan_format::{Answer, Cell, Grid, Layer};
 use std::fs;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Writes a file completely, or not at all.
 pub fn write_file(
@@ -17,7 +17,8 @@ pub fn write_file(
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Problem> {
     let failed = |error: io::Error| cannot_write(path, &error);
-    match fs::metadata(path) {
+    let destination = destination(path)?;
+    match fs::metadata(&destination) {
         Ok(existing) if existing.is_dir() => Err(is_a_directory(path)),
         // A terminal, a pipe or /dev/null is written to; a rename would replace it.
         Ok(existing) if !existing.is_file() => {
@@ -25,9 +26,7 @@ pub fn write_file(
             let mut file = BufWriter::new(file);
             fill(&mut file).and_then(|()| file.flush()).map_err(failed)
         }
-        // Through a symbolic link, so that the link stays one.
-        Ok(_) => replace(&fs::canonicalize(path).map_err(failed)?, fill).map_err(failed),
-        Err(_) => replace(path, fill).map_err(failed),
+        _ => replace(&destination, fill).map_err(failed),
     }
 }
 
@@ -36,8 +35,59 @@ pub fn check(path: &Path) -> Option<Problem> {
     if path.is_dir() {
         return Some(is_a_directory(path));
     }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty())?;
-    (!folder.is_dir()).then(|| cannot_write(path, &io::ErrorKind::NotFound.into()))
+    let destination = match destination(path) {
+        Ok(destination) => destination,
+        Err(problem) => return Some(problem),
+    };
+    match fs::metadata(&destination) {
+        Ok(existing) if !existing.is_file() => None,
+        _ => temporary(&destination).err().map(|error| cannot_write(path, &error)),
+    }
+}
+
+/// As [`check`]; also reports a destination that would replace one of these files, through a symbolic
+/// link for example.
+pub fn check_against(path: &Path, inputs: &[impl AsRef<Path>]) -> Vec<Problem> {
+    let mut problems: Vec<Problem> = check(path).into_iter().collect();
+    if inputs.iter().any(|input| is_same(path, input.as_ref())) {
+        let message = format!("the output {} is also the input", path.display());
+        problems.push(Problem::error(message).help("choose another output"));
+    }
+    problems
+}
+
+/// Whether writing to two paths writes the same file.
+pub fn is_same(a: &Path, b: &Path) -> bool {
+    destination(a).is_ok_and(|a| destination(b).is_ok_and(|b| a == b))
+}
+
+/// The file that writing to a path writes. A symbolic link stays one, also if it leads to a file that
+/// does not exist yet.
+fn destination(path: &Path) -> Result<PathBuf, Problem> {
+    /// As many links as Linux follows.
+    const MAX_LINKS: usize = 40;
+    let mut at = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        if let Ok(existing) = fs::canonicalize(&at) {
+            return Ok(existing);
+        }
+        let Ok(target) = fs::read_link(&at) else { break };
+        at = folder(&at).join(target);
+    }
+    if at.is_symlink() {
+        return Err(cannot_write(path, &io::Error::other("its symbolic links form a loop")));
+    }
+    let is_folder = at.as_os_str().as_encoded_bytes().ends_with(b"/");
+    match (fs::canonicalize(folder(&at)), at.file_name()) {
+        (Ok(folder), Some(name)) if !is_folder => Ok(folder.join(name)),
+        (Err(error), _) => Err(cannot_write(path, &error)),
+        _ => Err(cannot_write(path, &io::ErrorKind::NotFound.into())),
+    }
+}
+
+fn folder(path: &Path) -> &Path {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    folder.unwrap_or(Path::new("."))
 }
 
 fn is_a_directory(path: &Path) -> Problem {
@@ -46,13 +96,7 @@ fn is_a_directory(path: &Path) -> Problem {
 
 /// Writes beside `path` and renames onto it.
 fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".plan-compiler-");
-    // The library's default permissions are for secrets; a plan is an ordinary file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = BufWriter::new(builder.tempfile_in(folder.unwrap_or(Path::new(".")))?);
+    let mut file = BufWriter::new(temporary(path)?);
     fill(&mut file)?;
     let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
     // Not synced to the disk, which takes longer than many builds. If a power cut leaves half a
@@ -61,12 +105,21 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
     Ok(())
 }
 
+/// A new file beside a path, which is removed if it is not renamed.
+fn temporary(path: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".plan-compiler-");
+    // The library's default permissions are for secrets; a plan is an ordinary file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder(path))
+}
+
 fn cannot_write(path: &Path, error: &io::Error) -> Problem {
     let problem = |what: &str| Problem::error(format!("cannot write {}: {what}", path.display()));
     match error.kind() {
         io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => {
-            problem("the folder does not exist")
-                .help("create the folder, or choose another output with -o")
+            problem("the folder does not exist").help("create the folder, or choose another output")
         }
         io::ErrorKind::PermissionDenied => {
             problem("permission denied").help("choose an output in a folder that you may write to")
@@ -222,7 +275,34 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let error = |path: &Path| write_file(path, |_| Ok(())).unwrap_err().message;
         assert!(error(&folder.path().join("no/plans.bin")).ends_with("the folder does not exist"));
+        assert!(error(&folder.path().join("no/")).ends_with("the folder does not exist"));
         assert!(error(folder.path()).ends_with("is a directory"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_one_and_what_it_leads_to_is_written() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        symlink("second", path("first")).unwrap();
+        symlink("plans.bin", path("second")).unwrap();
+        for text in ["before", "after"] {
+            assert!(check(&path("first")).is_none());
+            write_file(&path("first"), |out| out.write_all(text.as_bytes())).unwrap();
+            assert_eq!(fs::read_to_string(path("plans.bin")).unwrap(), text);
+            assert!(path("first").is_symlink() && path("second").is_symlink());
+        }
+        assert!(is_same(&path("first"), &path("plans.bin")));
+        assert!(!is_same(&path("new"), &path("plans.bin")));
+        symlink("no/plans.bin", path("astray")).unwrap();
+        symlink("around", path("around")).unwrap();
+        for (name, reason) in [("astray", "the folder does not exist"), ("around", "form a loop")] {
+            let found = check(&path(name)).expect(name);
+            assert!(found.message.ends_with(reason), "{}", found.message);
+            assert!(write_file(&path(name), |_| Ok(())).is_err());
+            assert!(path(name).is_symlink());
+        }
     }
 
     #[test]

@@ -201,6 +201,7 @@ impl Recipe {
                 block: given(&asked.tags.block, &own.tags.block),
                 free: given(&asked.tags.free, &own.tags.free),
                 keep: given(&asked.tags.keep, &own.tags.keep),
+                used: asked.tags.used.clone(),
                 open_gates: asked.tags.open_gates || own.tags.open_gates,
             },
             origin: asked.origin.or(own.origin),

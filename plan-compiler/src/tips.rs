@@ -1,6 +1,7 @@
 //! Hints on what was probably meant, for command lines that clap refuses.
 
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
+use maps::terminal::quoted;
 use std::path::Path;
 
 /// Words that other programs use for our commands.
@@ -56,6 +57,9 @@ fn stray_word(stray: &str, arguments: &[String]) -> Option<String> {
     }
     let at = arguments.iter().position(|argument| argument == stray)?;
     let before = arguments.get(at.checked_sub(1)?)?;
+    if arguments.first().is_some_and(|command| command == "man") {
+        return Some("give one command, or none for the page of the program".to_owned());
+    }
     let joined = format!("{before} {stray}");
     let is_number = stray.parse::<f64>().is_ok();
     if is_number && before.ends_with(',') {
@@ -67,7 +71,7 @@ fn stray_word(stray: &str, arguments: &[String]) -> Option<String> {
     let name = file.unwrap_or(joined);
     let is_shell = |word: &str| [">", "<", "|"].contains(&word);
     let is_name = !before.starts_with('-') && !is_shell(before) && !is_shell(stray);
-    is_name.then(|| format!("put a name with spaces in quotes: \"{name}\""))
+    is_name.then(|| format!("put a name with spaces in quotes: {}", quoted(Path::new(&name))))
 }
 
 fn context(error: &Error, kind: ContextKind) -> Option<String> {

@@ -71,11 +71,16 @@ const LISTED: usize = 3;
 
 /// Proves every cell of every layer. `progress` gets the layers done and the layers in all.
 pub fn verify(blob: &Blob<'_>, progress: Progress<'_>) -> Report {
+    let corners = if cuts_corners(blob) { Corners::Allow } else { Corners::Forbid };
+    verify_by(blob, corners, progress)
+}
+
+/// As [`verify`], for plans that keep this rule for corners.
+pub fn verify_by(blob: &Blob<'_>, corners: Corners, progress: Progress<'_>) -> Report {
     let grid = blob.grid();
     let all = blob.parallel_plans().map(|parallel| parallel.layer_count()).sum();
     progress(0, all);
-    let mut report = Report { cuts_corners: cuts_corners(blob), ..Report::default() };
-    let corners = if report.cuts_corners { Corners::Allow } else { Corners::Forbid };
+    let mut report = Report { cuts_corners: corners == Corners::Allow, ..Report::default() };
     // The factors of each layer, in eighths, where any plan has shown them; else 0.
     let mut known: HashMap<&str, Vec<u16>> = HashMap::new();
     for parallel in blob.parallel_plans() {

@@ -5,6 +5,7 @@
 //! people passes through here; JSON does its own escaping.
 
 use std::borrow::Cow;
+use std::path::Path;
 
 /// Replaces a character that has no visible picture.
 const UNSHOWN: char = '\u{fffd}';
@@ -39,6 +40,18 @@ pub(crate) fn picture(character: char) -> Option<char> {
     }
 }
 
+/// A file's name as one word of a shell's command, for commands that a message shows.
+pub fn quoted(path: &Path) -> String {
+    let name = path.display().to_string();
+    // A name that begins with a hyphen would be an option.
+    let name = if name.starts_with('-') { format!("./{name}") } else { name };
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "._/+-".contains(c);
+    match !name.is_empty() && name.chars().all(is_plain) {
+        true => name,
+        false => format!("'{}'", name.replace('\'', "'\\''")),
+    }
+}
+
 fn replaced(text: &str, instead: impl Fn(char) -> Option<char>) -> Cow<'_, str> {
     if text.chars().all(|character| instead(character).is_none()) {
         return Cow::Borrowed(text);
@@ -49,6 +62,23 @@ fn replaced(text: &str, instead: impl Fn(char) -> Option<char>) -> Cow<'_, str> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_is_one_word_of_a_command() {
+        for (name, word) in [
+            ("maps/yard-1.osm", "maps/yard-1.osm"),
+            ("C++_2.bin", "C++_2.bin"),
+            ("-yard.osm", "./-yard.osm"),
+            ("my yard.osm", "'my yard.osm'"),
+            ("yard(1).osm", "'yard(1).osm'"),
+            ("ya$(id)rd.osm", "'ya$(id)rd.osm'"),
+            ("it's.osm", "'it'\\''s.osm'"),
+            ("Höfe.osm", "'Höfe.osm'"),
+            ("", "''"),
+        ] {
+            assert_eq!(quoted(Path::new(name)), word);
+        }
+    }
 
     #[test]
     fn controls_are_shown_and_letters_stay() {

@@ -21,27 +21,27 @@ pub(crate) struct Cover {
     #[arg(long = "corner", value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) polygon: Vec<[f64; 2]>,
     /// Width of the tool
-    #[arg(long, value_name = "METRES", value_parser = above_zero)]
+    #[arg(long, value_name = "METRES", value_parser = above_zero, allow_negative_numbers = true)]
     pub(crate) width: f64,
     /// How far neighbouring strips overlap
-    #[arg(long, value_name = "METRES", default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, value_name = "METRES", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) overlap: f64,
     /// Direction of the strips, counter-clockwise from east; if not given, the one that needs the
     /// fewest strips
     #[arg(long, value_name = "DEGREES", value_parser = number, allow_hyphen_values = true)]
     pub(crate) angle: Option<f64>,
     /// Distance of the strips from the edge of the area; if not given, the robot's radius
-    #[arg(long, value_name = "METRES", value_parser = not_negative)]
+    #[arg(long, value_name = "METRES", value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) edge: Option<f64>,
     /// Leave gaps up to this size uncovered instead of filling them with short strips
-    #[arg(long, value_name = "M2", default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, value_name = "M2", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) leave: f64,
     /// The layer whose obstacles count, `physical` if not given; `comms` stays in radio contact
     #[arg(long, value_name = "NAME")]
     pub(crate) layer: Option<String>,
     /// In a mission, lead to every strip by a plan of its own, so that the work goes on from anywhere:
     /// after refuelling, for example
-    #[arg(long)]
+    #[arg(long, requires = "output")]
     pub(crate) plan_each: bool,
     /// Where the robot starts, in the map's metres; if not given, the map's start
     #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
@@ -53,8 +53,8 @@ pub(crate) struct Cover {
     /// Print the summary as JSON
     #[arg(long)]
     pub(crate) json: bool,
-    /// The longer side of the picture, 200 to 8000
-    #[arg(long, value_name = "PIXELS", default_value_t = Style::default().size_px, value_parser = size())]
+    /// Most pixels of the picture's longer side, 200 to 8000
+    #[arg(long, value_name = "PIXELS", requires = "output", default_value_t = Style::default().size_px, value_parser = size(), allow_negative_numbers = true)]
     pub(crate) size: u32,
     #[command(flatten)]
     pub(crate) map: MapOptions,

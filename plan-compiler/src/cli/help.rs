@@ -31,8 +31,10 @@ Examples:
   plan-compiler comms tests/maps/campus.opar --place base=20,20 -o reach.png
       Draws where a radio reaches a base at (20, 20), and prints the share of cells
       where it does not.
-  plan-compiler cover tests/maps/glebe.geojson --area Glebe --width 4 -o tests/maps/mow.mission.toml
-      Writes a mission that drives strips over an area, around its obstacles.
+  plan-compiler cover tests/maps/glebe.geojson --area Glebe --width 4 --plan-each \\
+    -o tests/maps/mow.mission.toml
+      Writes a mission that drives strips over an area, around its obstacles; a plan leads to
+      each strip, also after refuelling.
   plan-compiler graph tests/maps/plough.mission.toml -o plough.svg
       Draws behaviours and their plans as graphs.
   plan-compiler verify plans.bin --map tests/maps/yard.osm
@@ -98,12 +100,15 @@ area; --edge sets another distance from the edge. Without --angle, the direction
 fewest strips is chosen among those of the area's edges and multiples of 30 degrees. Transitions
 between strips stay in the area where they can.
 
-A point counts as covered within half the width and half a cell of a strip. What stays uncovered
-is reported: ground beside obstacles and edges that is too far from every strip, ground that the
-robot cannot reach from its start, and gaps up to --leave.
+A point counts as covered within half the width and half a cell of a strip; the share within half
+the width is printed too. What stays uncovered is reported: ground beside obstacles and edges that
+is too far from every strip, ground that the robot cannot reach from its start, gaps up to --leave,
+and what only a strip shorter than half a cell would reach. So is the part of the area off the map,
+which does not count. A strip that fills a gap is at least half the width long where it has room.
 
 A mission is written beside the mission that it adds to: it keeps everything of it and replaces
-only the strips of an earlier run. It has a behaviour `cover`, one `go-to` action for each end
+only the strips of an earlier run, and the tolerance that this run set from the width. A name of
+the mission that strips need is refused. Another mission at the output is not replaced. It has a behaviour `cover`, one `go-to` action for each end
 of a strip, and a plan to the first strip and wherever the transition to the next leads around
 obstacles. A strip that cannot be driven in time is skipped. Other behaviours of the mission
 that lead the robot away wait for the end of a strip if their actions have delete = [\"at

@@ -44,6 +44,7 @@ pub(crate) enum Command {
     /// Write a layer as an array [row, column], row 0 in the south
     Export(Export),
     /// Draw a layer as SVG or PNG
+    #[command(mut_args = |option: clap::Arg| reading::only_with(option, "map"))]
     Render(Render),
     /// Compute where a radio reaches given places, and draw it as SVG or PNG or write it as an array
     #[command(after_help = RADIO)]
@@ -58,6 +59,7 @@ pub(crate) enum Command {
     /// No cell is trusted: costs, directions and escapes are compared with those of every
     /// neighbour, and the escapes from blocked cells are searched again. On a PC this takes 0.1
     /// to 0.5 microseconds per cell and layer, and 10 bytes of memory per cell of the map.
+    #[command(mut_args = |option: clap::Arg| reading::only_with(option, "input"))]
     Verify(Verify),
     /// Convert plans or a map to a MissionLab Iplan.dat, or an Iplan.dat to a blob
     #[command(after_help = CONVERSIONS)]
@@ -75,7 +77,7 @@ pub(crate) struct Explain {
     /// The trace, written by `cargo mission --trace FILE`
     pub(crate) trace: PathBuf,
     /// Explain one tick in full instead of listing all turns: a number from 0, `first` or `last`
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) tick: Option<TickAt>,
 }
 
@@ -171,8 +173,8 @@ pub(crate) struct Render {
     /// The file to write: .svg or .png
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// The longer side of the picture, 200 to 8000; text, lines and arrows scale with it
-    #[arg(long, value_name = "PIXELS", default_value_t = Style::default().size_px, value_parser = size())]
+    /// Most pixels of the picture's longer side, 200 to 8000; text, lines and arrows scale with it
+    #[arg(long, value_name = "PIXELS", default_value_t = Style::default().size_px, value_parser = size(), allow_negative_numbers = true)]
     pub(crate) size: u32,
     /// Do not draw the arrows of the advice
     #[arg(long)]
@@ -283,6 +285,64 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    /// Options about a map are refused without one: they would have no effect.
+    #[test]
+    fn options_without_effect_are_refused() {
+        let parse = |line: &str| Cli::try_parse_from(line.split(' '));
+        for line in [
+            "p verify a.bin",
+            "p verify a.bin --map m.ovl --robot-radius 0.5 --unknown free",
+            "p render a.bin -o a.png",
+            "p render a.bin -o a.png --map m.ovl --open-gates",
+            "p comms m.ovl --place a=1,2 -o a.png --size 400",
+        ] {
+            assert!(parse(line).is_ok(), "{line}: {}", parse(line).unwrap_err());
+        }
+        for line in [
+            "p verify a.bin --robot-radius 0.5",
+            "p verify a.bin --open-gates --origin 3,4",
+            "p verify a.bin --unknown free",
+            "p render a.bin -o a.png --open-gates",
+            "p comms m.ovl --place a=1,2 --size 400",
+            "p cover m.ovl --area a --width 2 --size 400",
+            "p cover m.ovl --area a --width 2 --plan-each",
+        ] {
+            let error = parse(line).expect_err(line);
+            let missing = clap::error::ErrorKind::MissingRequiredArgument;
+            assert_eq!(error.kind(), missing, "{line}: {error}");
+        }
+        let command = Cli::command();
+        let verify = command.find_subcommand("verify").expect("it is a command");
+        let about_maps = verify.get_arguments().map(|option| option.get_id().as_str());
+        let about_maps = about_maps.filter(|id| !["plans", "json", "input"].contains(id));
+        assert_eq!(about_maps.collect::<Vec<_>>(), reading::ABOUT_MAPS);
+    }
+
+    /// `--width -1` gets this program's own message on its range, not one on an unknown option `-1`.
+    #[test]
+    fn every_number_may_be_negative() {
+        let mut command = Cli::command();
+        command.build();
+        let mut tried = 0;
+        for sub in command.get_subcommands() {
+            for option in sub.get_arguments().filter_map(|argument| {
+                let names = argument.get_value_names().unwrap_or_default();
+                let takes_number = |name: &clap::builder::Str| {
+                    ["METRES", "DEGREES", "M2", "DB", "DBM", "GHZ", "GIB", "PIXELS", "N"]
+                        .contains(&name.as_str())
+                };
+                argument.get_long().filter(|_| names.iter().any(takes_number))
+            }) {
+                let line = ["p", sub.get_name(), &format!("--{option}"), "-1"];
+                let error = Cli::try_parse_from(line).expect_err("an input is missing");
+                let unknown = clap::error::ErrorKind::UnknownArgument;
+                assert_ne!(error.kind(), unknown, "{line:?}: {error}");
+                tried += 1;
+            }
+        }
+        assert!(tried > 20, "{tried}");
     }
 
     #[test]

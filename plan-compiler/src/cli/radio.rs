@@ -4,7 +4,7 @@ use super::reading::MapOptions;
 use super::words::size;
 use clap::{Args, ValueEnum};
 use plan_compiler::comms::Need;
-use plan_compiler::mission::words::{goal, number};
+use plan_compiler::mission::words::{number, place};
 use plan_compiler::mission::{Goal, RadioKey};
 use plan_compiler::render::Style;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ pub(crate) struct Comms {
     pub(crate) input: PathBuf,
     /// A place to reach, in the map's metres, x east, y north, or on the globe as
     /// NAME=geo:LAT,LON; repeatable. Replaces the places of the mission
-    #[arg(long = "place", value_name = "NAME=X,Y", value_parser = goal, allow_hyphen_values = true)]
+    #[arg(long = "place", value_name = "NAME=X,Y", value_parser = place, allow_hyphen_values = true)]
     pub(crate) places: Vec<Goal>,
     /// The file to write: .svg or .png for a picture, .npy for an array of margins
     #[arg(long, short, value_name = "FILE")]
@@ -27,8 +27,8 @@ pub(crate) struct Comms {
     /// Which of several places must be reached; if not given, the mission's choice, else all
     #[arg(long, value_name = "PLACES")]
     pub(crate) need: Option<Needed>,
-    /// The longer side of the picture, 200 to 8000
-    #[arg(long, value_name = "PIXELS", default_value_t = Style::default().size_px, value_parser = size())]
+    /// Most pixels of the picture's longer side, 200 to 8000
+    #[arg(long, value_name = "PIXELS", requires = "output", default_value_t = Style::default().size_px, value_parser = size(), allow_negative_numbers = true)]
     pub(crate) size: u32,
     #[command(flatten)]
     pub(crate) radio: RadioOptions,
@@ -61,7 +61,7 @@ pub(crate) struct RadioOptions {
     #[arg(long, value_name = "DB", value_parser = within("threshold"), allow_hyphen_values = true)]
     threshold: Option<f64>,
     /// Frequency; otherwise 2.4
-    #[arg(long, value_name = "GHZ", value_parser = within("frequency"))]
+    #[arg(long, value_name = "GHZ", value_parser = within("frequency"), allow_negative_numbers = true)]
     frequency: Option<f64>,
     /// Power of the transmitter, plus the gains of both antennas; otherwise 24
     #[arg(long, value_name = "DBM", value_parser = within("power"), allow_hyphen_values = true)]
@@ -70,23 +70,23 @@ pub(crate) struct RadioOptions {
     #[arg(long, value_name = "DBM", value_parser = within("sensitivity"), allow_hyphen_values = true)]
     sensitivity: Option<f64>,
     /// Height of the robot's antenna above ground; otherwise 1
-    #[arg(long, value_name = "METRES", value_parser = within("antenna"))]
+    #[arg(long, value_name = "METRES", value_parser = within("antenna"), allow_negative_numbers = true)]
     antenna: Option<f64>,
     /// Height of the antennas at the places; otherwise 1
-    #[arg(long, value_name = "METRES", value_parser = within("place_antenna"))]
+    #[arg(long, value_name = "METRES", value_parser = within("place_antenna"), allow_negative_numbers = true)]
     place_antenna: Option<f64>,
     /// Height of obstacles for which the map gives no height; otherwise 6
-    #[arg(long, value_name = "METRES", value_parser = within("obstacle_height"))]
+    #[arg(long, value_name = "METRES", value_parser = within("obstacle_height"), allow_negative_numbers = true)]
     obstacle_height: Option<f64>,
     /// Height of foliage for which the map gives no height; otherwise 10
-    #[arg(long, value_name = "METRES", value_parser = within("foliage_height"))]
+    #[arg(long, value_name = "METRES", value_parser = within("foliage_height"), allow_negative_numbers = true)]
     foliage_height: Option<f64>,
     /// Loss of each wall on the straight line; otherwise walls are opaque and only the way over
     /// them counts
-    #[arg(long, value_name = "DB", value_parser = within("wall_loss"))]
+    #[arg(long, value_name = "DB", value_parser = within("wall_loss"), allow_negative_numbers = true)]
     wall_loss: Option<f64>,
     /// Obstacles whose longest side is at most this do not weaken radio; otherwise 3
-    #[arg(long, value_name = "METRES", value_parser = within("small"))]
+    #[arg(long, value_name = "METRES", value_parser = within("small"), allow_negative_numbers = true)]
     small: Option<f64>,
 }
 

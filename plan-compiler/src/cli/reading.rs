@@ -1,7 +1,7 @@
 //! Options for reading and compiling a map, which several commands share.
 
 use super::words::{board, gib, length, place, words};
-use clap::{Args, ValueEnum};
+use clap::{Arg, Args, ValueEnum};
 use maps::Unknown;
 use maps::formats::opar::{DeltaOrder, DeltaUnit, ObstructionType};
 use maps::formats::{Format, OparOptions, ReadOptions, TagRule, TagRules};
@@ -18,7 +18,7 @@ pub(crate) struct Compiling {
     #[arg(long, value_name = "NAME", value_parser = board())]
     pub(crate) board: Option<&'static Board>,
     /// Refuse maps whose search needs more memory than this; 4 if not given
-    #[arg(long, value_name = "GIB", value_parser = gib)]
+    #[arg(long, value_name = "GIB", value_parser = gib, allow_negative_numbers = true)]
     pub(crate) max_memory: Option<u64>,
     /// A goal in the map's metres, x east, y north, or on the globe as NAME=geo:LAT,LON;
     /// repeatable. With several positions, "NAME=X,Y;X,Y", the plan leads to the cheapest.
@@ -62,6 +62,30 @@ pub(crate) enum CornersRule {
     Forbid,
     /// Diagonal steps may cut corners, as in the papers
     Allow,
+}
+
+/// The options of [`MapOptions`].
+pub(super) const ABOUT_MAPS: [&str; 15] = [
+    "mission",
+    "robot",
+    "resolution",
+    "robot_radius",
+    "corners",
+    "fill_walls",
+    "format",
+    "unknown",
+    "opar_units",
+    "opar_order",
+    "opar_types",
+    "block",
+    "free",
+    "open_gates",
+    "origin",
+];
+
+/// An option about a map, which has an effect only beside the option that gives one.
+pub(super) fn only_with(option: Arg, map: &'static str) -> Arg {
+    if ABOUT_MAPS.contains(&option.get_id().as_str()) { option.requires(map) } else { option }
 }
 
 /// How to read what a map file leaves open.
@@ -110,7 +134,7 @@ impl Reading {
             format: self.format,
             unknown: self.unknown,
             opar,
-            tags: TagRules { block, free, keep: Vec::new(), open_gates: self.open_gates },
+            tags: TagRules { block, free, open_gates: self.open_gates, ..TagRules::default() },
             origin: self.origin,
         }
     }

@@ -2,9 +2,10 @@
 
 use super::description::{self, describe, goals_text};
 use super::progress::{with_patience, with_progress};
-use super::{Failure, check_output, print_json, project, tell};
+use super::{Failure, print_json, project, tell};
 use crate::cli::{Build, Compiling};
 use maps::problem::{Problem, has_errors};
+use maps::terminal::quoted;
 use plan_compiler::boards::{self, Board};
 use plan_compiler::compile::{Need, STEPS_A_LAYER, gib, prepare};
 use plan_compiler::image::Image;
@@ -67,7 +68,7 @@ pub(super) fn compile(
     let Some(mut project) = with_patience(quiet, "reading", reading)? else {
         return Ok(None);
     };
-    check_output(output, &project.inputs, problems);
+    problems.extend(output::check_against(output, &project.inputs));
     project.options.max_memory_bytes = args.max_memory;
     if let Some(source) = &project.mission.behaviours.source {
         problems.extend(mutual_waits::check(source, &project.mission.team));
@@ -169,7 +170,7 @@ fn summary(
 
 /// How to get the file onto the board.
 fn flashing(path: &Path, image: Image, board: &Board) -> String {
-    let (chip, path) = (&board.chip, path.display());
+    let (chip, path) = (&board.chip, quoted(path));
     let download = format!("flash it with probe-rs download --chip {chip} --verify");
     match image {
         Image::Raw => {

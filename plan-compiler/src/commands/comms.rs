@@ -1,7 +1,7 @@
 //! `comms`: where radio reaches.
 
 use super::progress::with_patience;
-use super::{Failure, check_output, file_name, print_json, print_text, project, tell};
+use super::{Failure, file_name, print_json, print_text, project, tell};
 use crate::cli::Comms;
 use maps::numbers::{metres, pair};
 use maps::problem::{Problem, has_errors};
@@ -43,9 +43,13 @@ pub(super) fn run(args: &Comms, quiet: bool) -> Result<(), Failure> {
     let Some(mut project) = with_patience(quiet, "reading", reading)? else {
         return Err(Failure::Wrong(problems));
     };
-    let rule = rule(args, project.mission.radio.take())?;
+    let rule = match rule(args, project.mission.radio.take()) {
+        // A radio with a mistake has no places; the mistake is the reason.
+        Err(_) if has_errors(&problems) => return Err(Failure::Wrong(problems)),
+        rule => rule?,
+    };
     if let Some(output) = &args.output {
-        check_output(output, &project.inputs, &mut problems);
+        problems.extend(output::check_against(output, &project.inputs));
     }
     let input = project.input();
     let computing = || {

@@ -1,7 +1,7 @@
 //! `convert`: between maps, blobs and MissionLab's Iplan.dat.
 
 use super::build::{build, compile};
-use super::{Failure, check_output, file_name, open, read_blob, tell};
+use super::{Failure, file_name, open, read_blob, tell};
 use crate::cli::{Compiling, Convert};
 use maps::formats::{ReadOptions, foreign};
 use maps::problem::{Problem, has_errors};
@@ -36,7 +36,7 @@ pub(super) fn run(args: &Convert, quiet: bool) -> Result<(), Failure> {
         }
         (true, _) => {
             open(&args.input, &bytes)?;
-            check_output(&args.output, std::slice::from_ref(&args.input), &mut problems);
+            problems.extend(output::check_against(&args.output, std::slice::from_ref(&args.input)));
             Some(bytes)
         }
     };

@@ -1,14 +1,15 @@
 //! `cover`: strips over an area.
 
 use super::progress::with_patience;
-use super::{Failure, check_output, file_name, print_json, print_text, project, quoted, tell};
+use super::{Failure, file_name, print_json, print_text, project, tell};
 use crate::cli::Cover as Args;
 use maps::numbers::metres;
 use maps::problem::{Problem, has_errors};
+use maps::terminal::quoted;
 use maps::{Bitmap, Source};
 use plan_compiler::cover::{
-    Area, Asked, Cover, Settings, Site, Strip, Writing, check_settings, corners, cover, covered,
-    csv, geojson, mission, site,
+    Area, Asked, Cover, Settings, Site, Strip, Writing, check_asked, check_settings, corners,
+    cover, covered, csv, geojson, mission, other_behaviours, site,
 };
 use plan_compiler::input::Input;
 use plan_compiler::project::{Project, is_mission};
@@ -34,6 +35,10 @@ enum Kind {
 
 pub(super) fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     let kind = args.output.as_deref().map(kind).transpose()?;
+    if args.plan_each && kind != Some(Kind::Mission) {
+        let message = "--plan-each is about missions: end the output's name in .toml";
+        return Err(Failure::Usage(message.into()));
+    }
     let mut problems = Vec::new();
     let project = read(args, quiet, &mut problems)?;
     let input = project.input();
@@ -57,10 +62,13 @@ pub(super) fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
         // The mission that is added to may be replaced: that is what adding means.
         let inputs =
             project.inputs.iter().filter(|path| kind != Kind::Mission || !is_mission(path));
-        check_output(output, &inputs.collect::<Vec<_>>(), &mut problems);
+        problems.extend(output::check_against(output, &inputs.collect::<Vec<_>>()));
     }
     let asked = Asked { layer: args.layer.as_deref(), edge_m: args.edge, start: args.start };
     let area = area.filter(|_| !has_errors(&problems));
+    if let (None, Some(grid)) = (&area, &grid) {
+        check_asked(&input, grid, asked, &mut problems);
+    }
     let site = area.and_then(|area| site(&input, area, asked, &mut problems));
     let Some(site) = site.filter(|_| !has_errors(&problems)) else {
         return Err(Failure::Wrong(problems));
@@ -107,6 +115,7 @@ fn read(args: &Args, quiet: bool, problems: &mut Vec<Problem>) -> Result<Project
     let mut options = project::options(&[], &args.map);
     // In maps with tags, an area may be all objects of a kind.
     options.reading.tags.keep.extend(args.area.as_deref().and_then(missions::kind));
+    options.reading.tags.used.extend(args.area.clone());
     let reading =
         || project::read_with(&args.input, options, args.map.mission.as_deref(), problems);
     match with_patience(quiet, "reading", reading)? {
@@ -162,6 +171,15 @@ impl<'s> Found<'s> {
         1.0 - self.uncovered.iter().sum::<usize>() as f64 / wanted.max(1) as f64
     }
 
+    /// Share of the wanted cells whose centres are within half the width of a strip.
+    fn strict_share(&self) -> f64 {
+        let wanted = &self.site.wanted;
+        let within =
+            covered(&self.site.ground.grid, &self.cover.strips, self.settings.width_m / 2.0);
+        let count = wanted.iter().filter(|cell| within.get(*cell)).count();
+        count as f64 / wanted.count().max(1) as f64
+    }
+
     fn plans(&self) -> usize {
         self.cover.transitions.iter().filter(|transition| transition.leaves).count()
     }
@@ -171,11 +189,17 @@ impl<'s> Found<'s> {
         let mut warnings = Vec::new();
         let [beside, cut_off, gaps] = self.uncovered.map(|cells| self.m2(cells));
         let Site { radius_m, edge_m, .. } = *self.site;
+        let off_map = rounded(self.site.off_map_m2);
         let mut warn = |area_m2: f64, message: String, help: &str| {
             if area_m2 > 0.0 {
                 warnings.push(Problem::warning(message).help(help));
             }
         };
+        warn(
+            off_map,
+            format!("{off_map} m2 of the area lie off the map"),
+            "they are not covered and do not count; use a map that contains the whole area",
+        );
         warn(
             beside,
             format!(
@@ -185,7 +209,10 @@ impl<'s> Found<'s> {
                 metres(edge_m),
                 metres(self.settings.width_m / 2.0)
             ),
-            "make --edge smaller, or let the tool reach beyond the body",
+            match edge_m > 0.0 {
+                true => "make --edge smaller, or let the tool reach beyond the body",
+                false => "use a finer --resolution: strips keep to whole cells inside the area",
+            },
         );
         warn(
             cut_off,
@@ -237,6 +264,15 @@ impl<'s> Found<'s> {
             let help = format!("write it to the folder of {}", quoted(base));
             return Err(Problem::error(message).help(help).into());
         }
+        let others = other_behaviours(base_text.as_deref().unwrap_or_default());
+        if !others.is_empty() && !args.plan_each {
+            let message = format!(
+                "after another behaviour ({}), the robot returns to its strip without a plan, and \
+                 may be caught behind an obstacle",
+                others.join(", ")
+            );
+            problems.push(Problem::warning(message).help("--plan-each leads it back by a plan"));
+        }
         let map = project.mission.map.as_ref().filter(|_| is_mission(&args.input));
         let map = relative(map.unwrap_or(&project.inputs[0]), &folder(output));
         let title = self.title(args);
@@ -252,6 +288,7 @@ impl<'s> Found<'s> {
             title: &title,
         };
         let text = mission(&self.cover, &writing)?;
+        keep(output, base.map(PathBuf::as_path), &text)?;
         let source = Source { name: output.display().to_string(), text: text.clone() };
         let (written, mut found) = missions::parse(&Arc::new(source));
         let input = Input { mission: &written, ..project.input() };
@@ -306,8 +343,11 @@ impl<'s> Found<'s> {
             area: &self.site.area.name,
             width_m: self.settings.width_m,
             angle_deg: rounded(self.cover.angle_deg),
+            area_m2: rounded(self.site.area.size_m2()),
+            off_map_m2: rounded(self.site.off_map_m2),
             wanted_m2: self.m2(self.site.wanted.count()),
             covered_share: self.share(),
+            covered_share_of_half_width: self.strict_share(),
             uncovered: Uncovered { beside_m2, cut_off_m2, gaps_m2 },
             strips: self.cover.strips.len(),
             strips_m: rounded(self.cover.strips_m()),
@@ -338,7 +378,13 @@ impl<'s> Found<'s> {
             rounded(cover.transitions_m()),
             cover.turns()
         );
-        let _ = writeln!(text, "  covered: {:.1} %", 100.0 * self.share());
+        let _ = writeln!(
+            text,
+            "  covered: {:.1} % within half the width and half a cell of a strip, {:.1} % within \
+             half the width",
+            100.0 * self.share(),
+            100.0 * self.strict_share()
+        );
         text
     }
 }
@@ -373,6 +419,23 @@ fn set(args: &Args) -> Vec<(&'static str, Value)> {
     keys.into_iter().filter_map(|(key, value)| value.map(|value| (key, value))).collect()
 }
 
+/// Refuses to replace a mission that is not the one that is added to: what a user wrote there would be
+/// lost.
+fn keep(output: &Path, base: Option<&Path>, text: &str) -> Result<(), Problem> {
+    if base.is_some_and(|base| output::is_same(base, output)) || !output.is_file() {
+        return Ok(());
+    }
+    if fs::read(output).is_ok_and(|there| there == text.as_bytes()) {
+        return Ok(());
+    }
+    let name = quoted(output);
+    let message = format!("{} exists and would be replaced", output.display());
+    Err(Problem::error(message).help(format!(
+        "`plan-compiler cover {name} ... -o {name}` adds to it and replaces the strips of an earlier \
+         run; or choose another output"
+    )))
+}
+
 /// The folder of a file, without links.
 fn folder(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -398,8 +461,13 @@ struct Summary<'f> {
     area: &'f str,
     width_m: f64,
     angle_deg: f64,
+    area_m2: f64,
+    off_map_m2: f64,
     wanted_m2: f64,
+    /// Within half the width and half a cell of a strip.
     covered_share: f64,
+    /// Within half the width.
+    covered_share_of_half_width: f64,
     uncovered: Uncovered,
     strips: usize,
     strips_m: f64,

@@ -1,7 +1,7 @@
 //! `explain`: how the robot decided one tick of a recorded run, or how its behaviours took turns in
 //! the whole run.
 
-use super::{Failure, print_text};
+use super::{Failure, print_text, tell};
 use crate::cli::Explain;
 use behaviour::{Behaviours, Phase};
 use controller::detour::Rule;
@@ -9,6 +9,7 @@ use controller::ranges::RangeTrust;
 use controller::{Blend, Explanation, State};
 use maps::problem::Problem;
 use maps::source;
+use maps::terminal::quoted;
 use math::Vec2;
 use plan_compiler::goals;
 use plan_compiler::trace::fold::{self, Line};
@@ -20,35 +21,48 @@ use plan_format::{Answer, Blob, MAGIC};
 use robot_io::Percepts;
 use std::fmt::Write as _;
 
-pub(super) fn run(args: &Explain) -> Result<(), Failure> {
+pub(super) fn run(args: &Explain, quiet: bool) -> Result<(), Failure> {
     let bytes = source::read_bytes(&args.trace)?;
     let trace = Trace::from_bytes(&bytes).map_err(|error| refused(args, &bytes, error))?;
     let blob = Blob::parse_exact(&trace.blob)
         .map_err(|error| Problem::error(format!("the plans in the trace are refused: {error}")))?;
     let text = match args.tick {
+        Some(_) if trace.percepts.is_empty() => {
+            let message = format!("{}: the trace has no ticks", args.trace.display());
+            return Err(Problem::error(message).help(RECORD).into());
+        }
         Some(tick) => one_tick(&blob, &trace, tick.index(trace.percepts.len()))?,
         None => turns(&blob, &trace),
     };
+    if trace.replayed_hash(&blob) != trace.hash {
+        let message = "repeating the run gives other decisions: the trace was changed or cut off, or \
+                       another build recorded it";
+        let warning = Problem::warning(message).help("what follows is how this build decides");
+        tell(&[warning], quiet);
+    }
     print_text(&text)
 }
+
+const RECORD: &str = "record a trace with `cargo mission MAP --trace FILE`";
 
 /// Why a file is not a trace, and how to record one.
 fn refused(args: &Explain, bytes: &[u8], error: TraceError) -> Failure {
     let name = args.trace.display();
-    let record = "record a trace with `cargo mission MAP --trace FILE`";
     if bytes.starts_with(&MAGIC) {
         return Problem::error(format!("{name} is a blob of plans, not a trace"))
-            .help(format!("show it with `plan-compiler inspect {name}`, or {record}"))
+            .help(format!(
+                "show it with `plan-compiler inspect {}`, or {RECORD}",
+                quoted(&args.trace)
+            ))
             .into();
     }
-    Problem::error(format!("{name}: {error}")).help(record).into()
+    Problem::error(format!("{name}: {error}")).help(RECORD).into()
 }
 
 /// One line per turn and per step of the run, with where the robot was; what comes again and again is
 /// shown once.
 fn turns(blob: &Blob<'_>, trace: &Trace) -> String {
     let mut text = format!("{} ticks\n", trace.percepts.len());
-    warn_of_another_build(&mut text, blob, trace);
     let story = story::of(blob, &trace.percepts);
     let mut lines = story.turns;
     lines.extend(story.steps);
@@ -67,14 +81,6 @@ fn turns(blob: &Blob<'_>, trace: &Trace) -> String {
     text
 }
 
-fn warn_of_another_build(text: &mut String, blob: &Blob<'_>, trace: &Trace) {
-    if trace.replayed_hash(blob) != trace.hash {
-        text.push_str(
-            "warning: this build decides differently from the build that recorded the trace\n",
-        );
-    }
-}
-
 fn one_tick(blob: &Blob<'_>, trace: &Trace, tick: usize) -> Result<String, Failure> {
     let Some((before, [percepts, ..])) = trace.percepts.split_at_checked(tick) else {
         let message =
@@ -87,7 +93,6 @@ fn one_tick(blob: &Blob<'_>, trace: &Trace, tick: usize) -> Result<String, Failu
     }
     let explanation = controller::explain(blob, &mut state, percepts);
     let mut text = format!("tick {tick} at {:.2} s\n", percepts.time_us as f64 / 1e6);
-    warn_of_another_build(&mut text, blob, trace);
     // Writing to a string does not fail.
     let _ = write_all(&mut text, blob, &state, percepts, &explanation);
     Ok(text)

@@ -23,13 +23,12 @@ use maps::formats::foreign;
 use maps::names::nearest;
 use maps::problem::{Problem, Severity, draw};
 use maps::source;
-use maps::terminal::safe;
+use maps::terminal::{quoted, safe};
 use plan_compiler::{output, trace};
 use plan_format::{Blob, Layer, MAGIC, ParallelPlan};
 use serde::Serialize;
-use std::fs;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -69,12 +68,12 @@ pub(crate) fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Convert(args) => convert::run(args, cli.quiet),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
-        Command::Explain(args) => explain::run(args),
+        Command::Explain(args) => explain::run(args, cli.quiet),
     }
 }
 
-/// Prints warnings and notes about work that succeeded; when quiet, only warnings.
-fn tell(problems: &[Problem], quiet: bool) {
+/// Prints problems and notes; when quiet, no notes.
+pub(crate) fn tell(problems: &[Problem], quiet: bool) {
     let least = if quiet { Severity::Warning } else { Severity::Note };
     let shown = problems.iter().filter(|problem| problem.severity >= least).cloned();
     crate::eprint(&draw(&shown.collect::<Vec<_>>(), crate::colour()));
@@ -104,27 +103,29 @@ fn print(bytes: &[u8]) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// Reports an unwritable output, and an output that would replace an input (through a symbolic
-/// link, for example), before the work starts.
-fn check_output(output: &Path, inputs: &[impl AsRef<Path>], problems: &mut Vec<Problem>) {
-    problems.extend(output::check(output));
-    let Ok(replaced) = fs::canonicalize(output) else { return };
-    if inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == replaced)) {
-        let message = format!("the output {} is also the input", output.display());
-        problems.push(Problem::error(message).help("choose another output with -o"));
-    }
-}
-
-/// As [`check_output`], for commands that have no other problems to report with it.
+/// Refuses an output that cannot be written or that is an input, for commands that have no other
+/// problems to report with it.
 fn refuse_output(output: &Path, inputs: &[impl AsRef<Path>]) -> Result<(), Failure> {
-    let mut problems = Vec::new();
-    check_output(output, inputs, &mut problems);
+    let problems = output::check_against(output, inputs);
     if problems.is_empty() { Ok(()) } else { Err(Failure::Wrong(problems)) }
 }
 
 /// The bytes of a blob.
 fn read_blob(path: &Path) -> Result<Vec<u8>, Failure> {
     Ok(source::read_bytes(path)?)
+}
+
+/// Adds to a failure that a further input cannot be read either.
+fn with_unreadable(failure: Failure, input: Option<&PathBuf>) -> Failure {
+    // Reading from a pipe would wait.
+    let input = input.filter(|input| !input.exists() || input.is_file());
+    match (failure, input.and_then(|input| source::read_bytes(input).err())) {
+        (Failure::Wrong(mut problems), Some(problem)) => {
+            problems.push(problem);
+            Failure::Wrong(problems)
+        }
+        (failure, _) => failure,
+    }
 }
 
 /// The plan in a blob's bytes.
@@ -176,12 +177,6 @@ fn help_for_kind(path: &Path, kind: &str) -> String {
         TRACE => format!("show it with `plan-compiler explain {name}`"),
         _ => format!("compile it first: `plan-compiler build {name} -o plans.bin`"),
     }
-}
-
-/// A path for a shell, in quotes if it contains spaces.
-fn quoted(path: &Path) -> String {
-    let name = path.display().to_string();
-    if name.contains(char::is_whitespace) { format!("\"{name}\"") } else { name }
 }
 
 /// The layer with a name; without a name, the only layer of the blob.

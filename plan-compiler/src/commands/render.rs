@@ -1,7 +1,7 @@
 //! `render`: layers as a picture.
 
 use super::verify::compare_cells;
-use super::{Failure, check_output, find, open, project, read_blob, refuse_output, tell};
+use super::{Failure, find, open, project, read_blob, refuse_output, tell, with_unreadable};
 use crate::cli::Render;
 use maps::numbers::{metres, pair};
 use maps::problem::{Problem, has_errors};
@@ -25,8 +25,9 @@ pub(super) fn run(args: &Render, quiet: bool) -> Result<(), Failure> {
     };
     let inputs: Vec<&PathBuf> = iter::once(&args.plans).chain(&args.map).collect();
     refuse_output(&args.output, &inputs)?;
-    let bytes = read_blob(&args.plans)?;
-    let plan = open(&args.plans, &bytes)?;
+    let map = args.map.as_ref();
+    let bytes = read_blob(&args.plans).map_err(|failure| with_unreadable(failure, map))?;
+    let plan = open(&args.plans, &bytes).map_err(|failure| with_unreadable(failure, map))?;
     let drawn = chosen(args, &plan)?;
     let features = features(args, &bytes, &plan, quiet)?;
     let routes = match args.route {
@@ -211,7 +212,7 @@ fn features(
     let asked = Options { reading: args.reading.options(), ..Options::default() };
     let project = project::read_for((bytes, blob), path, asked, None, &mut problems)?;
     if let Some(project) = &project {
-        check_output(&args.output, &project.inputs, &mut problems);
+        problems.extend(output::check_against(&args.output, &project.inputs));
         compare_cells(blob, project, &mut problems);
     }
     match project {

@@ -3,26 +3,28 @@
 use super::description::{self, OnePassage};
 use super::progress::{with_patience, with_progress};
 use super::project;
-use super::{Failure, open, print_json, print_text, read_blob, tell};
+use super::{Failure, open, print_json, print_text, read_blob, tell, with_unreadable};
 use crate::cli::Verify;
 use maps::numbers::{metres, pair};
 use maps::problem::{Problem, has_errors};
 use plan_compiler::compile::layers;
 use plan_compiler::layers::Stack;
-use plan_compiler::project::Project;
+use plan_compiler::project::{Project, is_mission};
+use plan_compiler::search::Corners;
 use plan_compiler::verify::{self, Report};
 use plan_compiler::width::{self, Need};
 use plan_format::{Blob, Origin};
 use serde::Serialize;
 
 pub(super) fn run(args: &Verify, quiet: bool) -> Result<(), Failure> {
-    let bytes = read_blob(&args.plans)?;
-    let plan = open(&args.plans, &bytes)?;
+    let input = args.input.as_ref();
+    let bytes = read_blob(&args.plans).map_err(|failure| with_unreadable(failure, input))?;
+    let plan = open(&args.plans, &bytes).map_err(|failure| with_unreadable(failure, input))?;
     let mut problems = Vec::new();
     let proof = with_progress(quiet, 1, |progress| verify::verify(&plan, progress));
     let damaged = "the blob differs from what the compiler wrote; build it again";
     add(&proof, damaged, &mut problems);
-    let comparing = || compare(args, &bytes, &plan, &mut problems);
+    let comparing = || compare(args, &bytes, &plan, &proof, &mut problems);
     let compared = with_patience(quiet, "comparing with the map", comparing)?;
     if has_errors(&problems) {
         return Err(Failure::Wrong(problems));
@@ -84,6 +86,7 @@ fn compare(
     args: &Verify,
     bytes: &[u8],
     blob: &Blob<'_>,
+    proof: &Report,
     problems: &mut Vec<Problem>,
 ) -> Result<&'static str, Failure> {
     let Some(input) = &args.input else { return Ok("") };
@@ -91,6 +94,11 @@ fn compare(
     let Some(project) = project::read_for((bytes, blob), input, asked, mission, problems)? else {
         return Ok("");
     };
+    let is_asked = is_mission(input) || args.map.mission.is_some();
+    let of_mission = project.mission.corners.filter(|_| is_asked);
+    if let Some(asked) = project.options.corners.or(of_mission).filter(|_| proof.count == 0) {
+        problems.extend(compare_corners(blob, proof.cuts_corners, asked));
+    }
     let expected = compare_cells(blob, &project, problems);
     let layers = expected.as_ref().map_or(&[][..], Stack::layers);
     let has_tolls = layers.iter().any(|layer| layer.terrain.tolls.is_some());
@@ -101,6 +109,22 @@ fn compare(
         (false, true) => "; obstacles and speed limits match the map",
         (true, true) => "; obstacles, tolls and speed limits match the map",
     })
+}
+
+/// Reports plans that keep another rule for corners than the one that is asked for. Plans that are right
+/// by both rules, since no step passes a corner, keep both.
+fn compare_corners(blob: &Blob<'_>, cuts_corners: bool, asked: Corners) -> Option<Problem> {
+    let (own, other) = match asked {
+        Corners::Forbid => ("allow", "forbid"),
+        Corners::Allow => ("forbid", "allow"),
+    };
+    if cuts_corners == (asked == Corners::Allow)
+        || verify::verify_by(blob, asked, &|_, _| ()).count == 0
+    {
+        return None;
+    }
+    let message = format!("the plans were built with --corners {own}, not {other}");
+    Some(Problem::error(message).help(OTHER_OPTIONS))
 }
 
 /// Reports how plans and a map differ: in the grid, the place on the globe, the blocked cells, the

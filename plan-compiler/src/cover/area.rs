@@ -6,7 +6,7 @@ use crate::compile;
 use crate::field::UNREACHED;
 use crate::input::{Input, Options};
 use crate::mission::PHYSICAL;
-use geo::{Area as _, BoundingRect, Contains, LineString, Polygon, Validation};
+use geo::{Area as _, BooleanOps, BoundingRect, Contains, LineString, Polygon, Rect, Validation};
 use maps::names::nearest;
 use maps::numbers::{metres, pair};
 use maps::problem::Problem;
@@ -109,6 +109,25 @@ impl Area {
     /// Its size without its holes, m².
     pub fn size_m2(&self) -> f64 {
         self.polygons.iter().map(Polygon::unsigned_area).sum()
+    }
+
+    /// How much of it lies off a grid, or outside the map's boundary, m².
+    pub fn off_map_m2(&self, grid: &Grid, boundary: Option<&[Point]>) -> f64 {
+        let [west, south] = grid.corner_m;
+        let [width, height] =
+            [grid.columns, grid.rows].map(|cells| f64::from(cells) * grid.resolution_m);
+        let whole = Rect::new((west, south), (west + width, south + height)).to_polygon();
+        let boundary = boundary.map(|points| Polygon::new(ring(points), Vec::new()));
+        let on_map = |polygon: &Polygon| {
+            let inside = polygon.intersection(&whole);
+            let inside = match &boundary {
+                Some(boundary) => inside.intersection(boundary),
+                None => inside,
+            };
+            inside.unsigned_area()
+        };
+        let off: f64 = self.polygons.iter().map(|one| one.unsigned_area() - on_map(one)).sum();
+        off.max(0.0)
     }
 
     /// The longer side of the box around it, metres.
@@ -241,6 +260,8 @@ pub struct Site {
     pub radius_m: f64,
     /// Distance of strips from the area's edge, metres.
     pub edge_m: f64,
+    /// How much of the area lies off the map, m².
+    pub off_map_m2: f64,
 }
 
 impl Site {
@@ -271,7 +292,10 @@ pub fn site(
     let grid = compile::grid(input, problems)?;
     let radius_m = compile::robot_radius(input, problems)?;
     let edge_m = asked.edge_m.unwrap_or(radius_m);
-    let anywhere = free(input, &grid, asked.layer, problems)?;
+    let Some(anywhere) = free(input, &grid, asked.layer, &mut Vec::new()) else {
+        check_asked(input, &grid, asked, problems);
+        return None;
+    };
     let bare = Options { robot_radius_m: Some(0.0), ..input.options.clone() };
     // Its problems are those of the layer above.
     let bare = free(&Input { options: &bare, ..*input }, &grid, asked.layer, &mut Vec::new())?;
@@ -319,7 +343,19 @@ pub fn site(
         return None;
     }
     let ground = Ground { grid, cells: within };
-    Some(Site { area, wanted, ground, cut_off, inside, anywhere, start, radius_m, edge_m })
+    let off_map_m2 = area.off_map_m2(&grid, input.map.boundary.as_deref());
+    Some(Site {
+        area,
+        wanted,
+        ground,
+        cut_off,
+        inside,
+        anywhere,
+        start,
+        radius_m,
+        edge_m,
+        off_map_m2,
+    })
 }
 
 fn blocked(area: &Area, radius_m: f64, edge_m: f64) -> Problem {
@@ -330,7 +366,29 @@ fn blocked(area: &Area, radius_m: f64, edge_m: f64) -> Problem {
         metres(radius_m),
         metres(edge_m)
     );
-    Problem::error(message).help("make --edge, --robot-radius or --resolution smaller")
+    let smaller = [("--edge", edge_m), ("--robot-radius", radius_m)];
+    let smaller = smaller.iter().filter(|(_, metres)| *metres > 0.0).map(|(name, _)| *name);
+    let options: Vec<&str> = smaller.chain(["--resolution"]).collect();
+    Problem::error(message).help(format!("make {} smaller", options.join(" or ")))
+}
+
+/// What is wrong with the layer and the start that are asked for, whatever the area.
+pub fn check_asked(input: &Input<'_>, grid: &Grid, asked: Asked<'_>, problems: &mut Vec<Problem>) {
+    let cells = free(input, grid, asked.layer, problems);
+    let cells = cells.or_else(|| free(input, grid, None, &mut Vec::new()));
+    if let (Some(cells), Some(start)) = (cells, asked.start) {
+        problems.extend(check_start(&Ground { grid: *grid, cells }, start).err());
+    }
+}
+
+/// Refuses a start at which the robot cannot be.
+fn check_start(anywhere: &Ground, [x, y]: Point) -> Result<(), Problem> {
+    let cell = anywhere.grid.cell_at(x, y);
+    if cell.is_some_and(|cell| anywhere.cells.get(cell)) {
+        return Ok(());
+    }
+    let message = format!("the start {} is blocked or off the map", pair([x, y]));
+    Err(Problem::error(message).help("choose a free place: --start X,Y"))
 }
 
 /// The cells that are free in a layer.
@@ -365,15 +423,12 @@ fn reached(
     problems: &mut Vec<Problem>,
 ) -> Option<(Bitmap, Point)> {
     let grid = &anywhere.grid;
-    let is_free = |[x, y]: Point| grid.cell_at(x, y).is_some_and(|cell| anywhere.cells.get(cell));
-    let start = match start {
-        Some(start) if !is_free(start) => {
-            let message = format!("the start {} is blocked or off the map", pair(start));
-            problems.push(Problem::error(message).help("choose a free place: --start X,Y"));
-            return None;
-        }
-        given => given.or(input.map.start.as_ref().map(|start| start.at).filter(|at| is_free(*at))),
-    };
+    if let Some(problem) = start.and_then(|start| check_start(anywhere, start).err()) {
+        problems.push(problem);
+        return None;
+    }
+    let of_map = input.map.start.as_ref().map(|start| start.at);
+    let start = start.or(of_map.filter(|at| check_start(anywhere, *at).is_ok()));
     let mut roads = Roads::of(anywhere);
     let mut reach = |from: Point| {
         let field = roads.field(from);

@@ -6,13 +6,18 @@
 //! missions in which other behaviours lead the robot away in between. A strip is protected from its
 //! start to its end: it is a fact that the robot is at its start, which its drive needs.
 
+mod earlier;
+
+pub use earlier::other_behaviours;
+
 use super::{Cover, Strip, Transition};
+use earlier::Earlier;
 use maps::numbers::metres;
 use maps::problem::Problem;
 use maps::{NamedPoint, Point};
 use plan_format::limits;
 use std::collections::BTreeSet;
-use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
+use toml_edit::{DocumentMut, Item, RawString, Table, TableLike, Value};
 
 /// What a mission is written from.
 #[derive(Clone, Copy, Debug)]
@@ -59,12 +64,14 @@ pub fn mission(cover: &Cover, writing: &Writing<'_>) -> Result<String, Problem> 
         let help = "cover the area with a mission of its own: give the map instead";
         return Err(Problem::error(message).help(help));
     }
-    forget(&mut document);
+    let earlier = Earlier::of(writing.base.unwrap_or_default(), &document);
+    earlier.forget(&mut document);
     let legs = legs.as_slice();
     check(legs, &document)?;
     head(&mut document, writing);
-    goals(&mut document, legs, writing.points)?;
-    let mut table = |name: &str, key: &str, value: String| put(&mut document, name, key, &value);
+    goals(&mut document, &earlier, legs, writing.points)?;
+    let mut table =
+        |name: &str, key: &str, value: String| put(&mut document, &earlier, [name, key], &value);
     table("behaviours", COVER, "{ criticality = { \"area covered\" = \"PS NB\" } }".to_owned())?;
     frames(legs, &mut table)?;
     for fact in [DONE, AT_STRIP] {
@@ -134,24 +141,6 @@ fn rounded(metres: f64) -> f64 {
     (metres * 1e3).round() / 1e3 + 0.0
 }
 
-/// The strips of an earlier run are replaced.
-fn forget(document: &mut DocumentMut) {
-    for (table, is_ours) in [
-        ("goals", (|name| name.starts_with("strip ")) as fn(&str) -> bool),
-        ("frames", |name| name.starts_with("strip ") || name.starts_with("strips ")),
-        ("actions", |name| name.starts_with("go to strip ") || OURS.contains(&name)),
-    ] {
-        let Some(table) = document.get_mut(table).and_then(Item::as_table_like_mut) else {
-            continue;
-        };
-        let ours: Vec<String> =
-            table.iter().map(|(name, _)| name.to_owned()).filter(|name| is_ours(name)).collect();
-        for name in ours {
-            table.remove(&name);
-        }
-    }
-}
-
 /// Reports strips that exceed what a mission holds.
 fn check(legs: &[Leg<'_>], document: &DocumentMut) -> Result<(), Problem> {
     let count = |table: &str, ours: &[&str]| {
@@ -194,16 +183,26 @@ fn head(document: &mut DocumentMut, writing: &Writing<'_>) {
     // A robot that stops a metre before the end of its strip leaves a gap there.
     let schemas = document.entry("schemas").or_insert_with(|| Item::Table(Table::new()));
     if let Some(table) = schemas.as_table_like_mut() {
-        let tolerance = rounded((writing.width_m / 4.0).clamp(0.1, 1.0));
-        if !table.contains_key("goal_tolerance") {
-            table.insert("goal_tolerance", Item::Value(tolerance.into()));
+        let given = table.get(TOLERANCE).and_then(Item::as_value);
+        if given.is_none_or(|value| {
+            value.decor().suffix().and_then(RawString::as_str) == Some(OF_COVER)
+        }) {
+            let tolerance = rounded((writing.width_m / 4.0).clamp(0.1, 1.0));
+            let mut value = Value::from(tolerance);
+            value.decor_mut().set_suffix(OF_COVER);
+            table.insert(TOLERANCE, Item::Value(value));
         }
     }
 }
 
+const TOLERANCE: &str = "goal_tolerance";
+/// Follows the tolerance that depends on the width, so that the next run can tell it from the user's.
+const OF_COVER: &str = " # by cover, from the width";
+
 /// Goals of the transitions that follow a plan.
 fn goals(
     document: &mut DocumentMut,
+    earlier: &Earlier,
     legs: &[Leg<'_>],
     points: &[NamedPoint],
 ) -> Result<(), Problem> {
@@ -211,12 +210,13 @@ fn goals(
     if !document.contains_key("goals") && behaves {
         // Without a table of goals, the named points of the map are the goals.
         for point in points {
-            put(document, "goals", &point.name, &Value::from(point.name.as_str()).to_string())?;
+            let name = Value::from(point.name.as_str()).to_string();
+            put(document, earlier, ["goals", &point.name], &name)?;
         }
     }
     for leg in legs.iter().filter(|leg| leg.has_plan) {
         let at = format!("[{}]", coordinates(leg.strip.from));
-        put(document, "goals", &leg.name(), &at)?;
+        put(document, earlier, ["goals", &leg.name()], &at)?;
     }
     Ok(())
 }
@@ -276,8 +276,13 @@ fn actions(legs: &[Leg<'_>], speed_mps: f64, table: &mut Put<'_>) -> Result<(), 
     Ok(())
 }
 
-/// Sets a key of a table.
-fn put(document: &mut DocumentMut, name: &str, key: &str, value: &str) -> Result<(), Problem> {
+/// Sets a key of a table. A key that is there must be one of an earlier run.
+fn put(
+    document: &mut DocumentMut,
+    earlier: &Earlier,
+    [name, key]: [&str; 2],
+    value: &str,
+) -> Result<(), Problem> {
     let value: Value = value.parse().map_err(|error| {
         // Only a name of the map that TOML cannot hold.
         Problem::error(format!("`{key}` cannot be written: {error}"))
@@ -287,7 +292,12 @@ fn put(document: &mut DocumentMut, name: &str, key: &str, value: &str) -> Result
         .as_table_like_mut()
         .ok_or_else(|| Problem::error(format!("`{name}` of the mission is not a table")))?;
     match table.get_mut(key) {
-        Some(old) => *old = Item::Value(value),
+        Some(old) if earlier.stays(name, key) => *old = Item::Value(value),
+        Some(_) => {
+            let message = format!("the mission has `{key}` in [{name}], a name that strips need");
+            let help = format!("rename `{key}` wherever the mission uses it");
+            return Err(Problem::error(message).help(help));
+        }
         None => {
             table.insert(key, Item::Value(value));
         }
@@ -297,9 +307,13 @@ fn put(document: &mut DocumentMut, name: &str, key: &str, value: &str) -> Result
 
 /// The text below one title.
 fn titled(text: &str, title: &str) -> String {
-    let rest = match text.strip_prefix(TITLE) {
-        Some(old) => old.split_once('\n').map_or("", |(_, rest)| rest),
-        None => text,
-    };
-    format!("{TITLE}: {title}\n{rest}")
+    let title = format!("{TITLE}: {title}");
+    match text.lines().any(|line| line.starts_with(TITLE)) {
+        true => {
+            let is_title = |line: &str| line.starts_with(TITLE);
+            let lines = text.split('\n').map(|line| if is_title(line) { &title } else { line });
+            lines.collect::<Vec<_>>().join("\n")
+        }
+        false => format!("{title}\n{text}"),
+    }
 }

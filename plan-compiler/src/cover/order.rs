@@ -21,7 +21,7 @@ pub struct Passable<'g> {
 }
 
 /// Strips end this far inside the ground, so that rounded coordinates are in it, metres.
-const INSET_M: f64 = 2e-3;
+pub(super) const INSET_M: f64 = 2e-3;
 /// A blocked straight line counts as this many times its length while strips are sorted in.
 const DETOUR: f64 = 3.0;
 

@@ -2,6 +2,7 @@
 //! beside slanted edges and in bays.
 
 use super::Settings;
+use super::order::INSET_M;
 use super::rows::{Rows, Span};
 use math::scalar::wide;
 
@@ -101,6 +102,10 @@ struct Tool {
     step_m: f64,
     /// Gaps up to this size stay, m².
     leave_m2: f64,
+    /// Shorter strips are made longer where their row has room, metres.
+    short_m: f64,
+    /// No strip is shorter than this before its ends move inwards, metres.
+    least_m: f64,
 }
 
 impl Tool {
@@ -113,6 +118,8 @@ impl Tool {
             reach_m: settings.width_m / 2.0 + cell_m / 4.0,
             step_m,
             leave_m2: settings.leave_m2.max(cell_m * cell_m / 32.0),
+            short_m: settings.width_m / 2.0,
+            least_m: cell_m / 2.0 + 2.0 * INSET_M,
         }
     }
 
@@ -167,16 +174,22 @@ impl Tool {
                 return laid;
             }
             for gap in gaps {
-                let Some(strip) = self.best_over(gap, rows) else { continue };
-                self.pass(&strip, left);
-                laid.push(strip);
+                match self.best_over(gap, rows) {
+                    Some(strip) => {
+                        self.pass(&strip, left);
+                        laid.push(strip);
+                    }
+                    None => gap.leave(left),
+                }
             }
         }
     }
 
+    /// `None` if only a strip that is too short would cover more than a hundredth of the gap.
     fn best_over(&self, gap: &Gap, rows: &Rows) -> Option<Laid> {
         /// Rows that are tried, about.
         const TRIED: usize = 24;
+        const LEAST_SHARE: f64 = 0.01;
         let reached = self.rows_reached();
         let first = gap.first().saturating_sub(reached);
         let last = (gap.last() + reached).min(rows.spans.len() - 1);
@@ -189,8 +202,10 @@ impl Tool {
         let tried = (first..=last).step_by(step).chain([longest.0]);
         let strips = tried.flat_map(|row| {
             let spans = rows.spans[row].iter().filter(|span| span[0] < east && west < span[1]);
-            spans.map(move |span| Laid { row, span: [span[0].max(west), span[1].min(east)] })
+            let over = |span: &Span| [span[0].max(west), span[1].min(east)];
+            spans.map(move |span| Laid { row, span: stretched(over(span), *span, self.short_m) })
         });
+        let strips = strips.filter(|strip| length(&strip.span) >= self.least_m);
         let gained = |strip: &Laid| -> f64 {
             let of = |(row, span): &(usize, Span)| {
                 let beyond = self.beyond(row.abs_diff(strip.row)).unwrap_or(f64::NEG_INFINITY);
@@ -204,8 +219,19 @@ impl Tool {
                 || next.0 > best.0 - 1e-9 && length(&next.1.span) < length(&best.1.span) - 1e-9;
             if is_better { next } else { best }
         });
-        best.map(|(_, strip)| strip)
+        let whole: f64 = gap.0.iter().map(|(_, span)| length(span)).sum();
+        best.filter(|(gained, _)| *gained >= LEAST_SHARE * whole).map(|(_, strip)| strip)
     }
+}
+
+/// A span made as long as this on both sides, as far as it stays inside another.
+fn stretched(span: Span, [from, to]: Span, least_m: f64) -> Span {
+    let missing = least_m - length(&span);
+    if missing <= 0.0 {
+        return span;
+    }
+    let start = (span[0] - missing / 2.0).min(to - least_m).max(from);
+    [start, (start + least_m).min(to)]
 }
 
 fn length(span: &Span) -> f64 {
@@ -233,6 +259,13 @@ impl Gap {
 
     fn last(&self) -> usize {
         self.0.iter().map(|(row, _)| *row).max().unwrap_or(0)
+    }
+
+    /// Takes it out of what is left: no strip covers it.
+    fn leave(&self, left: &mut [Vec<Span>]) {
+        for (row, span) in &self.0 {
+            left[*row].retain(|other| other != span);
+        }
     }
 
     fn area_m2(&self, step_m: f64) -> f64 {

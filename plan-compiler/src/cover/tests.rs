@@ -106,6 +106,8 @@ fn check(map: &Map, site: &Site, cover: &Cover, width_m: f64) {
     let angle = cover.angle_deg.to_radians();
     let (cos, sin) = (wide::cos(angle), wide::sin(angle));
     for strip in &cover.strips {
+        let least_m = grid.resolution_m / 2.0 - 1e-6;
+        assert!(strip.length_m() >= least_m, "{strip:?} is {} m long", strip.length_m());
         let along = [strip.to[0] - strip.from[0], strip.to[1] - strip.from[1]];
         assert!((along[0] * sin - along[1] * cos).abs() < 1e-6, "{strip:?} is not at {angle}");
         for at in samples(strip.from, strip.to) {
@@ -262,6 +264,42 @@ fn ground_that_cannot_be_reached_is_left() {
     assert!(site.cut_off.get(Cell::new(90, 40)) && site.ground.cells.get(Cell::new(60, 40)));
 }
 
+/// A slanted triangle and a star had strips from a point to itself.
+#[test]
+fn no_strip_is_a_point() {
+    let triangle = vec![[7.0, 5.0], [52.0, 15.0], [12.0, 45.0]];
+    let star = (0..10).map(|corner| {
+        let (radius, angle) =
+            (if corner % 2 == 0 { 22.0 } else { 9.0 }, f64::from(corner) * 0.628 + 0.1);
+        [30.0 + radius * wide::cos(angle), 30.0 + radius * wide::sin(angle)]
+    });
+    for (area, width_m) in [(triangle, 5.0), (star.collect(), 2.0)] {
+        let map = map(area, &[]);
+        for angle in [None, Some(0.0), Some(37.0)] {
+            let (site, cover) = covered_site(&map, [0.5, 0.3], settings(width_m, angle)).unwrap();
+            check(&map, &site, &cover, width_m);
+        }
+    }
+}
+
+/// A field that goes on beyond the map was reported as covered by 100 %.
+#[test]
+fn what_lies_off_the_map_is_measured() {
+    let hole = rectangle([62.0, 12.0], [4.0, 4.0]);
+    let mut map = map(rectangle([40.0, 10.0], [40.0, 10.0]), &[]);
+    map.features[0].shape = Shape::Polygon(vec![rectangle([40.0, 10.0], [40.0, 10.0]), hole]);
+    let (site, _) = covered_site(&map, [0.5, 0.3], settings(3.0, None)).unwrap();
+    assert!((site.off_map_m2 - 184.0).abs() < 1e-6, "{}", site.off_map_m2);
+    // So does what lies outside the map's own outline.
+    map.boundary = Some(rectangle([0.0, 0.0], [50.0, 60.0]));
+    let (site, _) = covered_site(&map, [0.5, 0.3], settings(3.0, None)).unwrap();
+    assert!((site.off_map_m2 - 284.0).abs() < 1e-6, "{}", site.off_map_m2);
+    map.boundary = None;
+    map.features[0].shape = Shape::Polygon(vec![rectangle([0.0, 0.0], [60.0, 60.0])]);
+    let (site, _) = covered_site(&map, [0.5, 0.3], settings(3.0, None)).unwrap();
+    assert_eq!(site.off_map_m2, 0.0);
+}
+
 #[test]
 fn areas_with_mistakes_are_refused() {
     let named = |map: &Map, name: &str| Area::named(map, name).err().map(|all| draw(&all, false));
@@ -323,6 +361,61 @@ fn a_mission_is_built_as_it_is_written() {
     assert_eq!(blob.mission().behaviours().len(), 1);
     let again = mission(&cover, &Writing { base: Some(&text), ..writing }).unwrap();
     assert_eq!(again, text);
+}
+
+/// Names that begin as those of strips are the user's; those that are equal are refused, except in a
+/// mission that the command wrote.
+#[test]
+fn a_second_run_replaces_the_first_and_nothing_of_the_user() {
+    let map = map(rectangle([5.0, 5.0], [50.0, 50.0]), &[]);
+    let cover_by = |width_m| covered_site(&map, [0.5, 0.4], settings(width_m, None)).unwrap().1;
+    let (narrow, broad) = (cover_by(5.0), cover_by(10.0));
+    let mine = "[goals]\n\"strip mall\" = [2, 2]\n\"strip 01\" = [3, 3]\n[frames]\n\
+                \"strip club\" = {}\n\"strips of land\" = {}\n[actions]\n\
+                \"go to strip mall\" = { do = \"hold 1 s\" }\n";
+    fn writing<'a>(base: &'a str, title: &'a str, width_m: f64) -> Writing<'a> {
+        Writing {
+            base: Some(base),
+            map: "field.ovl",
+            points: &[],
+            set: &[],
+            width_m,
+            plan_each: true,
+            speed_mps: 1.0,
+            title,
+        }
+    }
+    let first = mission(&narrow, &writing(mine, "first", 2.0)).unwrap();
+    let second = mission(&broad, &writing(&first, "second", 3.0)).unwrap();
+    for text in [&first, &second] {
+        let names = mine.lines().filter(|line| line.starts_with('"'));
+        names.for_each(|line| assert!(text.contains(line), "{line} is gone from\n{text}"));
+    }
+    assert!(first.contains("\"strip 10\" = ") && !second.contains("\"strip 10\" = "), "{second}");
+    // The tolerance follows the width, unless it is the user's.
+    assert!(first.contains("goal_tolerance = 0.5 #") && second.contains("goal_tolerance = 0.75 #"));
+    let own = second.replace("0.75 # by cover, from the width", "0.3 # mine");
+    let third = mission(&narrow, &writing(&own, "third", 2.0)).unwrap();
+    assert!(third.contains("goal_tolerance = 0.3 # mine"), "{third}");
+    // One title, also below a comment of the user.
+    let below = format!("# Mine.\n{second}");
+    let again = mission(&broad, &writing(&below, "again", 3.0)).unwrap();
+    assert!(again.starts_with("# Mine.\n# Strips by `plan-compiler cover`: again\n"), "{again}");
+    assert_eq!(again.matches("# Strips by").count(), 1, "{again}");
+    for (table, name, value) in [
+        ("goals", "strip 3", "[2, 2]"),
+        ("frames", "cover", "{}"),
+        ("behaviours", "cover", "{}"),
+        ("facts", "at strip", "true"),
+        ("actions", "skip strip", "{ do = \"hold 9 s\" }"),
+        ("actions", "work(x, y)", "{ do = \"hold 9 s\" }"),
+    ] {
+        let base = format!("[{table}]\n\"{name}\" = {value}\n");
+        let refused = mission(&narrow, &writing(&base, "refused", 2.0)).unwrap_err();
+        let expected = format!("the mission has `{name}` in [{table}], a name that strips need");
+        assert_eq!(refused.message, expected);
+        assert_eq!(refused.help, Some(format!("rename `{name}` wherever the mission uses it")));
+    }
 }
 
 #[test]

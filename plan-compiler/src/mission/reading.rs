@@ -25,6 +25,7 @@ impl Mission {
             block: or(given.tags.block, &self.tags.block),
             free: or(given.tags.free, &self.tags.free),
             keep: both(given.tags.keep, &self.tags.keep),
+            used: given.tags.used,
             open_gates: given.tags.open_gates || self.tags.open_gates,
         };
         ReadOptions { tags, origin: given.origin.or(self.origin), ..given }

@@ -7,10 +7,30 @@ use plan_format::limits;
 /// Reads a goal, `NAME=X,Y` in the map's metres or `NAME=geo:LAT,LON`, or several of one name,
 /// `NAME=X,Y;X,Y`; otherwise returns the reason why it is not one.
 pub fn goal(text: &str) -> Result<Goal, String> {
-    let example = "write NAME=X,Y, for example gate=12.5,-40";
+    let goal = named(text, "goal", "gate")?;
+    if goal.at.len() > limits::MAX_GOALS {
+        let count = goal.at.len();
+        return Err(format!("{count} positions, but a plan leads to {}", limits::MAX_GOALS));
+    }
+    Ok(goal)
+}
+
+/// Reads a place that a radio reaches, as a goal with one position.
+pub fn place(text: &str) -> Result<Goal, String> {
+    let place = named(text, "place", "base")?;
+    match place.at.len() {
+        1 => Ok(place),
+        count => Err(format!("{count} positions, but a place has one: give each as a place")),
+    }
+}
+
+/// Reads a name and its positions. `what` has the name, for example `example`.
+fn named(text: &str, what: &str, example: &str) -> Result<Goal, String> {
+    let like = example;
+    let example = format!("write NAME=X,Y, for example {like}=12.5,-40");
     let missing = || match pair(text) {
-        Ok(_) => format!("a goal needs a name: write NAME={}, for example gate={}", text, text),
-        Err(_) => example.to_owned(),
+        Ok(_) => format!("a {what} needs a name: write NAME={text}, for example {like}={text}"),
+        Err(_) => example.clone(),
     };
     // A name may contain `=`, and so may the parameters of a `geo:` URI.
     let first = text.split(';').next().unwrap_or(text);
@@ -25,9 +45,6 @@ pub fn goal(text: &str) -> Result<Goal, String> {
         } else {
             GoalAt::Position(pair(&member).map_err(|reason| format!("{reason}; {example}"))?)
         });
-    }
-    if at.len() > limits::MAX_GOALS {
-        return Err(format!("{} positions, but a plan leads to {}", at.len(), limits::MAX_GOALS));
     }
     Ok(Goal { name, at, layers: None, place: None })
 }

@@ -7,6 +7,7 @@ use maps::problem::{self, Place, Problem, Source, has_errors};
 use plan_compiler::compile::compile;
 use plan_compiler::input::{Input, Options};
 use plan_compiler::mission::{Goal, Named, parse};
+use plan_compiler::output;
 use plan_compiler::project::{self, Request};
 use plan_format::parameters::{Blend, Gains};
 use sim::scenario::place_on_globe;
@@ -39,8 +40,14 @@ pub struct Changes {
 /// A map without a place on the globe gets one, with a note. The error lists all problems, as
 /// `plan-compiler build` does.
 pub fn scenario(path: &Path, changes: &Changes) -> Result<Scenario, String> {
+    scenario_for(path, changes, &[])
+}
+
+/// As [`scenario`]; also refuses files to write that cannot be written, or that would replace a file
+/// that was read.
+pub fn scenario_for(path: &Path, changes: &Changes, outputs: &[&Path]) -> Result<Scenario, String> {
     let mut problems = Vec::new();
-    let scenario = read_and_compile(path, changes, &mut problems);
+    let scenario = read_and_compile(path, changes, outputs, &mut problems);
     let scenario = scenario.filter(|_| !has_errors(&problems));
     scenario.ok_or_else(|| problem::draw(&problems, false))
 }
@@ -70,6 +77,7 @@ pub fn of_map(
 fn read_and_compile(
     path: &Path,
     changes: &Changes,
+    outputs: &[&Path],
     problems: &mut Vec<Problem>,
 ) -> Option<Scenario> {
     let (goals, robot) = (changes.goals.clone(), changes.robot.clone());
@@ -80,6 +88,11 @@ fn read_and_compile(
     let mut world = WorldFile::beside(path, problems);
     if world.is_none() && !has_errors(problems) {
         world = WorldFile::beside(&project.inputs[0], problems);
+    }
+    let mut inputs = project.inputs.clone();
+    inputs.extend(world.iter().flat_map(|world| world.files.iter().cloned()));
+    for output in outputs {
+        problems.extend(output::check_against(output, &inputs));
     }
     // The plans know the map as the world file leaves it.
     let worlds = world.as_ref().filter(|world| !world.difference.is_none()).map(|world| {

@@ -72,10 +72,33 @@ pub fn draw(
     let layer = scenario.layer_from(start.position).or_else(|| parallel.layer(0));
     let layer = layer.ok_or("there is no layer to draw")?;
     let svg = render::picture(&plan, &parallel, &layer, &overlay, Style::default());
-    match path.extension().and_then(|extension| extension.to_str()) {
-        Some("svg") => write(path, svg.as_bytes()),
-        Some("png") => write(path, &render::png(&svg)?),
-        _ => Err(format!("{}: a picture is .svg or .png", path.display())),
+    match Kind::of(path)? {
+        Kind::Svg => write(path, svg.as_bytes()),
+        Kind::Png => write(path, &render::png(&svg)?),
+    }
+}
+
+/// The kind of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Vectors.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+impl Kind {
+    /// The kind that a file's name asks for.
+    ///
+    /// # Errors
+    /// Returns a message for the user.
+    pub fn of(path: &Path) -> Result<Self, String> {
+        let extension = path.extension().and_then(|extension| extension.to_str());
+        match extension.map(str::to_ascii_lowercase).as_deref() {
+            Some("svg") => Ok(Self::Svg),
+            Some("png") => Ok(Self::Png),
+            _ => Err("the picture's name must end in .svg or .png".to_owned()),
+        }
     }
 }
 

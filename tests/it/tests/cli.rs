@@ -297,6 +297,8 @@ fn blobs_that_are_refused() {
     blob("no_place_on_the_globe", &good, "query plans.bin --layer gate/physical --geo 1,1");
     let files = [("plans.bin", good.as_slice()), ("yard.ovl", YARD.as_bytes())];
     check("verify_other_radius", &files, "verify plans.bin --map yard.ovl --robot-radius 0.4", "");
+    check("verify_other_corners", &files, "verify plans.bin --map yard.ovl --corners allow", "");
+    check("verify_neither_file", &files, "verify plan.bin --map yrad.ovl", "");
     check("verify_other_grid", &files, "verify plans.bin --map yard.ovl --resolution 0.5", "");
 }
 

@@ -2,7 +2,8 @@
 //! their tanks still lead them there.
 
 use std::fs;
-use std::process::Command;
+use std::path::Path;
+use std::process::{Command, Output};
 
 use crate::work::record_with;
 use harness::mission::{self, Changes};
@@ -11,7 +12,9 @@ use it::own_map;
 use maps::{Extent, Map};
 use plan_compiler::cover::{Area, Asked, Strip, covered, site};
 use plan_compiler::project::{Request, load};
+use serde_json::Value;
 use sim::{Difference, Ending, Scenario, SensorSettings};
+use tempfile::TempDir;
 
 /// Width of the mower, metres.
 const WIDTH_M: f64 = 3.0;
@@ -90,6 +93,130 @@ fn mistakes_are_reported_and_nothing_is_written() {
         assert!(message.replace("│ ", "").contains(expected), "{arguments}: {message}");
         assert_eq!(fs::read_dir(folder.path()).expect("it is readable").count(), 0, "{arguments}");
     }
+}
+
+/// Runs `cover` with arguments that are separated by spaces: the status and both outputs.
+fn run(folder: &Path, arguments: &str) -> (Option<i32>, String, String) {
+    let mut command = Command::new(setup::plan_compiler().expect("the program is built"));
+    let command = command.current_dir(folder).arg("cover").args(arguments.split(' '));
+    let Output { status, stdout, stderr } = command.output().expect("the program runs");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (status.code(), text(&stdout), text(&stderr))
+}
+
+/// The corners of a field that goes on for 5 m beyond the map of [`field`].
+const FIELD: &str = "--corner 5,5 --corner 45,5 --corner 45,25 --corner 5,25";
+
+/// A folder with a map of 40 m by 30 m.
+fn field() -> TempDir {
+    const MAP: &str = "MISSION-AREA 40 30\nORIGIN 0 0\nCONTROL MEASURES:\nPP StartPlace* 2 2\n\
+                       PP gate 2 2\n";
+    let folder = tempfile::tempdir().expect("there is room");
+    fs::write(folder.path().join("field.ovl"), MAP).expect("there is room");
+    folder
+}
+
+/// A mission at the output that is not the one that is added to stays, unless it would not change.
+#[test]
+fn a_mission_that_is_not_the_input_is_not_replaced() {
+    let folder = field();
+    let there = folder.path().join("own.mission.toml");
+    let by_hand = "map = \"field.ovl\"\n[goals]\nhome = [2, 2]\n";
+    fs::write(&there, by_hand).expect("there is room");
+    let cover = &format!("field.ovl {FIELD} --width 4 -o own.mission.toml");
+    let (status, out, err) = run(folder.path(), cover);
+    assert_eq!((status, out.as_str()), (Some(1), ""), "{err}");
+    assert!(err.contains("own.mission.toml exists and would be replaced"), "{err}");
+    assert!(err.contains("plan-compiler cover own.mission.toml ..."), "{err}");
+    assert_eq!(fs::read_to_string(&there).expect("it is readable"), by_hand);
+    fs::remove_file(&there).expect("it is there");
+    assert_eq!(run(folder.path(), cover).0, Some(0));
+    assert_eq!(run(folder.path(), cover).0, Some(0), "the same again");
+    let added = &format!("own.mission.toml {FIELD} --width 5 -o own.mission.toml");
+    assert_eq!(run(folder.path(), added).0, Some(0), "added to");
+    assert_eq!(run(folder.path(), cover).0, Some(1), "another width");
+}
+
+/// What is not covered, or is so only because cells have a size, is printed.
+#[test]
+fn the_summary_hides_nothing() {
+    let folder = field();
+    let (status, out, err) = run(folder.path(), &format!("field.ovl {FIELD} --width 3 --edge 0"));
+    assert_eq!(status, Some(0), "{err}");
+    assert!(err.contains("100 m2 of the area lie off the map"), "{err}");
+    assert!(out.contains("% within half the width and half a cell of a strip, "), "{out}");
+    let json = run(folder.path(), &format!("field.ovl {FIELD} --width 3 --edge 0 --json")).1;
+    let json: Value = serde_json::from_str(&json).expect("it is JSON");
+    assert_eq!((json["area_m2"].as_f64(), json["off_map_m2"].as_f64()), (Some(800.0), Some(100.0)));
+    let share = |name: &str| json[name].as_f64().expect(name);
+    assert!(share("covered_share_of_half_width") <= share("covered_share"), "{json}");
+    // A smaller --edge does not help where it is 0.
+    let slanted = "field.ovl --corner 5,5 --corner 35,9 --corner 8,25 --width 1 --robot-radius 0";
+    let (_, _, err) = run(folder.path(), slanted);
+    let help = "use a finer --resolution";
+    assert!(err.contains(help) && !err.contains("make --edge smaller"), "{err}");
+}
+
+/// The area is of use to this command, and mistakes about it do not hide others.
+#[test]
+fn the_area_is_not_the_only_thing_that_is_looked_at() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let ring = "[[7.0,51.0],[7.0006,51.0],[7.0006,51.0003],[7.0,51.0003],[7.0,51.0]]";
+    let feature = |name: &str| {
+        format!(
+            "{{\"type\":\"Feature\",\"properties\":{{\"layer\":\"{name}\"}},\"geometry\":\
+             {{\"type\":\"Polygon\",\"coordinates\":[{ring}]}}}}"
+        )
+    };
+    let write = |name: &str, features: &[String]| {
+        let list = features.join(",");
+        let text = format!("{{\"type\":\"FeatureCollection\",\"features\":[{list}]}}");
+        fs::write(folder.path().join(name), text).expect("there is room");
+    };
+    write("one.geojson", &[feature("A")]);
+    write("two.geojson", &[feature("A"), feature("B")]);
+    let (status, _, err) = run(folder.path(), "one.geojson --area A --width 3");
+    assert!(status == Some(0) && !err.contains("nothing on the map is an obstacle"), "{err}");
+    let (status, _, err) = run(folder.path(), "two.geojson --area A --width 3");
+    assert!(status == Some(0) && err.contains("which only a mission can use: B"), "{err}");
+
+    let wrong = "one.geojson --area X --width 3 --start 999,9 --layer phys";
+    let (status, _, err) = run(folder.path(), wrong);
+    for part in ["no area named `X`", "(999, 9) is blocked or off the map", "no layer `phys`"] {
+        assert!(status == Some(1) && err.contains(part), "{part} is missing in\n{err}");
+    }
+    let (_, _, err) = run(folder.path(), &wrong.replace('X', "A"));
+    for part in ["(999, 9) is blocked or off the map", "no layer `phys`"] {
+        assert_eq!(err.matches(part).count(), 1, "{part}\n{err}");
+    }
+    let (status, _, err) =
+        run(folder.path(), "one.geojson --area A --width 3 --plan-each -o a.csv");
+    assert!(status == Some(2) && err.contains("end the output's name in .toml"), "{err}");
+}
+
+/// A robot that another behaviour leads away gets back by a plan, if there is one.
+#[test]
+fn a_mission_with_other_behaviours_asks_for_plans() {
+    let folder = tempfile::tempdir().expect("there is room");
+    for name in ["glebe.geojson", "glebe.mission.toml"] {
+        fs::copy(own_map(name), folder.path().join(name)).expect("there is room");
+    }
+    let cover = "glebe.geojson --area Glebe --width 4 -o";
+    let warning = "after another behaviour (refuel)";
+    let (status, _, err) = run(folder.path(), &format!("{cover} a.mission.toml"));
+    assert!(status == Some(0) && err.contains(warning) && err.contains("--plan-each"), "{err}");
+    let (status, _, err) = run(folder.path(), &format!("{cover} b.mission.toml --plan-each"));
+    assert!(status == Some(0) && !err.contains(warning), "{err}");
+    // The example of the program's help, driven: with plans, the robot returns after refuelling.
+    fs::copy(own_map("glebe.world.toml"), folder.path().join("b.world.toml")).expect("room");
+    let scenario = mission::scenario(&folder.path().join("b.mission.toml"), &Changes::default());
+    let scenario = scenario.unwrap_or_else(|problems| panic!("{problems}"));
+    let (outcome, ..) = record_with(&scenario, scenario.sensors().without_error());
+    assert_eq!((outcome.ending, outcome.touches), (Some(Ending::Done), 0), "{outcome:?}");
+    let mut help = Command::new(setup::plan_compiler().expect("the program is built"));
+    let help = help.arg("--help").output().expect("the program runs").stdout;
+    let help = String::from_utf8_lossy(&help).into_owned();
+    assert!(help.contains("--area Glebe --width 4 --plan-each "), "{help}");
 }
 
 /// A tank for 400 m, a robot that drives away from the pump at (10, 10), and a margin of 30 m: after

@@ -27,14 +27,23 @@ fn folder(files: &[(&str, &str)]) -> TempDir {
 }
 
 fn command(folder: &Path, arguments: &str) -> Command {
-    let program = setup::built("harness", "mission", "dev", None).expect("the program is built");
+    command_of("mission", folder, arguments)
+}
+
+/// A program of the harness.
+fn command_of(program: &str, folder: &Path, arguments: &str) -> Command {
+    let program = setup::built("harness", program, "dev", None).expect("the program is built");
     let mut command = Command::new(program);
     command.args(arguments.split(' ')).current_dir(folder);
     command
 }
 
 fn run(folder: &Path, arguments: &str) -> (i32, String, String) {
-    let Output { status, stdout, stderr } = command(folder, arguments).output().unwrap();
+    ended(command(folder, arguments))
+}
+
+fn ended(mut command: Command) -> (i32, String, String) {
+    let Output { status, stdout, stderr } = command.output().unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();
     (status.code().expect("no signal"), text(stdout), text(stderr))
 }
@@ -205,6 +214,87 @@ fn a_closed_pipe_is_not_a_failure() {
     let ended = child.wait_with_output().unwrap();
     let err = String::from_utf8(ended.stderr).unwrap();
     assert_eq!((ended.status.code(), err.as_str()), (Some(0), ""));
+}
+
+/// The files that a run reads: map, mission, world and the map of the truth.
+fn a_whole_project() -> TempDir {
+    folder(&[
+        ("meadow.ovl", MEADOW),
+        ("meadow.mission.toml", "plan = \"gate\"\n"),
+        ("meadow.world.toml", "start = [48, 30]\ntruth = \"built.ovl\"\n"),
+        ("built.ovl", MEADOW),
+    ])
+}
+
+#[cfg(unix)]
+#[test]
+fn no_run_replaces_what_it_reads() {
+    let folder = a_whole_project();
+    let at = folder.path();
+    std::os::unix::fs::symlink("built.ovl", at.join("link.png")).unwrap();
+    let contents = || {
+        let mut files: Vec<_> =
+            fs::read_dir(at).unwrap().map(|entry| entry.unwrap().path()).collect();
+        files.sort();
+        files.into_iter().map(|path| (fs::read(&path).unwrap(), path)).collect::<Vec<_>>()
+    };
+    let before = contents();
+    for (options, part) in [
+        ("--trace meadow.ovl", "the output meadow.ovl is also the input"),
+        ("--trace ./meadow.mission.toml", "is also the input"),
+        ("--trace meadow.world.toml", "is also the input"),
+        ("--trace built.ovl", "is also the input"),
+        ("--picture link.png", "the output link.png is also the input"),
+        ("--trace a.svg --picture ./a.svg", "--trace and --picture both write a.svg"),
+    ] {
+        let (status, out, err) = run(at, &format!("meadow.ovl {options}"));
+        assert_eq!((status, out.as_str()), (3, ""), "{options}: {err}");
+        assert!(err.contains(part), "{options}: {err}");
+        assert!(contents() == before, "{options} changed a file");
+    }
+    // The same holds for the tables that `experiment` puts together.
+    let table = "what --csv wrote\n";
+    fs::write(at.join("a.csv"), table).unwrap();
+    let (status, _, err) = ended(command_of("experiment", at, "--merge a.csv --csv ./a.csv"));
+    assert!(status == 3 && err.contains("is also the input"), "{status}: {err}");
+    assert_eq!(fs::read_to_string(at.join("a.csv")).unwrap(), table);
+}
+
+/// A mistake in the project is reported with them, so nothing has run.
+#[test]
+fn outputs_that_cannot_be_written_are_reported_before_the_run() {
+    let folder = a_whole_project();
+    for (options, expected, part) in [
+        ("--picture x.jpg", 2, "the picture's name must end in .svg or .png"),
+        ("--picture x", 2, "the picture's name must end in .svg or .png"),
+        ("--trace no/x", 3, "cannot write no/x: the folder does not exist"),
+        ("--picture no/x.png", 3, "cannot write no/x.png: the folder does not exist"),
+        ("--trace .", 3, ". is a directory"),
+    ] {
+        let (status, out, err) = run(folder.path(), &format!("meadow.ovl --plan gaet {options}"));
+        assert_eq!((status, out.as_str()), (expected, ""), "{options}: {err}");
+        assert!(err.contains(part), "{options}: {err}");
+        assert_eq!(err.contains("did you mean `gate`?"), expected == 3, "{options}: {err}");
+    }
+    for options in ["--seed -1", "--pilot host --seed -1"] {
+        let (status, _, err) = run(folder.path(), &format!("meadow.ovl {options}"));
+        assert!(status == 2 && err.contains("invalid value '-1' for '--seed"), "{options}: {err}");
+    }
+}
+
+/// A full disk is not a run that failed, and a program that reads the JSON must learn of it.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_that_cannot_be_written_has_the_status_of_files() {
+    let folder = a_whole_project();
+    let (status, _, err) = run(folder.path(), "meadow.ovl --perfect --trace /dev/full");
+    assert!(status == 3 && err.contains("cannot write /dev/full"), "{status}: {err}");
+    for options in ["--json", "--perfect"] {
+        let mut command = command(folder.path(), &format!("meadow.ovl {options}"));
+        command.stdout(fs::OpenOptions::new().write(true).open("/dev/full").unwrap());
+        let (status, _, err) = ended(command);
+        assert!(status == 3 && err.contains("cannot write to standard output"), "{status}: {err}");
+    }
 }
 
 /// Missions of users: a hold longer than a minute, and a patrol that sleeps for a while.

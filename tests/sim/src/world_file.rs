@@ -54,6 +54,8 @@ pub struct WorldFile {
     pub difference: Difference,
     /// Sensors, body, moving discs and faults.
     pub conditions: Conditions,
+    /// The files that were read: the world file, and those of the map of the truth.
+    pub files: Vec<PathBuf>,
     /// Where the file names each of the missing obstacles.
     missing_at: Vec<Place>,
 }
@@ -69,7 +71,10 @@ impl WorldFile {
         match source::read_text(&path) {
             Ok((text, found)) => {
                 problems.extend(found);
-                parse(&text, Some(path.parent().unwrap_or(Path::new(""))), problems)
+                let folder = path.parent().unwrap_or(Path::new(""));
+                let mut world = parse(&text, Some(folder), problems)?;
+                world.files.push(path);
+                Some(world)
             }
             Err(problem) => {
                 problems.push(problem);
@@ -171,7 +176,11 @@ impl Reader<'_> {
         let conditions = self.conditions(top);
         let (difference, missing_at) =
             self.difference(top, about.unwrap_or_default(), folder, of_truth);
-        Some(WorldFile { surroundings: surroundings?, difference, conditions, missing_at })
+        let truth = top.get("truth").and_then(|(item, _)| item.as_str());
+        let mut files: Vec<PathBuf> =
+            folder.zip(truth).map(|(folder, name)| folder.join(name)).into_iter().collect();
+        files.extend(difference.truth.iter().flat_map(|map| map.files.iter().cloned()));
+        Some(WorldFile { surroundings: surroundings?, difference, conditions, files, missing_at })
     }
 }
 

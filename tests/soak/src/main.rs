@@ -8,10 +8,10 @@ use std::process::ExitCode;
 #[derive(Parser)]
 struct Arguments {
     /// Least number of ticks to run.
-    #[arg(long, default_value_t = 10_000_000)]
+    #[arg(long, default_value_t = 10_000_000, allow_negative_numbers = true)]
     ticks: u64,
     /// Seed of the first mission; each further mission uses the next.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
 }
 

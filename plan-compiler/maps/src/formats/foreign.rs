@@ -5,6 +5,7 @@
 
 use super::{Format, ros};
 use crate::problem::Problem;
+use crate::terminal::quoted;
 use std::path::Path;
 
 /// Bytes from the start of a file that are examined.
@@ -31,7 +32,7 @@ struct Kind {
     extensions: &'static [&'static str],
     /// Whether a file begins like one.
     begins: fn(&Head<'_>) -> bool,
-    /// How to fix it; `{in}` is the file's name and `{out}` the name without its extension.
+    /// How to fix it; `{in}` is the file's name, and `{out.png}` that of a file of another kind.
     help: &'static str,
 }
 
@@ -79,10 +80,10 @@ impl<'a> Head<'a> {
     }
 }
 
-const OGR: &str = "convert it with `ogr2ogr -f GeoJSON {out}.geojson {in}`, and give each \
+const OGR: &str = "convert it with `ogr2ogr -f GeoJSON {out.geojson} {in}`, and give each \
                    obstacle a property such as `building`";
 const ROUTE: &str = "build a map of the place, and give its points as goals: --goal NAME=X,Y";
-const PICTURE: &str = "save it as {out}.png with obstacles black and free ground white, \
+const PICTURE: &str = "save it as {out.png} with obstacles black and free ground white, \
                        and describe it in a YAML file: image, resolution, origin, thresholds";
 const SCAN: &str = "convert it to a grid first, for example with octomap_server, save that with \
                     map_saver, and build the YAML file";
@@ -209,7 +210,7 @@ const KINDS: &[Kind] = &[
         begins: |head| {
             [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| head.has(*magic))
         },
-        help: "convert it with `gdal_translate -of PNG {in} {out}.png`, and describe it in a YAML \
+        help: "convert it with `gdal_translate -of PNG {in} {out.png}`, and describe it in a YAML \
                file: image, resolution, origin, thresholds",
     },
     Kind {
@@ -277,9 +278,10 @@ pub(super) fn refuse(path: &Path, bytes: &[u8], may_go_by_name: bool) -> Option<
         narrower.filter(|_| head.has(b"PK\x03\x04") || head.has(b"SQLite")).unwrap_or(kind)
     });
     if let Some(kind) = by_content.or_else(by_name) {
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy();
-        let help = kind.help.replace("{out}", &stem).replace("{in}", &name);
+        let name = Path::new(path.file_name().unwrap_or(path.as_os_str()));
+        let help = kind.help.replace("{out.geojson}", &quoted(&name.with_extension("geojson")));
+        let help = help.replace("{out.png}", &quoted(&name.with_extension("png")));
+        let help = help.replace("{in}", &quoted(name));
         return Some(Problem::error(format!("{} is {}", path.display(), kind.what)).help(help));
     }
     wrapped(bytes).map(|kind| {

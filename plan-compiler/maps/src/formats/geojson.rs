@@ -270,7 +270,7 @@ impl<'a> Reader<'a> {
             self.judge.report(&mut self.problems);
             let places = self.drawn.iter().flat_map(Drawn::positions);
             self.problems.extend(Bounds::around(places).and_then(|around| around.suspect()));
-            plane.note(&map, &passed.unused, &mut self.problems);
+            plane.note(&map, &passed.unused, self.judge.rules, &mut self.problems);
         }
         Some(map)
     }

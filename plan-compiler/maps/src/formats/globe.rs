@@ -5,8 +5,8 @@
 //! otherwise it is the centre of the map's bounds. Bounds that the file states outrank those of its
 //! coordinates, so later additions do not move existing coordinates.
 
-use super::tags::Unused;
-use crate::model::{Extent, Map, Point, Reference, Role};
+use super::tags::{TagRules, Unused};
+use crate::model::{Extent, Feature, Map, Point, Reference, Role};
 use crate::numbers::metres;
 use crate::problem::{Problem, Source};
 use math::GeoPoint;
@@ -389,7 +389,13 @@ impl Plane {
 
     /// Adds a note on where the map lies and what it contains, and a warning if the drawing has no
     /// obstacles.
-    pub(super) fn note(&self, map: &Map, unused: &Unused, problems: &mut Vec<Problem>) {
+    pub(super) fn note(
+        &self,
+        map: &Map,
+        unused: &Unused,
+        rules: &TagRules,
+        problems: &mut Vec<Problem>,
+    ) {
         let [width, height] = self.extent.size.map(|side| metres((side * 10.0).round() / 10.0));
         let (lat, lon) = (self.reference.lat_deg(), self.reference.lon_deg());
         let count = |role: Role| map.features.iter().filter(|one| one.role == role).count();
@@ -401,8 +407,10 @@ impl Plane {
             0 => "0".into(),
             total => format!("{total} ({})", unused.list()),
         };
-        if obstacles + areas == 0 && zones + unused.total() > 0 {
-            problems.push(nothing_blocks(map, unused));
+        let is_idle = |one: &&Feature| one.role == Role::Zone && !rules.used.contains(&one.name);
+        let idle: Vec<&Feature> = map.features.iter().filter(is_idle).collect();
+        if obstacles + areas == 0 && idle.len() + unused.total() > 0 {
+            problems.push(nothing_blocks(&idle, unused));
         }
         let note = Problem::note(format!(
             "the map is {width} m x {height} m, {by}; 0,0 is {what}, latitude {lat}, longitude \
@@ -420,8 +428,8 @@ impl Plane {
     }
 }
 
-fn nothing_blocks(map: &Map, unused: &Unused) -> Problem {
-    let mut names: Vec<&str> = map.features.iter().map(|zone| zone.name.as_str()).collect();
+fn nothing_blocks(zones: &[&Feature], unused: &Unused) -> Problem {
+    let mut names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
     names.truncate(8);

@@ -53,7 +53,7 @@ pub fn recognises(text: &str) -> bool {
 /// Reads the maps of a file as one map with all goals, and every mistake.
 pub fn read(source: &Arc<Source>) -> (Option<Map>, Vec<Problem>) {
     let lines = Lines::of(&source.text).peekable();
-    let mut reader = Reader { source, lines, problems: Vec::new(), first: None };
+    let mut reader = Reader { source, lines, problems: Vec::new(), first: None, is_cut: false };
     let map = reader.plan();
     (map, reader.problems)
 }
@@ -119,6 +119,8 @@ struct Reader<'a> {
     lines: Peekable<Lines<'a>>,
     problems: Vec<Problem>,
     first: Option<First>,
+    /// Whether the file ends within a map: what follows from that is not reported again.
+    is_cut: bool,
 }
 
 impl<'a> Reader<'a> {
@@ -250,12 +252,15 @@ impl<'a> Reader<'a> {
                 _ => self.unexpected(line),
             }
         }
-        if !is_ended && self.problems.len() <= MAX_PROBLEMS {
+        let is_cut = self.is_cut;
+        if !is_ended && !is_cut && self.problems.len() <= MAX_PROBLEMS {
             let (end, help) = (self.end(), "add a line END_FILE, if nothing else was cut off");
             let problem = Problem::warning("the file does not end with END_FILE");
             self.problems.push(problem.at(self.source, end, "it ends here").help(help));
         }
-        self.check_count(count_line, elements.len());
+        if !is_cut {
+            self.check_count(count_line, elements.len());
+        }
         let parts = elements.into_iter().chain([contingency]);
         parts.flat_map(Element::into_points).collect()
     }
@@ -321,6 +326,24 @@ impl<'a> Reader<'a> {
         goal.map(|at| NamedPoint { name: String::new(), at, span })
     }
 
+    /// Reports that the file ends within a map.
+    fn cut(
+        &mut self,
+        name: &str,
+        blocked: &[bool],
+        dimensions: Option<Dimensions>,
+        last: Range<usize>,
+    ) {
+        self.is_cut = true;
+        let count = match dimensions.map(|own| own.cells()) {
+            Some(cells) => format!("after {} of {cells} values", blocked.len()),
+            None => format!("after {} values", blocked.len()),
+        };
+        let message = format!("the file ends within map `{name}`, {count}");
+        let help = "copy the file again, or have MissionLab write it again: it was cut off";
+        self.error(message, last, "its last line", help);
+    }
+
     /// Reads the values of the map that is named at `span`.
     fn values(
         &mut self,
@@ -375,6 +398,9 @@ impl<'a> Reader<'a> {
             Some(_) => {
                 self.lines.next();
             }
+            None if self.lines.peek().is_none() => {
+                self.cut(name, &blocked, dimensions, last.clone())
+            }
             None => {
                 let message = format!("map `{name}` does not end with END_MAP");
                 let help = "add a line END_MAP after it, if no value was cut off";
@@ -382,6 +408,9 @@ impl<'a> Reader<'a> {
             }
         }
         let Some(dimensions) = dimensions else { return };
+        if self.is_cut {
+            return;
+        }
         if blocked.len() != dimensions.cells() {
             let (count, cells) = (blocked.len(), dimensions.cells());
             let message = format!("map `{name}` has {count} values, but its sizes make {cells}");

@@ -113,7 +113,7 @@ fn draw(
     if !has_errors(problems) {
         passed.report(WITH_OUTLINES, problems);
         judge.report(problems);
-        plane.note(&map, &passed.unused, problems);
+        plane.note(&map, &passed.unused, &options.tags, problems);
     }
     Some(map)
 }

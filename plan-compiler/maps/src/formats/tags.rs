@@ -132,7 +132,7 @@ fn is_no(value: &str) -> bool {
 /// Judges the objects of one file and tracks which rules matched.
 #[derive(Debug)]
 pub(super) struct Judge<'a> {
-    rules: &'a TagRules,
+    pub(super) rules: &'a TagRules,
     /// Whether each rule matched an object, in the order of [`TagRules::all`].
     used: Vec<Cell<bool>>,
     gates: Cell<usize>,

@@ -9,7 +9,8 @@ use plan_compiler::mission::words::number;
 
 /// The point in a line; `None` if the line contains none.
 pub(super) fn point(line: &str) -> Result<Option<[f64; 2]>, String> {
-    let line = line.trim();
+    // Programs on Windows begin a file with a byte order mark.
+    let line = line.trim_start_matches('\u{feff}').trim();
     if line.starts_with('#') || line == "---" {
         return Ok(None);
     }
@@ -71,6 +72,7 @@ mod tests {
         for line in [
             "1 -2.5",
             " 1\t-2.5 \r",
+            "\u{feff}1 -2.5",
             "1,-2.5",
             "1, -2.5",
             "1;-2.5",
@@ -86,7 +88,9 @@ mod tests {
         ] {
             assert_eq!(point(line), Ok(Some([1.0, -2.5])), "{line}");
         }
-        for line in ["", "  ", "# a comment 1 2", "x,y", "x\ty\tyaw", "---"] {
+        for line in
+            ["", "\u{feff}", "\u{feff}x,y", "  ", "# a comment 1 2", "x,y", "x\ty\tyaw", "---"]
+        {
             assert_eq!(point(line), Ok(None), "{line}");
         }
         for (line, expected) in [

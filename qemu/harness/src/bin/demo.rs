@@ -21,10 +21,10 @@ use sim::{
 #[command(name = "cargo demo")]
 struct Arguments {
     /// Speed of the display on a terminal relative to real time; 0 for as fast as possible
-    #[arg(long, default_value_t = 20.0, value_name = "FACTOR")]
+    #[arg(long, default_value_t = 20.0, value_name = "FACTOR", allow_negative_numbers = true)]
     pace: f64,
     /// Seed of the sensors' noise
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
 }
 

@@ -1,14 +1,14 @@
 //! `cargo drive-bench`: drives suites of courses with default parameters and prints a table.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
 use harness::drive_bench::{self, Drives, Row, Run, Suite, is_worse, rows, table};
-use harness::picture;
 use harness::setup::root;
+use harness::{picture, shell};
 use indicatif::{ProgressBar, ProgressStyle};
+use plan_compiler::output;
 use plan_compiler::trace::story::Story;
 
 const AFTER: &str = "\
@@ -18,8 +18,8 @@ fields of the same kind elsewhere. Success is arrival without contact; score is 
 most 0.5. A disc strikes a robot that stands, moves away or could not have seen it in time to stop;
 that is not a contact. The numbers are the same on every machine.
 
-Exit status: 0 done, 1 a run touched something, 2 the command line is wrong, 3 a file is missing or
-wrong.";
+Exit status: 0 done, 1 a run touched something, 2 the command line is wrong, 3 a file is missing,
+wrong or cannot be written.";
 
 /// Drives suites of courses with default parameters and prints a table.
 #[derive(Parser)]
@@ -33,10 +33,10 @@ struct Arguments {
     only: String,
     /// Courses of courtyards, city and seeded barn, and of campus up to 20; doors always has 120 and
     /// corridors 12
-    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..=10_000), allow_negative_numbers = true)]
     count: u32,
     /// Seed of the first generated course; each further one uses the next
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     /// Folder with the worlds of the BARN challenge as overlays, and optimal_times.tsv
     #[arg(long, value_name = "FOLDER", conflicts_with = "seeded")]
@@ -48,7 +48,7 @@ struct Arguments {
     #[arg(long, value_name = "INDEX/COUNT", value_parser = shard, default_value = "0/1")]
     shard: (usize, usize),
     /// Drive nothing: print the table of these files that --json wrote
-    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["shard", "suites", "only"])]
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["shard", "suites", "only", "count", "seed", "barn", "seeded", "gallery"])]
     merge: Vec<PathBuf>,
     /// Draw the worst runs to this folder, each with a trace for `plan-compiler explain`
     #[arg(long, value_name = "FOLDER")]
@@ -82,8 +82,10 @@ fn main() -> ExitCode {
         }
     };
     let text = if arguments.json { table::json(&runs) } else { table::text(&runs) };
-    // A closed pipe does not change the exit status.
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    if let Err(message) = shell::print(&text) {
+        eprintln!("{message}");
+        return ExitCode::from(3);
+    }
     ExitCode::from(u8::from(runs.iter().any(|run| run.contacts > 0)))
 }
 
@@ -106,6 +108,9 @@ fn drive(arguments: &Arguments) -> Result<Vec<Run>, String> {
     };
     let wanted =
         rows().iter().enumerate().filter(|(_, row)| is_wanted(row)).map(|(n, _)| n).collect();
+    if let Some(folder) = &arguments.gallery {
+        shell::create_folder(folder)?;
+    }
     let plan = Drives { courses, rows: wanted, shard: arguments.shard };
     let style = ProgressStyle::with_template("{bar:40} {pos} of {len} runs, {eta} left");
     let bar = ProgressBar::new(plan.count() as u64);
@@ -139,7 +144,6 @@ fn merge(paths: &[PathBuf]) -> Result<Vec<Run>, String> {
 const GALLERY: usize = 12;
 
 fn gallery(folder: &Path, plan: &Drives, runs: &[Run]) -> Result<(), String> {
-    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut worst: Vec<&Run> = runs.iter().filter(|run| run.has_route).collect();
     worst.sort_by(|a, b| is_worse(b, a).cmp(&is_worse(a, b)));
     for run in worst.into_iter().take(GALLERY) {
@@ -151,8 +155,8 @@ fn gallery(folder: &Path, plan: &Drives, runs: &[Run]) -> Result<(), String> {
         let (driven, trace) = drive_bench::record(run.row, &row.setting, course)?;
         let name = format!("{:04} {}", run.number, run.course).replace([' ', ','], "-");
         let path = folder.join(format!("{name}.trace"));
-        let written = std::fs::write(&path, trace.to_bytes());
-        written.map_err(|error| format!("{}: {error}", path.display()))?;
+        let written = output::write_file(&path, |out| out.write_all(&trace.to_bytes()));
+        written.map_err(|problem| problem.message)?;
         let route = &driven.outcome.route;
         let (turns, steps) = (Vec::new(), Vec::new());
         let story = Story { turns, steps, engaged: vec![0; route.len()] };

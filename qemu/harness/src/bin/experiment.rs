@@ -1,6 +1,5 @@
 //! `cargo experiment`: runs the team experiment of Wagner and Arkin and prints its table.
 
-use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -8,7 +7,9 @@ use clap::Parser;
 use harness::experiment::curves::{self, Point};
 use harness::experiment::variation::{Condition, Variation};
 use harness::experiment::{Campaign, Row, Trial, figures, table};
+use harness::shell;
 use indicatif::{ProgressBar, ProgressStyle};
+use maps::problem;
 use plan_compiler::output;
 
 const AFTER: &str = "\
@@ -16,20 +17,21 @@ Three robots cross three streets, each with the firmware's own tick. The rows ar
 paper's table 1: reactive, 66:34, 34:66, plan, parallel, serial. The map was chosen, and the README
 tells how. The numbers are the same on every machine.
 
-Exit status: 0 done, 2 the command line is wrong, 3 a file is missing or wrong.";
+Exit status: 0 done, 2 the command line is wrong, 3 a file is missing, wrong
+or cannot be written.";
 
 /// Runs the team experiment of Wagner and Arkin and prints its table beside theirs.
 #[derive(Parser)]
 #[command(name = "cargo experiment", after_help = AFTER)]
 struct Arguments {
     /// Trials of each row; each 30 of them have their own posts
-    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     trials: u32,
     /// Seed of the starts and the noise
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     /// Seed of the posts
-    #[arg(long, value_name = "F", default_value_t = 1)]
+    #[arg(long, value_name = "F", default_value_t = 1, allow_negative_numbers = true)]
     field: u64,
     /// Only these rows
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = row)]
@@ -80,12 +82,8 @@ fn shard(text: &str) -> Result<(u32, u32), String> {
 }
 
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(text) => {
-            // A closed pipe does not change the exit status.
-            let _ = std::io::stdout().write_all(text.as_bytes());
-            ExitCode::SUCCESS
-        }
+    match run(&Arguments::parse()).and_then(|text| shell::print(&text)) {
+        Ok(()) => ExitCode::SUCCESS,
         Err(message) => {
             eprintln!("{}", message.trim_end());
             ExitCode::from(3)
@@ -94,8 +92,14 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<String, String> {
-    if let Some(problem) = arguments.csv.as_deref().and_then(output::check) {
-        return Err(problem.message);
+    if let Some(csv) = &arguments.csv {
+        let problems = output::check_against(csv, &arguments.merge);
+        if !problems.is_empty() {
+            return Err(problem::draw(&problems, false));
+        }
+    }
+    if let Some(folder) = &arguments.figures {
+        shell::create_folder(folder)?;
     }
     if arguments.beyond {
         return beyond(arguments);

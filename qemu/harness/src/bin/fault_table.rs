@@ -1,12 +1,13 @@
 //! `cargo fault-table`: every fault of every part of the robot, on three maps.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
 use harness::fault_table::{Case, Filled, Row, Run, fill, record, rows, run_count};
+use harness::shell;
 use indicatif::{ProgressBar, ProgressStyle};
+use plan_compiler::output;
 
 const JUDGEMENT: &str = "\
 A run is sound if the robot arrives within three times its time without a fault plus 60 s, or stands
@@ -18,17 +19,17 @@ robot stood. Notes below the table say what no robot with these sensors can know
 is without a fault; there, every robot must arrive.
 
 Exit status: 0 all judged runs are sound, 1 some are not, 2 the command line is wrong, 3 a map of the
-table is missing or wrong, or a trace could not be written.";
+table is missing or wrong, or an output could not be written.";
 
 /// Tries every fault of every part of the robot from random times on three maps.
 #[derive(Parser)]
 #[command(name = "cargo fault-table", after_help = JUDGEMENT)]
 struct Arguments {
     /// Runs of each fault on each map
-    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000), allow_negative_numbers = true)]
     seeds: u64,
     /// Seed of the first run; each further run uses the next
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     /// Only this part: gps, compass, odometry, ranges, link, battery, clock or actuators
     #[arg(long, value_name = "NAME")]
@@ -59,6 +60,12 @@ fn main() -> ExitCode {
         eprintln!("no fault has this sensor and kind; see cargo fault-table --help");
         return ExitCode::from(2);
     }
+    if let Some(folder) = &arguments.traces
+        && let Err(message) = shell::create_folder(folder)
+    {
+        eprintln!("{message}");
+        return ExitCode::from(3);
+    }
     let style = ProgressStyle::with_template("{bar:40} {pos} of {len} runs, {eta} left");
     let bar = ProgressBar::new(run_count(&rows, arguments.seeds));
     bar.set_style(style.expect("the template is well-formed"));
@@ -81,13 +88,14 @@ fn main() -> ExitCode {
     if arguments.failures && !arguments.json {
         table.iter().for_each(|filled| text += &failures(filled));
     }
-    // A closed pipe does not change the exit status.
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    if let Err(message) = shell::print(&text) {
+        eprintln!("{message}");
+        return ExitCode::from(3);
+    }
     ExitCode::from(u8::from(!table.iter().all(Filled::is_sound)))
 }
 
 fn write_traces(folder: &Path, table: &[Filled]) -> Result<(), String> {
-    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     for filled in table {
         for run in filled.failures() {
             let Case { map, seed, .. } = run.journey;
@@ -96,8 +104,8 @@ fn write_traces(folder: &Path, table: &[Filled]) -> Result<(), String> {
             let name = format!("{part}-{}-{map}-{seed}.trace", filled.row.kind);
             let path = folder.join(name);
             let trace = record(&filled.row, &run.journey)?;
-            let written = std::fs::write(&path, trace.to_bytes());
-            written.map_err(|error| format!("{}: {error}", path.display()))?;
+            let written = output::write_file(&path, |out| out.write_all(&trace.to_bytes()));
+            written.map_err(|problem| problem.message)?;
         }
     }
     Ok(())

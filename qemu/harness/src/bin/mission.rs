@@ -1,13 +1,13 @@
 //! `cargo mission MAP`: runs one simulated mission and prints its outcome and trace hash.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Parser, ValueEnum};
 use harness::mission::{self, Changes, PRESETS};
-use harness::{Build, Machine, QemuPilot, Report, picture};
+use harness::{Build, Machine, QemuPilot, Report, picture, shell};
 use plan_compiler::goals;
 use plan_compiler::mission::Goal;
 use plan_compiler::mission::words;
@@ -20,8 +20,8 @@ use sim::{Ending, HostPilot, Outcome, PilotError, Point, Recorder, Scenario, Sta
 
 /// Exit status: the run ended neither at the goal nor with its work done, or it failed.
 const NOT_REACHED: u8 = 1;
-/// Exit status: map, mission, world or start are wrong.
-const WRONG_INPUT: u8 = 3;
+/// Exit status: map, mission, world or start are wrong, or an output cannot be written.
+const WRONG_FILE: u8 = 3;
 
 const ENDINGS: &str = "\
 Outcomes: reached (the goal), done (all work), trapped (a minute near one point), off-map and
@@ -30,7 +30,7 @@ defines the robot's start and its work, how the true world differs from the map,
 sensors and faults: see plan-compiler/WORLD.md.
 
 Exit status: 0 reached or done, 1 another outcome, 2 the command line is wrong, 3 the input is
-wrong.";
+wrong or an output cannot be written.";
 
 /// Runs one simulated mission and prints its outcome and trace hash.
 #[derive(Parser)]
@@ -43,7 +43,7 @@ struct Arguments {
     #[arg(long, value_enum, default_value = "host")]
     pilot: PilotName,
     /// Seed for every random draw: the start, the sensors' noise, obstacles left out by shares
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     /// Start position, metres; by default that of the world file, else a random one
     #[arg(long, value_name = "X,Y", value_parser = words::pair, allow_hyphen_values = true)]
@@ -65,7 +65,7 @@ struct Arguments {
     #[arg(long, value_name = "FILE", conflicts_with = "pilot")]
     trace: Option<PathBuf>,
     /// Draw map and route to a file, .svg or .png; on the host only
-    #[arg(long, value_name = "FILE", conflicts_with = "pilot")]
+    #[arg(long, value_name = "FILE", conflicts_with = "pilot", value_parser = picture_path())]
     picture: Option<PathBuf>,
     /// Use sensors without error instead of the usual ones (a GPS sigma of 1 m)
     #[arg(long)]
@@ -87,16 +87,16 @@ enum PilotName {
 
 /// Why the run has no outcome.
 enum Failure {
-    /// The arguments or their files are wrong.
-    Input(String),
-    /// The robot failed, or an output could not be written.
+    /// Map, mission, world or start are wrong, or an output cannot be written.
+    File(String),
+    /// The robot failed.
     Run(String),
 }
 
 fn main() -> ExitCode {
     let (message, status) = match run(&Arguments::parse()) {
         Ok(is_reached) => return if is_reached { 0 } else { NOT_REACHED }.into(),
-        Err(Failure::Input(message)) => (message, WRONG_INPUT),
+        Err(Failure::File(message)) => (message, WRONG_FILE),
         Err(Failure::Run(message)) => (message, NOT_REACHED),
     };
     eprintln!("{}", message.trim_end());
@@ -111,7 +111,16 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
         goals: arguments.goals.clone(),
         seed: arguments.seed,
     };
-    let scenario = mission::scenario(&arguments.map, &changes).map_err(Failure::Input)?;
+    let outputs: Vec<&Path> =
+        arguments.trace.iter().chain(&arguments.picture).map(PathBuf::as_path).collect();
+    if let [trace, picture] = outputs[..]
+        && output::is_same(trace, picture)
+    {
+        let name = trace.display();
+        return Err(Failure::File(format!("error: --trace and --picture both write {name}")));
+    }
+    let scenario = mission::scenario_for(&arguments.map, &changes, &outputs);
+    let scenario = scenario.map_err(Failure::File)?;
     for note in &scenario.notes {
         eprintln!("note: {note}");
     }
@@ -119,7 +128,7 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
     let drawn = || scenario.draw_start(arguments.seed);
     let position = arguments.start.or(given).or_else(drawn);
     let position = position.ok_or_else(|| {
-        Failure::Input("no start position is clear of obstacles and has a route".to_owned())
+        Failure::File("no start position is clear of obstacles and has a route".to_owned())
     })?;
     let heading_rad = scenario.surroundings.as_ref().map_or(0.0, |world| world.heading);
     let usual = scenario.sensors();
@@ -137,7 +146,7 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
         Some(machine) => {
             let pilot = QemuPilot::boot(machine, Build::Release, &scenario.blob);
             let mut pilot = pilot.map_err(|error| failed(&error))?;
-            let robot = scenario.robot(&start, &mut pilot).map_err(Failure::Input)?;
+            let robot = scenario.robot(&start, &mut pilot).map_err(Failure::File)?;
             let outcome = scenario.run(robot).map_err(|error| failed(&error))?;
             (outcome, Some(pilot.finish().map_err(|error| failed(&error))?))
         }
@@ -148,8 +157,7 @@ fn run(arguments: &Arguments) -> Result<bool, Failure> {
         // Writing to a string does not fail.
         let _ = write_outcome(&mut text, &scenario, &start, &outcome, report.as_ref());
     }
-    // A closed pipe does not change the exit status.
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    shell::print(&text).map_err(Failure::File)?;
     Ok(outcome.reached())
 }
 
@@ -163,7 +171,7 @@ fn on_the_host(
 ) -> Result<Outcome, Failure> {
     let failed = |error: PilotError| Failure::Run(error.to_string());
     let mut recorder = Recorder::new(HostPilot::new(scenario.plan()));
-    let robot = scenario.robot(start, &mut recorder).map_err(Failure::Input)?;
+    let robot = scenario.robot(start, &mut recorder).map_err(Failure::File)?;
     let mut simulation = scenario.simulation([robot]);
     let mut route = Vec::new();
     while !simulation.is_over() {
@@ -182,11 +190,11 @@ fn on_the_host(
         };
     }
     if let Some(path) = &arguments.picture {
-        picture::draw(scenario, start, &route, &story, &outcome, path).map_err(Failure::Run)?;
+        picture::draw(scenario, start, &route, &story, &outcome, path).map_err(Failure::File)?;
     }
     if let Some(path) = &arguments.trace {
         let trace = Trace { blob: scenario.blob.clone(), percepts, hash: outcome.trace_hash };
-        write(path, &trace.to_bytes()).map_err(Failure::Run)?;
+        write(path, &trace.to_bytes()).map_err(Failure::File)?;
     }
     Ok(outcome)
 }
@@ -270,4 +278,9 @@ fn gains(text: &str) -> Result<Gains, String> {
     let names = || PRESETS.map(|(name, _)| name).join(", ");
     let known = PRESETS.iter().find(|(name, _)| *name == text);
     known.map(|&(_, gains)| gains).ok_or_else(|| format!("the presets are {}", names()))
+}
+
+/// A parser for a picture's path: a name of another kind is a mistake in the command line.
+fn picture_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| picture::Kind::of(&path).map(|_| path))
 }

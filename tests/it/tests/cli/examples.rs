@@ -17,6 +17,8 @@ fn clone() -> Run {
 
 /// Runs the commands of a text, which follow a prompt, and returns their number.
 fn run_all(run: &Run, text: &str, prompt: &str) -> usize {
+    // A command may go on in the next line.
+    let text = text.replace("\\\n", " ");
     let commands =
         text.lines().filter_map(|line| line.strip_prefix(prompt)?.strip_prefix("plan-compiler "));
     // A comment may follow.

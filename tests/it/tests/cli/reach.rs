@@ -82,3 +82,11 @@ fn mistakes_in_radios_are_reported_together() {
         assert!(ended.status == 2 && ended.err.contains(expected), "{}", ended.err);
     }
 }
+
+/// The mistake is in the mission, not on the command line.
+#[test]
+fn a_mistake_in_the_table_radio_is_shown_in_its_line() {
+    let mission = "map = \"yard.ovl\"\n[radio]\nplaces = { base = [[3, 3], [5, 5]] }\n";
+    let files = [("yard.ovl", YARD.as_bytes()), ("rad.mission.toml", mission.as_bytes())];
+    check("comms_of_a_mission_with_a_mistake", &files, "comms rad.mission.toml", "");
+}

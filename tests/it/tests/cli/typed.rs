@@ -1,6 +1,9 @@
 //! What people type, and the one line that fixes it.
 
-use super::{Run, YARD, check, golden};
+use super::{Ended, Run, YARD, check, golden};
+use plan_compiler::trace::Trace;
+use plan_format::Blob;
+use robot_io::Percepts;
 use serde_json::Value;
 use std::fs;
 
@@ -26,6 +29,10 @@ fn command_lines_that_are_nearly_right() {
     usage("typed_unit_of_another_kind", &run, "build yard.ovl --robot-radius 25cm");
     usage("typed_blank_in_a_name", &run, "build my yard.ovl");
     usage("typed_compile", &run, "compile yard.ovl");
+    usage("typed_place_without_a_name", &run, "comms yard.ovl --place 0,25");
+    usage("typed_place_with_two_positions", &run, "comms yard.ovl --place dock=5,5;900,900");
+    usage("typed_page_of_two_words", &run, "man build render");
+    usage("typed_negative_width", &run, "cover yard.ovl --area gate --width -1");
     usage("typed_tick", &run, "explain yard.trace --tick newest");
     usage("typed_place_that_is_none", &run, "build yard.ovl --goal d=geo:151.5,-33.8");
     for (word, command) in [
@@ -40,6 +47,59 @@ fn command_lines_that_are_nearly_right() {
         assert!(ended.status == 2 && ended.err.contains(&tip), "{}", ended.err);
     }
     assert_eq!(run.names(), ["my yard.ovl", "yard.ovl"]);
+}
+
+/// Notes are neither warnings nor errors, also where a command fails.
+#[test]
+fn a_quiet_command_prints_no_notes() {
+    let map = fs::read(it::own_map("yard.osm")).unwrap();
+    let run = Run::new(&[("yard.osm", &map)]);
+    for (options, has_note) in [("", true), (" -q", false)] {
+        let ended = run.run(&format!("build yard.osm --goal a=999,999{options}"), "");
+        assert_eq!((ended.status, ended.err.contains('☞')), (1, has_note), "{}", ended.err);
+        assert!(ended.err.contains("outside the map"), "{}", ended.err);
+    }
+}
+
+/// A command that is printed runs as it stands, whatever the file's name.
+#[test]
+fn printed_commands_quote_names() {
+    let name = "ya$(id)rd (1).ovl";
+    let run = Run::new(&[(name, YARD.as_bytes())]);
+    let ended = run.run(&format!("build|{name}|--board|nrf52840-dk|-o|my plans.bin"), "");
+    assert!(ended.status == 0 && ended.err.contains(" 'my plans.bin'\n"), "{}", ended.err);
+    let ended = run.run(&format!("inspect|{name}"), "");
+    let command = format!("`plan-compiler build '{name}' -o plans.bin`");
+    assert!(ended.err.replace("\n        ", " ").contains(&command), "{}", ended.err);
+}
+
+/// A trace whose decisions differ was cut between ticks, damaged, or recorded by another build: nothing
+/// tells which.
+#[test]
+fn a_trace_that_was_changed_is_not_called_one_of_another_build() {
+    let run = Run::yard();
+    run.done("build yard.ovl");
+    let blob = fs::read(run.path("plans.bin")).unwrap();
+    let percepts = |tick: u64| Percepts { time_us: tick * 50_000, ..Percepts::default() };
+    let mut trace = Trace { blob, percepts: (0..4).map(percepts).collect(), hash: 0 };
+    trace.hash = trace.replayed_hash(&Blob::parse_exact(&trace.blob).unwrap());
+    let write = |trace: &Trace| fs::write(run.path("a.trace"), trace.to_bytes()).unwrap();
+    write(&trace);
+    assert_eq!(run.run("explain a.trace", "").err, "");
+    trace.percepts.pop();
+    write(&trace);
+    for arguments in ["explain a.trace", "explain a.trace --tick last -q"] {
+        let Ended { status, out, err } = run.run(arguments, "");
+        assert!(status == 0 && !out.contains("build") && !out.contains("warning"), "{out}");
+        let err = err.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+        let expected = "the trace was changed or cut off, or another build recorded it";
+        assert!(err.contains(expected), "{err}");
+    }
+    trace.percepts.clear();
+    write(&trace);
+    let ended = run.run("explain a.trace --tick last", "");
+    assert_eq!((ended.status, ended.out.as_str()), (1, ""), "{}", ended.err);
+    assert!(ended.err.contains("a.trace: the trace has no ticks"), "{}", ended.err);
 }
 
 #[test]

@@ -25,6 +25,8 @@ pub struct TagRules {
     /// Tags of objects that have no effect of their own but are kept as zones, which are named like
     /// the rule: `landuse=grass`.
     pub keep: Vec<TagRule>,
+    /// Zones that the caller uses itself, by name: they are not without effect.
+    pub used: Vec<String>,
     /// Whether gates without `locked` open their barrier.
     pub open_gates: bool,
 }

@@ -31,7 +31,7 @@ fn check_point(text: &str, meaning: &str) {
 
 fn rules(block: &[&str], free: &[&str], open_gates: bool) -> TagRules {
     let all = |list: &[&str]| list.iter().map(|rule| rule.parse().expect("a rule")).collect();
-    TagRules { block: all(block), free: all(free), open_gates, keep: vec![] }
+    TagRules { block: all(block), free: all(free), open_gates, ..TagRules::default() }
 }
 
 #[test]

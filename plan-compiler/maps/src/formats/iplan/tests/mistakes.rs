@@ -320,32 +320,14 @@ fn missing_and_foreign_parts_are_reported() {
     point "contingency" 0,0
     "#);
     assert_snapshot!(check(TWO.strip_suffix("9998\nEND_MAP\nEND_FILE\n").unwrap()), @r#"
-      × map `temp` does not end with END_MAP
+      × the file ends within map `temp`, after 5 of 6 values
         ╭─[Iplan.dat:36:1]
      35 │ 9998
      36 │ 9999
         · ──┬─
         ·   ╰── its last line
         ╰────
-      help: add a line END_MAP after it, if no value was cut off
-
-      × map `temp` has 5 values, but its sizes make 6
-        ╭─[Iplan.dat:36:1]
-     35 │ 9998
-     36 │ 9999
-        · ──┬─
-        ·   ╰── its last line
-        ╰────
-      help: correct the sizes, or the values
-
-      ⚠ the file does not end with END_FILE
-        ╭─[Iplan.dat:36:5]
-     35 │ 9998
-     36 │ 9999
-        ·     ▲
-        ·     ╰── it ends here
-        ╰────
-      help: add a line END_FILE, if nothing else was cut off
+      help: copy the file again, or have MissionLab write it again: it was cut off
 
     extent -0.25,-0.25 + 1,1.5
     title "yard"
