@@ -85,6 +85,27 @@ fn a_robot_that_only_wants_off_the_map_says_so() {
     }
 }
 
+/// A reading waits for the next tick, and a command holds until the one after it: a mission that says
+/// less than these 0.1 s brakes as with them.
+#[test]
+fn the_brakes_count_with_two_ticks_at_least() {
+    let map = open_field(20, 5, (19, 2));
+    let speed_mps = |latency_us| {
+        let mut parameters = Parameters::default();
+        parameters.vehicle.latency_us = latency_us;
+        let ahead = RangeReading { bearing_rad: 0.0, distance_m: 0.8 };
+        let blob = blob(&[&map], parameters);
+        let told = once(&blob, (9.5, 2.5), 0.0, |percepts| {
+            percepts.ranges = [ahead].into_iter().collect();
+            percepts.speed_mps = Some(1.0);
+        });
+        assert_eq!(told.commands.reason, Reason::Driving, "{latency_us}");
+        told.commands.speed_mps
+    };
+    assert_eq!([speed_mps(0), speed_mps(50_000)], [speed_mps(100_000); 2]);
+    assert!(speed_mps(300_000) < speed_mps(100_000) - 0.1);
+}
+
 /// An obstacle within the margin makes the robot cautious, unless the obstacle has no weight.
 #[test]
 fn a_robot_is_cautious_where_an_obstacle_repels_it() {
