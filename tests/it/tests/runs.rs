@@ -92,7 +92,14 @@ fn outcomes_have_names_and_exit_statuses() {
 fn a_wrong_command_line_and_wrong_input_have_different_statuses() {
     let far = "map = \"meadow.ovl\"\nplan = \"nowhere\"\n[goals]\na = [99, 99]\n";
     let gone = "map = \"other.opar\"\n";
-    let folder = folder(&[("meadow.ovl", MEADOW), ("far.toml", far), ("gone.toml", gone)]);
+    let disc = "start = [10, 20]\n[[discs]]\nradius = 1\nspeed = 0\npath = [[10.5, 20]]\n";
+    let folder = folder(&[
+        ("meadow.ovl", MEADOW),
+        ("far.toml", far),
+        ("gone.toml", gone),
+        ("disc.ovl", MEADOW),
+        ("disc.world.toml", disc),
+    ]);
     let at = folder.path();
     for (arguments, status, part) in [
         ("meadow.ovl --gains 1:1", 2, "the presets are"),
@@ -103,6 +110,7 @@ fn a_wrong_command_line_and_wrong_input_have_different_statuses() {
         ("meadow.ovl --plan gate --goal x=12,20", 3, "there is no plan `gate` to follow"),
         ("far.toml", 3, "there is no plan `nowhere` to follow"),
         ("far.toml", 3, "outside the map"),
+        ("disc.ovl", 3, "is inside a disc, which starts at (10.50, 20.00); choose another start"),
         ("gone.toml", 3, "check the path; it is relative to the mission file"),
         ("meadow.ovl --goal d=99,99", 3, "outside the map"),
         ("meadow.ovl --start 30,20", 3, "close to an obstacle; a clear position nearby: --start"),
