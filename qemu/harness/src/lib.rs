@@ -19,6 +19,7 @@ pub mod mission;
 pub mod picture;
 pub mod pilot;
 pub mod setup;
+pub mod stdout;
 
 pub use machine::{Build, Machine};
 pub use pilot::{QemuPilot, Report};

@@ -1,6 +1,5 @@
 //! `cargo experiment`: runs the team experiment of Wagner and Arkin and prints its table.
 
-use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -8,6 +7,7 @@ use clap::Parser;
 use harness::experiment::curves::{self, Point};
 use harness::experiment::variation::{Condition, Variation};
 use harness::experiment::{Campaign, Row, Trial, figures, table};
+use harness::stdout;
 use indicatif::{ProgressBar, ProgressStyle};
 use plan_compiler::output;
 
@@ -16,7 +16,8 @@ Three robots cross three streets, each with the firmware's own tick. The rows ar
 paper's table 1: reactive, 66:34, 34:66, plan, parallel, serial. The map was chosen, and the README
 tells how. The numbers are the same on every machine.
 
-Exit status: 0 done, 2 the command line is wrong, 3 a file is missing or wrong.";
+Exit status: 0 done, 2 the command line is wrong, 3 a file is missing or wrong, or an output cannot be
+written.";
 
 /// Runs the team experiment of Wagner and Arkin and prints its table beside theirs.
 #[derive(Parser)]
@@ -80,12 +81,8 @@ fn shard(text: &str) -> Result<(u32, u32), String> {
 }
 
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(text) => {
-            // A closed pipe does not change the exit status.
-            let _ = std::io::stdout().write_all(text.as_bytes());
-            ExitCode::SUCCESS
-        }
+    match run(&Arguments::parse()).and_then(|text| stdout::print(&text)) {
+        Ok(()) => ExitCode::SUCCESS,
         Err(message) => {
             eprintln!("{}", message.trim_end());
             ExitCode::from(3)
