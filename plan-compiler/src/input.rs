@@ -11,6 +11,8 @@ use std::sync::Arc;
 pub struct Options {
     /// Goals. If there are any, those of mission and map are not used.
     pub goals: Vec<Goal>,
+    /// The parallel plan that the robot follows.
+    pub plan: Option<String>,
     /// The robot of the mission's team.
     pub robot: Option<String>,
     /// Side of a cell, metres.

@@ -351,7 +351,13 @@ impl Reader<'_> {
             );
         };
         let team = &self.mission.team;
-        let number = team.number(name.trim()).filter(|number| *number != team.robot);
+        let number = team.number(name.trim());
+        if number == Some(team.robot) {
+            let message = format!("`{}` is the robot itself, not a mate", name.trim());
+            let help = "name another robot of the team, or remove this line: without it the robot \
+                        has no tether";
+            return self.report.error(message, &span, "this robot", help);
+        }
         if number.is_none() {
             let name = Text { value: name.to_owned(), span };
             self.report.unknown("mate", &name, team.mates(), "name another robot of the team");

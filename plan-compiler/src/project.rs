@@ -107,8 +107,12 @@ pub fn load(request: Request, problems: &mut Vec<Problem>) -> Option<Project> {
     };
     let is_incomplete = has_errors(&found);
     let named_at = mission.map_place.as_ref().filter(|_| is_mission);
-    problems.extend(found.into_iter().map(|problem| match (&problem.place, named_at) {
-        (None, Some(at)) => problem.at(&at.source, at.span.clone(), "named here"),
+    problems.extend(found.into_iter().map(|mut problem| match (&problem.place, named_at) {
+        (None, Some(at)) => {
+            let help = problem.help.take();
+            problem.help = help.map(|help| help.replace("the current folder", "the mission file"));
+            problem.at(&at.source, at.span.clone(), "named here")
+        }
         _ => problem,
     }));
     let map = map.filter(|_| !is_incomplete)?;

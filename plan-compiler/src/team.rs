@@ -66,7 +66,10 @@ pub(crate) fn part(file: &Table, robot: Option<&str>, report: &mut Report<'_>) -
     let place = file.get("team").and_then(Item::as_table_like);
     let place = place.map_or(0..0, |team| key_span(team, "robots"));
     match robot.map(|name| (name, team.number(name))) {
-        Some((_, Some(number))) => team.robot = number,
+        Some((name, Some(number))) => {
+            team.robot = number;
+            untie(&mut part, name);
+        }
         Some((name, None)) => {
             let known = team.robots.iter().map(Text::as_str);
             let name = Spanned { value: name.to_owned(), span: place };
@@ -85,6 +88,15 @@ pub(crate) fn part(file: &Table, robot: Option<&str>, report: &mut Report<'_>) -
     }
     check_silence(&part, report);
     (part, team)
+}
+
+/// Removes a tether of the whole team that leads to the robot itself: it is for its mates.
+fn untie(part: &mut Table, robot: &str) {
+    let Some(team) = part.get_mut("team").and_then(Item::as_table_like_mut) else { return };
+    let mate = team.get("tether").and_then(Item::as_str).map(str::trim);
+    if mate == Some(robot) {
+        team.remove("tether");
+    }
 }
 
 /// How to choose a robot.
@@ -111,8 +123,13 @@ fn names(file: &Table, report: &mut Report<'_>) -> Vec<Text> {
     });
     let texts: Vec<Text> = texts.collect();
     let expected = "a list of two robots or more, by their names";
-    if values.is_none_or(|values| values.len() != texts.len()) {
+    let Some(values) = values else {
         report.wrong_type("team.robots", item, &span, expected, example);
+        return Vec::new();
+    };
+    if let Some(value) = values.iter().find(|value| value.as_str().is_none()) {
+        let (span, item) = (value.span().unwrap_or(span), Item::Value((*value).clone()));
+        report.wrong_type("team.robots", &item, &span, expected, example);
         return Vec::new();
     }
     if texts.len() < 2 {
@@ -156,6 +173,13 @@ fn add_part(part: &mut Table, parts: &Item, team: &Team, report: &mut Report<'_>
             report.wrong_type(&path, item, &span, "a section", &format!("[{path}]"));
             continue;
         };
+        if let Some(team) = own.get("team").and_then(Item::as_table_like)
+            && team.contains_key("robots")
+        {
+            let message = "the robots of a team are the same for all of them";
+            let help = "name them in [team] only, and remove this line";
+            report.error(message, &key_span(team, "robots"), "in one robot's part", help);
+        }
         let dotted = format!("{name}.");
         let dotted = team.robots.iter().find(|robot| robot.value.starts_with(&dotted));
         if team.number(name).is_some() {
@@ -266,9 +290,20 @@ tether = "left"
         assert_eq!((team.robot, team.robots, team.tether_to), (1, 2, Some(0)));
     }
 
+    /// A tether of the whole team is for the mates of the robot that it names; a part overrides it.
+    #[test]
+    fn a_robot_is_not_tethered_to_itself() {
+        let text = "[team]\nrobots = [\"a\", \"b\", \"c\"]\ntether = \"a\"\n\
+            [robots.c.team]\ntether = \"b\"\n";
+        for (robot, mate) in [("a", None), ("b", Some(0)), ("c", Some(1))] {
+            let (mission, problems) = read(text, Some(robot));
+            assert_eq!((mission.parameters.team.tether_to, problems), (mate, vec![]), "{robot}");
+        }
+    }
+
     #[test]
     fn mistakes_in_a_team_have_their_lines() {
-        let table: [(&str, Option<&str>, &[&str]); 14] = [
+        let table: [(&str, Option<&str>, &[&str]); 16] = [
             (
                 TEAM,
                 None,
@@ -292,10 +327,16 @@ tether = "left"
                 Some("a"),
                 &["3: there is no robot `c`", "6: `sede` is not a key of a mission"],
             ),
+            ("[team]\nrobots = [\"a\", \"b\"]\ntether = \"a\"\n", Some("a"), &[]),
             (
-                "[team]\nrobots = [\"a\", \"b\"]\ntether = \"a\"\n",
+                "[team]\nrobots = [\"a\", \"b\"]\n[robots.a.team]\ntether = \"a\"\n",
                 Some("a"),
-                &["3: there is no mate `a`"],
+                &["4: `a` is the robot itself, not a mate"],
+            ),
+            (
+                "[team]\nrobots = [\"a\", \"b\"]\n[robots.b.team]\nrobots = [\"b\", \"a\"]\n",
+                Some("a"),
+                &["4: the robots of a team are the same for all of them"],
             ),
             (
                 "[team]\nrobots = [\"a\", \"b\"]\n[robots.b]\ntether = \"a\"\n",

@@ -114,7 +114,7 @@ fn print_built(
         output: output.to_string_lossy(),
         board: board.map(|board| board.name.as_str()),
         time_ms: took.as_secs_f64() * 1e3,
-        blob: describe(&blob, bytes.len(), &width::of_blob(&blob, bytes)),
+        blob: describe(&blob, bytes, &width::of_blob(&blob, bytes)),
     })
 }
 

@@ -1,6 +1,7 @@
 //! The contents of a blob as JSON.
 
 use maps::numbers::pair;
+use plan_compiler::recipe;
 use plan_compiler::width::{LayerPassages, Need, Passage};
 use plan_format::parameters::{Blend, Derived};
 use plan_format::{Answer, Blob, Counts, FORMAT_VERSION, Grid, Layer, ParallelPlan, Parameters};
@@ -20,8 +21,29 @@ pub(super) struct Description<'b> {
     raw_bytes: u64,
     /// Width that the robot needs between obstacles.
     needed_width_m: f64,
+    /// The robot of a team for which the blob is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    team: Option<Member>,
     drive: Driving,
     plans: Vec<Parallel<'b>>,
+}
+
+/// A robot of a team.
+#[derive(Serialize)]
+pub(super) struct Member {
+    /// Its place in the mission's list, from 1.
+    pub(super) robot: u8,
+    /// Number of robots.
+    pub(super) robots: u8,
+    /// Its name, if the blob has it.
+    pub(super) name: Option<String>,
+}
+
+/// The robot for which a blob is; `None` without a team.
+pub(super) fn member(blob: &Blob<'_>, bytes: &[u8]) -> Option<Member> {
+    let team = &blob.parameters().team;
+    let name = recipe::of_blob(bytes).and_then(|recipe| recipe.robot);
+    (team.robots > 1).then(|| Member { robot: team.robot + 1, robots: team.robots, name })
 }
 
 /// How the robot drives, and what would follow from its body.
@@ -172,10 +194,10 @@ pub(super) fn goals_text(blob: &Blob<'_>, parallel: &ParallelPlan<'_>) -> String
     }
 }
 
-/// Describes a blob, which is `bytes` long and whose layers have these passages.
+/// Describes a blob with these bytes, whose layers have these passages.
 pub(super) fn describe<'b>(
     blob: &Blob<'b>,
-    bytes: usize,
+    bytes: &[u8],
     passages: &[LayerPassages],
 ) -> Description<'b> {
     let need = Need::of(blob.parameters());
@@ -211,7 +233,7 @@ pub(super) fn describe<'b>(
     let layers: usize = plans.iter().map(|plan| plan.layers.len()).sum();
     Description {
         format_version: FORMAT_VERSION,
-        bytes,
+        bytes: bytes.len(),
         columns: grid.columns,
         rows: grid.rows,
         resolution_m: grid.resolution_m,
@@ -219,6 +241,7 @@ pub(super) fn describe<'b>(
         origin,
         raw_bytes: raw_bytes(grid) * layers as u64,
         needed_width_m: rounded(need.width_m),
+        team: member(blob, bytes),
         drive: driving(blob.parameters()),
         plans,
     }

@@ -1,6 +1,6 @@
 //! `inspect`: the contents of a blob, as text or as JSON.
 
-use super::description::{bytes_per_cell, describe, goals_text, raw_bytes};
+use super::description::{Member, bytes_per_cell, describe, goals_text, member, raw_bytes};
 use super::progress::with_patience;
 use super::{Failure, open, print_json, print_text, read_blob};
 use crate::cli::Inspect;
@@ -16,10 +16,10 @@ pub(super) fn run(args: &Inspect) -> Result<(), Failure> {
     let plan = open(&args.plans, &bytes)?;
     let passages = with_patience(false, "measuring passages", || width::of_blob(&plan, &bytes));
     if args.json {
-        return print_json(&describe(&plan, bytes.len(), &passages));
+        return print_json(&describe(&plan, &bytes, &passages));
     }
     let mut out = Vec::new();
-    write_text(&mut out, &args.plans, &plan, bytes.len(), &passages)?;
+    write_text(&mut out, &args.plans, &plan, &bytes, &passages)?;
     print_text(&String::from_utf8_lossy(&out))
 }
 
@@ -27,13 +27,13 @@ fn write_text(
     out: &mut dyn Write,
     path: &Path,
     blob: &Blob<'_>,
-    bytes: usize,
+    bytes: &[u8],
     passages: &[LayerPassages],
 ) -> io::Result<()> {
     let grid = blob.grid();
     let need = Need::of(blob.parameters());
     let mut passages = passages.iter();
-    writeln!(out, "{}: {bytes} bytes, format {FORMAT_VERSION}", path.display())?;
+    writeln!(out, "{}: {} bytes, format {FORMAT_VERSION}", path.display(), bytes.len())?;
     writeln!(
         out,
         "  grid    {} x {} cells of {} m",
@@ -49,6 +49,10 @@ fn write_text(
             writeln!(out, "  origin  {lat:.7}, {lon:.7} is {at}; heading {heading} rad")?;
         }
         None => writeln!(out, "  origin  none: a robot with GPS cannot use these plans")?,
+    }
+    if let Some(Member { robot, robots, name }) = member(blob, bytes) {
+        let name = name.map_or_else(String::new, |name| format!(", `{name}`"));
+        writeln!(out, "  team    robot {robot} of {robots}{name}")?;
     }
     write_robot(out, blob)?;
     for parallel in blob.parallel_plans() {
@@ -79,7 +83,7 @@ fn write_text(
             out,
             "  raw     the layers would take {raw} bytes with 4 bits of direction and 32 of cost per \
              cell, {:.1} times the file",
-            raw as f64 / bytes as f64
+            raw as f64 / bytes.len() as f64
         )?;
     }
     Ok(())

@@ -69,6 +69,7 @@ fn load_with(
 pub(crate) fn options(goals: &[Goal], args: &MapOptions) -> Options {
     Options {
         goals: goals.to_vec(),
+        plan: None,
         robot: args.robot.clone(),
         resolution_m: args.resolution,
         robot_radius_m: args.robot_radius,

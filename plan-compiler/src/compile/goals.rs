@@ -66,31 +66,38 @@ pub(super) fn check_names(input: &Input<'_>, problems: &mut Vec<Problem>) {
 
 /// Index of the plan that the robot follows.
 pub(super) fn followed(input: &Input<'_>, goals: &[Placed], problems: &mut Vec<Problem>) -> u16 {
-    let Some(wanted) = &input.mission.plan else { return 0 };
-    if let Some(index) = goals.iter().position(|goal| goal.name == wanted.name) {
+    let (wanted, place) = match (&input.options.plan, &input.mission.plan) {
+        (Some(name), _) => (name, None),
+        (None, Some(named)) => (&named.name, Some(&named.place)),
+        (None, None) => return 0,
+    };
+    if let Some(index) = goals.iter().position(|goal| goal.name == *wanted) {
         return index as u16;
     }
-    if goals.is_empty() {
-        // The reason for having no goal has been reported.
+    let asked = asked(input).iter().map(|goal| goal.name.as_str());
+    // Those of the map, if no goal was asked for.
+    let mut names: Vec<&str> = asked.collect();
+    if names.is_empty() {
+        names = goals.iter().map(|goal| goal.name.as_str()).collect();
+    }
+    if names.is_empty() || names.contains(&wanted.as_str()) {
+        // The reason for having no such goal has been reported.
         return 0;
     }
-    let first = goals.first().map(|goal| goal.name.as_str()).unwrap_or_default();
-    let place = Some(&wanted.place);
-    problems.push(if input.options.goals.is_empty() {
-        let names = || goals.iter().map(|goal| goal.name.as_str());
-        let help = match nearest(&wanted.name, names()) {
-            Some(meant) => format!("did you mean `{meant}`?"),
-            None => format!("the plans are: {}", names().collect::<Vec<_>>().join(", ")),
-        };
-        let error = Problem::error(format!("there is no plan `{}` to follow", wanted.name));
-        with_place(error, place, "asked for here").help(help)
-    } else {
+    problems.push(if place.is_some() && !input.options.goals.is_empty() {
+        let first = goals.first().map(|goal| goal.name.as_str()).unwrap_or_default();
         let message = format!(
-            "--goal replaces the mission's goals, and with them the plan `{}` to follow; the \
-             robot follows `{first}`",
-            wanted.name
+            "--goal replaces the mission's goals, and with them the plan `{wanted}` to follow; \
+             the robot follows `{first}`"
         );
         with_place(Problem::warning(message), place, "asked for here")
+    } else {
+        let help = match nearest(wanted, names.iter().copied()) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => format!("the plans are: {}", names.join(", ")),
+        };
+        let error = Problem::error(format!("there is no plan `{wanted}` to follow"));
+        with_place(error, place, "asked for here").help(help)
     });
     0
 }

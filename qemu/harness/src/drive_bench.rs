@@ -140,8 +140,23 @@ pub struct Run {
     pub turn_rad: f64,
     /// Smallest gap to an obstacle, metres; `None` if none came near.
     pub closest_m: Option<f64>,
-    /// The trace hash.
+    /// The trace hash; in JSON 16 hexadecimal digits, since not every reader has whole numbers of 64
+    /// bits.
+    #[serde(with = "hex")]
     pub trace_hash: u64,
+}
+
+/// A number as hexadecimal digits.
+mod hex {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    pub(super) fn serialize<S: Serializer>(number: &u64, out: S) -> Result<S::Ok, S::Error> {
+        out.serialize_str(&format!("{number:016x}"))
+    }
+
+    pub(super) fn deserialize<'a, D: Deserializer<'a>>(text: D) -> Result<u64, D::Error> {
+        u64::from_str_radix(&String::deserialize(text)?, 16).map_err(D::Error::custom)
+    }
 }
 
 impl Run {
@@ -172,6 +187,23 @@ pub struct Driven {
     pub start: Start,
 }
 
+/// What all shards of one table have in common.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Campaign {
+    /// The suites, in order.
+    pub suites: Vec<Suite>,
+    /// The text that rows contain.
+    pub only: String,
+    /// Courses of each suite whose number is not fixed.
+    pub count: u32,
+    /// Seed of the first generated course.
+    pub seed: u64,
+    /// Whether the suite barn has the worlds of the challenge; otherwise seeded ones.
+    pub has_challenge: bool,
+    /// Number of runs of all shards together.
+    pub runs: usize,
+}
+
 /// What to drive.
 #[derive(Clone, Debug)]
 pub struct Drives {
@@ -200,6 +232,11 @@ impl Drives {
     /// Number of runs.
     pub fn count(&self) -> usize {
         self.runs().len()
+    }
+
+    /// Number of runs of all shards together.
+    pub fn count_of_all(&self) -> usize {
+        Self { shard: (0, 1), ..self.clone() }.count()
     }
 
     /// Drives all runs on all cores and calls `step` after each. The order of the results is that

@@ -15,8 +15,8 @@ use maps::problem;
 use plan_compiler::trace::Trace;
 use robot_io::{CommandRecord, Reason, SensorRecord};
 use sim::{
-    Channel, Conditions, Difference, Ending, Fault, HostPilot, Outcome, Pilot, PilotError,
-    PlannedFault, Point, Random, Recorder, Scenario, SensorSettings, Start, Stream, TICK_US,
+    Channel, Difference, Ending, Fault, HostPilot, Outcome, Pilot, PilotError, Point, Random,
+    Recorder, Scenario, SensorSettings, Start, Stream, TICK_US, WorldFile,
 };
 
 use crate::mission;
@@ -41,6 +41,9 @@ const NEXT_START: u64 = 1_000_003;
 
 /// The robot stops below half a charge; it has 0.9.
 const BATTERY: &str = "\n[battery]\nlow = 0.5\n";
+
+/// What a mission needs in addition to repeat a run.
+pub const MISSION: &str = "[battery] low = 0.5";
 
 /// The maps of the table, in `tests/maps`, with the receiver of the robots there.
 const MAPS: [(&str, SensorSettings); 3] = [
@@ -194,6 +197,47 @@ pub struct Case {
     pub heading_rad: f64,
     /// Time from which the fault lasts, seconds.
     pub from_s: f64,
+    /// Time limit, seconds.
+    pub limit_s: f64,
+}
+
+impl Case {
+    /// The text of a world file in which `cargo mission` repeats the run of a row, with its `seed` and
+    /// [`MISSION`] in the mission.
+    pub fn world(&self, row: &Row) -> String {
+        let Self { start: [x, y], heading_rad, from_s, limit_s, .. } = self;
+        let sensors = MAPS.iter().find(|(map, _)| *map == self.map).map(|(_, sensors)| sensors);
+        let sigma_m = sensors.and_then(|sensors| sensors.gps).map_or(0.0, |gps| gps.sigma_m);
+        // A battery that lasts, so that its input can fail.
+        let mut world = format!(
+            "start = [{x:?}, {y:?}]\nheading = {heading_rad:?}\ntime_limit = {limit_s:?}\n\
+             gps_sigma = {sigma_m:?}\n[tanks.battery]\nchannel = 0\nlevel = 0.9\n\
+             use_per_m = 0.0001\nfill_per_s = 0.0\nat = [{x:?}, {y:?}]\nwithin = 1\n"
+        );
+        if *row == Row::WITHOUT {
+            return world;
+        }
+        let has_two = matches!(row.channel, Channel::Gps | Channel::Pose | Channel::Actuators);
+        let value = match row.fault {
+            Fault::Drop { chance } if chance < 1.0 => format!("value = {chance:?}\n"),
+            // The table has no modes of the receiver.
+            Fault::Drop { .. } | Fault::Freeze | Fault::Mode(_) => String::new(),
+            Fault::Jump { offset: [first, second] } if has_two => {
+                format!("value = [{first:?}, {second:?}]\n")
+            }
+            Fault::Jump { offset: [only, _] } => format!("value = {only:?}\n"),
+            Fault::Delay { ticks } => {
+                format!("value = {:?}\n", (ticks as u64 * TICK_US) as f64 * 1e-6)
+            }
+            Fault::Garble { chance } => format!("value = {chance:?}\n"),
+        };
+        world += &format!(
+            "[[faults]]\nsensor = \"{}\"\nkind = \"{}\"\nfrom = {from_s:?}\n{value}",
+            row.channel.name(),
+            row.kind
+        );
+        world
+    }
 }
 
 impl Run {
@@ -268,7 +312,6 @@ impl Filled {
 struct Journey<'m> {
     map: &'static str,
     scenario: &'m Scenario,
-    sensors: SensorSettings,
     start: Start,
     /// Time until the goal, seconds.
     usual_s: f64,
@@ -290,7 +333,7 @@ pub fn fill(
         scenarios.push((name, scenario(name)?, sensors));
     }
     let places: Vec<(usize, u64)> = (0..scenarios.len())
-        .flat_map(|map| (first_seed..first_seed + seeds).map(move |seed| (map, seed)))
+        .flat_map(|map| (0..seeds).map(move |number| (map, first_seed.wrapping_add(number))))
         .collect();
     let journeys = in_parallel(places.len(), |index| {
         let (map, seed) = places[index];
@@ -332,15 +375,17 @@ impl<'m> Journey<'m> {
         sensors: SensorSettings,
         seed: u64,
     ) -> Result<Self, String> {
-        let starts = (0..).map(|draw| scenario.draw_start(seed + draw * NEXT_START));
+        let starts = (0_u64..)
+            .map(|draw| scenario.draw_start(seed.wrapping_add(draw.wrapping_mul(NEXT_START))));
         let position = starts
             .map_while(|start| start)
             .find(|start| is_on_map(scenario, *start))
             .ok_or(format!("{map}: no start is clear"))?;
         let heading_rad = Random::new(seed, Stream::Obstacles).between(-PI, PI);
         let start = Start { position, heading_rad, seed, sensors };
-        let mut journey = Self { map, scenario, sensors, start, usual_s: UNKNOWN_S, without: None };
-        let (run, outcome) = journey.drive(Vec::new(), 0.0)?;
+        let mut journey = Self { map, scenario, start, usual_s: UNKNOWN_S, without: None };
+        let case = journey.case(&Row::WITHOUT);
+        let (run, outcome) = journey.drive(&Row::WITHOUT, &case)?;
         if run.is_reached {
             journey.usual_s = outcome.time_s;
         }
@@ -350,37 +395,35 @@ impl<'m> Journey<'m> {
 
     /// Drives with a fault from a random time of the journey on.
     fn run(&self, row: &Row) -> Result<Run, String> {
-        let (fault, from_s) = self.planned(row);
-        Ok(self.drive(vec![fault], from_s)?.0)
+        Ok(self.drive(row, &self.case(row))?.0)
     }
 
-    /// The fault of a row, and when it begins, seconds.
-    fn planned(&self, row: &Row) -> (PlannedFault, f64) {
+    /// What a run with the fault of a row drives.
+    fn case(&self, row: &Row) -> Case {
         let mut random = Random::new(self.start.seed, Stream::Fault);
-        let from_s = random.between(0.0, 0.9) * self.usual_s;
-        let window_s = from_s..f64::INFINITY;
-        (PlannedFault { channel: row.channel, fault: row.fault, window_s }, from_s)
+        let is_without = *row == Row::WITHOUT;
+        Case {
+            map: self.map,
+            seed: self.start.seed,
+            start: self.start.position,
+            heading_rad: self.start.heading_rad,
+            from_s: if is_without { 0.0 } else { random.between(0.0, 0.9) * self.usual_s },
+            limit_s: PATIENCE * self.usual_s + PATIENCE_S,
+        }
     }
 
-    /// The world of a run, and where it begins.
-    fn prepared(&self, faults: Vec<PlannedFault>) -> Result<(Scenario, Start), String> {
-        let limit_s = PATIENCE * self.usual_s + PATIENCE_S;
-        let [x, y] = self.start.position;
-        // A battery that lasts, so that its input can fail.
-        let world = format!(
-            "start = [{x:?}, {y:?}]\ntime_limit = {limit_s:?}\n[tanks.battery]\nchannel = 0\n\
-             level = 0.9\nuse_per_m = 0.0001\nfill_per_s = 0.0\nat = [{x:?}, {y:?}]\nwithin = 1\n"
-        );
-        let conditions = Conditions { faults, ..Conditions::default() };
-        let scenario = Scenario { surroundings: Some(world.parse()?), ..self.scenario.clone() };
+    /// The world of a run, and where it begins: as its world file says.
+    fn prepared(&self, row: &Row, case: &Case) -> Result<(Scenario, Start), String> {
+        let WorldFile { surroundings, conditions, .. } = case.world(row).parse()?;
+        let scenario = Scenario { surroundings: Some(surroundings), ..self.scenario.clone() };
         let scenario = scenario.under(conditions);
-        let sensors = scenario.conditions.sensors(self.sensors);
+        let sensors = scenario.sensors();
         Ok((scenario, Start { sensors, ..self.start }))
     }
 
-    fn drive(&self, faults: Vec<PlannedFault>, from_s: f64) -> Result<(Run, Outcome), String> {
-        let (scenario, start) = self.prepared(faults)?;
-        self.drive_by(&scenario, &start, from_s, HostPilot::new(scenario.plan()))
+    fn drive(&self, row: &Row, case: &Case) -> Result<(Run, Outcome), String> {
+        let (scenario, start) = self.prepared(row, case)?;
+        self.drive_by(&scenario, &start, case, HostPilot::new(scenario.plan()))
     }
 
     /// Lets a pilot drive until the robot arrives, stands still or takes too long.
@@ -388,9 +431,10 @@ impl<'m> Journey<'m> {
         &self,
         scenario: &Scenario,
         start: &Start,
-        from_s: f64,
+        case: &Case,
         pilot: impl Pilot,
     ) -> Result<(Run, Outcome), String> {
+        let from_s = case.from_s;
         let has_seen = Cell::new(false);
         let pilot = Watched { pilot, from_s, time_s: 0.0, has_seen: &has_seen };
         let robot = scenario.robot(start, pilot)?.to_the_end();
@@ -427,13 +471,7 @@ impl<'m> Journey<'m> {
                 has_touched: outcome.touches > 0,
                 has_seen: has_seen.get(),
                 last: commands.reason,
-                journey: Case {
-                    map: self.map,
-                    seed: start.seed,
-                    start: start.position,
-                    heading_rad: start.heading_rad,
-                    from_s,
-                },
+                journey: *case,
             };
             return Ok((run, outcome.clone()));
         }
@@ -470,10 +508,9 @@ pub fn record(row: &Row, case: &Case) -> Result<Trace, String> {
     let (map, sensors) = MAPS.into_iter().find(|(map, _)| *map == case.map).ok_or("no such map")?;
     let scenario = scenario(map)?;
     let journey = Journey::new(map, &scenario, sensors, case.seed)?;
-    let faults = if *row == Row::WITHOUT { Vec::new() } else { vec![journey.planned(row).0] };
-    let (scenario, start) = journey.prepared(faults)?;
+    let (scenario, start) = journey.prepared(row, case)?;
     let mut recorder = Recorder::new(HostPilot::new(scenario.plan()));
-    let (_, outcome) = journey.drive_by(&scenario, &start, case.from_s, &mut recorder)?;
+    let (_, outcome) = journey.drive_by(&scenario, &start, case, &mut recorder)?;
     let percepts = recorder.finish();
     Ok(Trace { blob: scenario.blob.clone(), percepts, hash: outcome.trace_hash })
 }
@@ -564,6 +601,42 @@ mod tests {
         assert_eq!(rows.len(), 8 * 6 - 1);
         let judged = rows.iter().filter(|row| row.is_judged()).count();
         assert_eq!(judged, rows.len() - 4);
+    }
+
+    /// The world file of a run has its fault to the last bit, and its receiver.
+    #[test]
+    fn the_world_file_of_a_run_repeats_it() {
+        let (map, sensors) = MAPS[2];
+        let case = Case {
+            map,
+            seed: 7,
+            start: [1.0 / 3.0, 2.0],
+            heading_rad: -0.1,
+            from_s: 10.0 / 3.0,
+            limit_s: 90.0,
+        };
+        for row in rows() {
+            let world: WorldFile = case.world(&row).parse().expect("the world is sound");
+            let window_s = case.from_s..f64::INFINITY;
+            let fault = sim::PlannedFault { channel: row.channel, fault: row.fault, window_s };
+            assert_eq!(world.conditions.faults, [fault], "{row:?}");
+            let gps = sensors.gps.expect("the robots have a receiver");
+            assert_eq!(world.surroundings.gps_sigma, Some(gps.sigma_m));
+            assert_eq!((world.surroundings.start, world.surroundings.heading), (case.start, -0.1));
+        }
+        let scenario = scenario(map).expect("the map is sound");
+        let row = rows().into_iter().find(|row| row.kind == "lost").expect("a row");
+        let journey = Journey::new(map, &scenario, sensors, 7).expect("a start is clear");
+        let run = journey.run(&row).expect("it ends");
+        let (_, start) = journey.prepared(&row, &run.journey).expect("the world is sound");
+        assert_eq!(format!("{:?}", start.sensors), format!("{sensors:?}"));
+    }
+
+    #[test]
+    fn seeds_go_on_beyond_the_largest() {
+        let table = fill(&[], u64::MAX, 2, &|| ()).expect("the maps are sound");
+        let seeds: Vec<u64> = table[0].runs.iter().map(|run| run.journey.seed).collect();
+        assert_eq!(seeds[..2], [u64::MAX, 0]);
     }
 
     #[test]

@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use maps::Map;
-use maps::problem::{self, Place, Problem, Source, has_errors};
+use maps::problem::{self, Problem, Severity, Source, has_errors};
 use plan_compiler::compile::compile;
 use plan_compiler::input::{Input, Options};
-use plan_compiler::mission::{Goal, Named, parse};
+use plan_compiler::mission::{Goal, parse};
+use plan_compiler::mutual_waits;
 use plan_compiler::output;
 use plan_compiler::project::{self, Request};
 use plan_format::parameters::{Blend, Gains};
@@ -38,7 +39,7 @@ pub struct Changes {
 
 /// Compiles a map with the mission file beside it, or a mission file that names its map.
 /// A map without a place on the globe gets one, with a note. The error lists all problems, as
-/// `plan-compiler build` does.
+/// `plan-compiler build` does; without an error the warnings go to standard error.
 pub fn scenario(path: &Path, changes: &Changes) -> Result<Scenario, String> {
     scenario_for(path, changes, &[])
 }
@@ -48,8 +49,12 @@ pub fn scenario(path: &Path, changes: &Changes) -> Result<Scenario, String> {
 pub fn scenario_for(path: &Path, changes: &Changes, outputs: &[&Path]) -> Result<Scenario, String> {
     let mut problems = Vec::new();
     let scenario = read_and_compile(path, changes, outputs, &mut problems);
-    let scenario = scenario.filter(|_| !has_errors(&problems));
-    scenario.ok_or_else(|| problem::draw(&problems, false))
+    let Some(scenario) = scenario.filter(|_| !has_errors(&problems)) else {
+        return Err(problem::draw(&problems, false));
+    };
+    problems.retain(|problem| problem.severity == Severity::Warning);
+    eprint!("{}", problem::draw(&problems, false));
+    Ok(scenario)
 }
 
 /// Compiles a map in memory into a scenario. `mission` is the text of a mission file without a map,
@@ -80,8 +85,8 @@ fn read_and_compile(
     outputs: &[&Path],
     problems: &mut Vec<Problem>,
 ) -> Option<Scenario> {
-    let (goals, robot) = (changes.goals.clone(), changes.robot.clone());
-    let options = Options { goals, robot, ..Options::default() };
+    let Changes { goals, plan, robot, .. } = changes.clone();
+    let options = Options { goals, plan, robot, ..Options::default() };
     let request = Request { path: path.into(), options, ..Request::default() };
     let mut project = project::load(request, problems)?;
     // A world beside the mission has precedence, for a map may have several missions.
@@ -103,12 +108,12 @@ fn read_and_compile(
         project.map = worlds.known.clone();
     }
     let mission = &mut project.mission;
-    if let Some(name) = &changes.plan {
-        mission.plan = Some(from_command_line(name));
-    }
     if let Some(gains) = changes.gains {
         // As in a mission file: a mix of the paper goes with the paper's blend.
         (mission.parameters.gains, mission.parameters.blend) = (gains, Blend::Paper);
+    }
+    if let Some(source) = &mission.behaviours.source {
+        problems.extend(mutual_waits::check(source, &mission.team));
     }
     let note = place_on_globe(&mut project.map);
     let blob = compile(&project.input(), &|_, _| (), problems)?;
@@ -123,11 +128,4 @@ fn read_and_compile(
     }
     scenario.notes.extend(note);
     Some(scenario)
-}
-
-/// A plan's name that the option `--plan` gives.
-fn from_command_line(name: &str) -> Named {
-    let source = Source { name: "--plan".to_owned(), text: name.to_owned() };
-    let place = Place { source: source.into(), span: 0..name.len(), label: "asked for".to_owned() };
-    Named { name: name.to_owned(), place }
 }

@@ -402,7 +402,20 @@ fn inspect_says_what_the_blob_holds() {
     assert_eq!(count("free") + count("blocked") + count("unreachable"), 40 * 30);
     // The inside of the house: 9 m by 9 m of free cells that the wall does not touch.
     assert_eq!(count("unreachable"), 81);
-    assert!(run.done("inspect plans.bin").contains("gate/physical"));
+    let text = run.done("inspect plans.bin");
+    assert!(text.contains("gate/physical") && !text.contains("  team "), "{text}");
+    assert_eq!(said.get("team"), None);
+}
+
+#[test]
+fn inspect_names_the_robot_of_a_team() {
+    let mission = b"[team]\nrobots = [\"a\", \"b\", \"c\"]\n";
+    let run = Run::new(&[("yard.ovl", YARD.as_bytes()), ("yard.mission.toml", mission)]);
+    run.done("build yard.ovl --robot b");
+    let text = run.done("inspect plans.bin");
+    assert!(text.contains("  team    robot 2 of 3, `b`\n"), "{text}");
+    let said: Value = serde_json::from_str(&run.done("inspect plans.bin --json")).unwrap();
+    assert_eq!(said["team"], serde_json::json!({ "robot": 2, "robots": 3, "name": "b" }));
 }
 
 #[test]

@@ -1,5 +1,9 @@
 //! Robots with default parameters in tight worlds: they arrive, and they touch nothing.
 
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
 use harness::drive_bench::table::Numbers;
 use harness::drive_bench::worlds;
 use harness::drive_bench::{
@@ -310,5 +314,77 @@ fn whatever_the_body_and_the_gains_nothing_is_touched() {
             outcome.touches, 0,
             "number {number}, {unmapped} unmapped:\n{mission}{outcome:?}"
         );
+    }
+}
+
+fn command(program: &str, folder: &Path, arguments: &str) -> Command {
+    let program = setup::built("harness", program, "dev", None).expect("the program is built");
+    let mut command = Command::new(program);
+    command.args(arguments.split(' ')).current_dir(folder);
+    command
+}
+
+fn bench(folder: &Path, arguments: &str) -> (Option<i32>, String, String) {
+    let Output { status, stdout, stderr } =
+        command("drive_bench", folder, arguments).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (status.code(), text(stdout), text(stderr))
+}
+
+#[test]
+fn shards_of_the_bench_merge_into_the_object_of_one_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let run = |more: &str| {
+        let (_, out, err) = bench(at, &format!("--suites corridors --only boat --json {more}"));
+        assert!(out.starts_with('{'), "{err}");
+        out
+    };
+    let whole = run("--shard 0/1");
+    for shard in ["0", "1"] {
+        fs::write(at.join(shard), run(&format!("--shard {shard}/2"))).unwrap();
+    }
+    fs::write(at.join("other"), run("--shard 1/2 --seed 2")).unwrap();
+    assert_eq!(bench(at, "--json --merge 1 0").1, whole);
+    assert!(whole.contains("\"trace_hash\":\""), "text: a program may read numbers as floats");
+    for (arguments, status, message) in [
+        ("--merge 0", 3, "are in none of the files, the first of them run 1"),
+        ("--merge 0 other", 3, "are of different campaigns"),
+        ("--merge 0 0", 3, "is in two files"),
+        ("--merge 0 1 --gallery g", 2, "cannot be used with"),
+        ("--merge 0 1 --count 3", 2, "cannot be used with"),
+        ("--only zzz", 2, "none of the rows of these suites contains \"zzz\""),
+        ("--suites campus --only boat", 2, "none of the rows of these suites contains \"boat\""),
+    ] {
+        let (ended, out, err) = bench(at, arguments);
+        assert!(ended == Some(status) && out.is_empty(), "{arguments}: {ended:?} {out}{err}");
+        assert!(err.contains(message), "{arguments}: {err}");
+    }
+    let twice = "--suites corridors,corridors --only boat --json";
+    assert_eq!(bench(at, twice).1, whole, "each course once");
+}
+
+/// A full disk is an error; a reader that has closed the pipe wants no more.
+#[test]
+fn an_output_that_cannot_be_written_has_its_status() {
+    let folder = tempfile::tempdir().unwrap();
+    for (program, arguments) in [
+        ("drive_bench", "--suites corridors --only boat --shard 0/12 --json"),
+        ("fault_table", "--seeds 1 --sensor battery --kind lost --json"),
+        ("experiment", "--rows plan --trials 1 --json"),
+    ] {
+        if let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") {
+            let mut command = command(program, folder.path(), arguments);
+            let Output { status, stderr, .. } = command.stdout(full).output().unwrap();
+            let err = String::from_utf8_lossy(&stderr);
+            assert_eq!(status.code(), Some(3), "{program}: {err}");
+            assert!(err.contains("standard output cannot be written"), "{program}: {err}");
+        }
+        let mut command = command(program, folder.path(), arguments);
+        let mut child =
+            command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("it starts");
+        drop(child.stdout.take());
+        let status = child.wait().expect("it ends");
+        assert_ne!(status.code(), Some(3), "{program}");
     }
 }

@@ -99,7 +99,16 @@ fn outcomes_have_names_and_exit_statuses() {
 
 #[test]
 fn a_wrong_command_line_and_wrong_input_have_different_statuses() {
-    let folder = folder(&[("meadow.ovl", MEADOW)]);
+    let far = "map = \"meadow.ovl\"\nplan = \"nowhere\"\n[goals]\na = [99, 99]\n";
+    let gone = "map = \"other.opar\"\n";
+    let disc = "start = [10, 20]\n[[discs]]\nradius = 1\nspeed = 0\npath = [[10.5, 20]]\n";
+    let folder = folder(&[
+        ("meadow.ovl", MEADOW),
+        ("far.toml", far),
+        ("gone.toml", gone),
+        ("disc.ovl", MEADOW),
+        ("disc.world.toml", disc),
+    ]);
     let at = folder.path();
     for (arguments, status, part) in [
         ("meadow.ovl --gains 1:1", 2, "the presets are"),
@@ -107,6 +116,11 @@ fn a_wrong_command_line_and_wrong_input_have_different_statuses() {
         ("meadow.ovl --goal 12,20", 2, "needs a name"),
         ("meadwo.ovl", 3, "did you mean meadow.ovl?"),
         ("meadow.ovl --plan gaet", 3, "did you mean `gate`?"),
+        ("meadow.ovl --plan gate --goal x=12,20", 3, "there is no plan `gate` to follow"),
+        ("far.toml", 3, "there is no plan `nowhere` to follow"),
+        ("far.toml", 3, "outside the map"),
+        ("disc.ovl", 3, "is inside a disc, which starts at (10.50, 20.00); choose another start"),
+        ("gone.toml", 3, "check the path; it is relative to the mission file"),
         ("meadow.ovl --goal d=99,99", 3, "outside the map"),
         ("meadow.ovl --start 30,20", 3, "close to an obstacle; a clear position nearby: --start"),
     ] {
@@ -114,6 +128,35 @@ fn a_wrong_command_line_and_wrong_input_have_different_statuses() {
         assert_eq!((ended, out.as_str()), (status, ""), "{arguments}: {err}");
         assert!(err.contains(part), "{arguments}: {err}");
     }
+}
+
+/// The warnings of `plan-compiler build`, those of the whole team included; the JSON stays pure.
+#[test]
+fn warnings_go_to_standard_error() {
+    let team = r#"
+        map = "meadow.ovl"
+        [team]
+        robots = ["a", "b"]
+        [inputs]
+        time = { source = "time", universe = [0, 1], missing = { then = 0 } }
+        [behaviours.go]
+        criticality = { time = "PB PB PB PB PB PB PB" }
+        once = true
+        [frames]
+        go = { productions = ["entry -> await -> tell -> drive -> exit"] }
+        [facts]
+        called = { mate = "any", signals = 1 }
+        [actions]
+        await = { do = "hold 5 s", until = ["called"] }
+        tell = { do = "signal 1" }
+        drive = { do = "follow gate" }
+    "#;
+    let folder = folder(&[("meadow.ovl", MEADOW), ("team.mission.toml", team)]);
+    let arguments = "team.mission.toml --robot a --start 10,20 --perfect --json";
+    let (status, out, err) = run(folder.path(), arguments);
+    assert!(status == 0 && out.starts_with('{'), "{out}{err}");
+    assert!(err.contains("`a` and `b` may wait for each other"), "{err}");
+    assert!(!err.contains("what the plans need"), "no notes: {err}");
 }
 
 /// A note says where the simulator places the map; the JSON stays pure.

@@ -138,7 +138,7 @@ fn the_command_prints_what_programs_read() {
     assert_eq!(names, ["34:66", "plan"], "in the order of the paper's table");
     for row in rows {
         let keys: Vec<&str> = row.as_object().unwrap().keys().map(String::as_str).collect();
-        let mut expected = vec!["name", "unfinished"];
+        let mut expected = vec!["name", "unfinished", "unfinished_robots", "connectivity"];
         let lists = ["time_s", "distance_m", "connected_s", "one_network", "coverage_m2"];
         expected.extend(lists.into_iter().chain(["coverage_disc_m2"]));
         expected.sort_unstable();
@@ -148,6 +148,9 @@ fn the_command_prints_what_programs_read() {
             assert!(numbers.len() == 2 && numbers.iter().all(|&number| number > 0.0), "{row}");
         }
         assert_eq!(row["unfinished"], 0);
+        assert_eq!(row["unfinished_robots"], serde_json::json!([0, 0]), "one number a trial");
+        let shares: Vec<f64> = serde_json::from_value(row["connectivity"].clone()).unwrap();
+        assert!(shares.len() == 2 && shares.iter().all(|share| (0.0..=1.0).contains(share)));
     }
 }
 

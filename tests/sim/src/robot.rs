@@ -208,6 +208,10 @@ impl<S: Sensors, P: Pilot> Robot<S, P> {
         let is_there = distance(self.body.position, goal) <= limits.goal_tolerance_m;
         let work = self.outcome.surroundings.as_ref().filter(|world| world.has_work());
         let is_done = match work {
+            // Without behaviours, a robot at its goal has nothing left to do.
+            Some(work) if limits.ends_at_goal && reason == Reason::AtGoal => {
+                work.is_done(Reason::Idle)
+            }
             Some(work) => work.is_done(reason),
             None => self.has_worked && stood_s(Reason::Idle) >= limits.idle_after_s,
         };
@@ -337,6 +341,25 @@ mod tests {
             let (ending, seconds) = expected;
             assert_eq!(outcome.ending, Some(ending), "{reasons:?}");
             assert!((outcome.time_s - f64::from(seconds)).abs() <= 0.5, "{reasons:?} {outcome:?}");
+        }
+    }
+
+    /// A robot without behaviours stands at its goal when its fields are done.
+    #[test]
+    fn fields_are_done_at_the_goal_without_behaviours() {
+        let text = "start = [0, 0]\n[fields.lane]\nchannel = 3\nwithin = 1\n\
+            strips = [[[1, 0], [7, 0]]]\n";
+        for (ticks, expected) in [(200, Ending::Done), (2_000, Ending::Trapped)] {
+            let world = World::new([]);
+            let place = GeoPoint::from_degrees(1.0, 2.0).expect("on the globe");
+            let reference = Reference { place, at: [0.0, 0.0], heading_rad: 0.0 };
+            let sensors = SensorSuite::new(SensorSettings::PERFECT, &reference, 1);
+            let body = Body::new(Chassis::default(), [0.0, 0.0], 0.0);
+            let limits = Limits { trapped_within_m: 900.0, ..Limits::to_goal([9.0, 0.0]) };
+            let robot = Robot::new(body, sensors, Straight(ticks), limits);
+            let robot = robot.within(text.parse().expect("it is sound"));
+            let outcome = robot.run(&world).expect("this pilot always answers");
+            assert_eq!(outcome.ending, Some(expected), "{ticks}: {outcome:?}");
         }
     }
 

@@ -1,14 +1,15 @@
 //! A scenario: plans, the map that they were compiled from, and the true world.
 
+use crate::geometry::distance;
 use crate::{
-    Actuators, Body, Channel, Chassis, Conditions, Faulty, Limits, Outcome, Pilot, PilotError,
-    PlannedFault, Point, Random, ReceiverSettings, Robot, SensorSettings, SensorSuite, Sensors,
-    Simulation, Stream, Surroundings, World, Worlds,
+    Actuators, Body, Channel, Chassis, Conditions, Disc, Faulty, Limits, Outcome, Pilot,
+    PilotError, PlannedFault, Point, Random, ReceiverSettings, Robot, SensorSettings, SensorSuite,
+    Sensors, Simulation, Stream, Surroundings, World, Worlds,
 };
 use maps::{Map, Reference, Shape};
 use math::{GeoPoint, Vec2};
 use plan_format::grid::cost_metres;
-use plan_format::{Answer, Blob, Layer, ParallelPlan};
+use plan_format::{Answer, Blob, Layer, ParallelPlan, Parameters};
 
 /// Where a map lies in the simulator if its file does not place it on the globe: 45 N, 8 E.
 pub const LOCAL_ORIGIN: GeoPoint = GeoPoint { lat_e7: 450_000_000, lon_e7: 80_000_000 };
@@ -136,12 +137,16 @@ impl Scenario {
     /// receiver is almost always less than three sigma off.
     fn limits(&self, start: &Start) -> Limits {
         let sigma_m = start.sensors.gps.map_or(0.0, |gps| gps.sigma_m);
-        let tolerance_m = f64::from(self.plan().parameters().schemas.goal_tolerance_m);
-        let diagonal_m = std::f64::consts::SQRT_2 * self.plan().grid().resolution_m;
+        let plan = self.plan();
+        let parameters = plan.parameters();
+        let tolerance_m = f64::from(parameters.schemas.goal_tolerance_m);
+        let diagonal_m = std::f64::consts::SQRT_2 * plan.grid().resolution_m;
+        let usual = Limits::to_goal(self.parallel_plan().goal_m());
         Limits {
             goal_tolerance_m: tolerance_m.max(diagonal_m) + 0.2 + 3.0 * sigma_m,
             ends_at_goal: self.plan().mission().behaviours().is_empty(),
-            ..Limits::to_goal(self.parallel_plan().goal_m())
+            trapped_after_s: patience_s(&usual, usual_speed_mps(parameters)),
+            ..usual
         }
     }
 
@@ -192,6 +197,16 @@ impl Scenario {
                 "the start ({x:.2}, {y:.2}) is too close to an obstacle; {elsewhere}"
             ));
         }
+        let discs = self.conditions.discs.iter();
+        let gap_m = |disc: &Disc| distance(disc.at(0.0), start.position) - disc.radius_m;
+        if let Some(disc) = discs.clone().find(|disc| gap_m(disc) < chassis.radius_m) {
+            let ([x, y], [at_x, at_y]) = (start.position, disc.at(0.0));
+            return Err(format!(
+                "the start ({x:.2}, {y:.2}) is inside a disc, which starts at ({at_x:.2}, \
+                 {at_y:.2}); choose another start: --start X,Y, or another `path` or `start` of the \
+                 disc"
+            ));
+        }
         let mut sensors: Box<dyn Sensors> =
             Box::new(SensorSuite::new(start.sensors, reference, start.seed));
         let mut actuators = Vec::new();
@@ -217,6 +232,19 @@ impl Scenario {
     }
 }
 
+/// The speed of a robot that nothing slows down, m/s.
+fn usual_speed_mps(parameters: &Parameters) -> f64 {
+    let vehicle = &parameters.vehicle;
+    vehicle.max_speed_mps.min(vehicle.base_speed_mps).into()
+}
+
+/// Time after which a robot of this speed counts as trapped, seconds: as `progress.after`, at least
+/// twice the time that it needs to leave the area.
+fn patience_s(limits: &Limits, speed_mps: f64) -> f64 {
+    let needed_s = 2.0 * limits.trapped_within_m / speed_mps;
+    if needed_s.is_finite() { limits.trapped_after_s.max(needed_s) } else { limits.trapped_after_s }
+}
+
 /// A position near `from` where a body is clear of obstacles, searched on growing rings.
 fn near_clear(world: &World, from: Point, radius_m: f64) -> Option<Point> {
     const RINGS: u32 = 200;
@@ -238,5 +266,18 @@ pub fn route_m(blob: &Blob<'_>, layer: &Layer<'_>, from: Point) -> Option<f64> {
         Answer::Move { cost, .. } => Some(cost_metres(cost, blob.grid().resolution_m)),
         Answer::Goal => Some(0.0),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slow_robot_has_time_to_leave_the_area_in_which_it_counts_as_trapped() {
+        let limits = Limits::to_goal([0.0, 0.0]);
+        for (speed_mps, patience) in [(1.0, 60.0), (0.1, 100.0), (0.05, 200.0), (0.0, 60.0)] {
+            assert_eq!(patience_s(&limits, speed_mps), patience, "{speed_mps}");
+        }
     }
 }

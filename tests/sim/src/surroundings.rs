@@ -159,7 +159,7 @@ impl Tank {
         let is_filling = is_on(outputs, self.output) && distance(at, self.at) <= self.within;
         if is_filling {
             self.level += self.fill_per_s * seconds;
-            self.fills += u32::from(!self.is_filling);
+            self.fills += u32::from(!self.is_filling && self.fill_per_s > 0.0);
         }
         self.is_filling = is_filling;
         self.level = self.level.clamp(0.0, 1.0);
@@ -234,6 +234,14 @@ mod tests {
         yard.step([0.0; 2], 0.0, &with(0b1000), 99.0);
         assert_eq!((yard.tanks["fuel"].level, yard.tanks["fuel"].fills), (1.0, 1));
         assert_eq!(yard.inputs(), [None, Some(1.0), None, None, Some(0.0), None, None, None]);
+    }
+
+    #[test]
+    fn a_tank_that_takes_nothing_in_is_never_filled() {
+        let text = YARD.replace("fill_per_s = 0.1", "fill_per_s = 0");
+        let mut yard: Surroundings = text.parse().expect("it is sound");
+        yard.step([0.0; 2], 0.0, &with(0b1000), 1.0);
+        assert_eq!(yard.tanks["fuel"].fills, 0);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use harness::drive_bench::{self, Drives, Row, Run, Suite, is_worse, rows, table};
+use harness::drive_bench::{self, Campaign, Drives, Row, Run, Suite, is_worse, rows, table};
 use harness::setup::root;
 use harness::{picture, shell};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -71,73 +71,96 @@ fn shard(text: &str) -> Result<(usize, usize), String> {
     fitting.ok_or_else(|| "write INDEX/COUNT with INDEX below COUNT, for example 0/4".to_owned())
 }
 
-fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    let runs = if arguments.merge.is_empty() { drive(&arguments) } else { merge(&arguments.merge) };
-    let runs = match runs {
-        Ok(runs) => runs,
-        Err(message) => {
-            eprintln!("{}", message.trim_end());
-            return ExitCode::from(3);
-        }
-    };
-    let text = if arguments.json { table::json(&runs) } else { table::text(&runs) };
-    if let Err(message) = shell::print(&text) {
-        eprintln!("{message}");
-        return ExitCode::from(3);
-    }
-    ExitCode::from(u8::from(runs.iter().any(|run| run.contacts > 0)))
+/// Why there is no table.
+enum Failure {
+    /// The command line is wrong.
+    Usage(String),
+    /// A file is missing or wrong, or an output could not be written.
+    Files(String),
 }
 
-fn drive(arguments: &Arguments) -> Result<Vec<Run>, String> {
-    let suites =
-        if arguments.suites.is_empty() { Suite::ALL.to_vec() } else { arguments.suites.clone() };
+fn main() -> ExitCode {
+    let (message, status) = match run(&Arguments::parse()) {
+        Ok(has_contacts) => return ExitCode::from(u8::from(has_contacts)),
+        Err(Failure::Usage(message)) => (message, 2),
+        Err(Failure::Files(message)) => (message, 3),
+    };
+    eprintln!("{}", message.trim_end());
+    ExitCode::from(status)
+}
+
+/// Whether a run touched something.
+fn run(arguments: &Arguments) -> Result<bool, Failure> {
+    let (campaign, runs) = if arguments.merge.is_empty() {
+        drive(arguments)?
+    } else {
+        merge(&arguments.merge).map_err(Failure::Files)?
+    };
+    let text = if arguments.json { table::json(&campaign, &runs) } else { table::text(&runs) };
+    shell::print(&text).map_err(Failure::Files)?;
+    Ok(runs.iter().any(|run| run.contacts > 0))
+}
+
+fn drive(arguments: &Arguments) -> Result<(Campaign, Vec<Run>), Failure> {
+    let mut suites = Vec::new();
+    for &suite in if arguments.suites.is_empty() { &Suite::ALL[..] } else { &arguments.suites } {
+        if !suites.contains(&suite) {
+            suites.push(suite);
+        }
+    }
+    let Arguments { only, count, seed, seeded, shard, .. } = arguments;
     let beside = root().join("../shared/data/barn");
-    let barn = arguments
-        .barn
-        .clone()
-        .or_else(|| Some(beside).filter(|path| path.is_dir() && !arguments.seeded));
-    if barn.is_none() && !arguments.seeded && suites.contains(&Suite::Barn) {
+    let barn =
+        arguments.barn.clone().or_else(|| Some(beside).filter(|path| path.is_dir() && !seeded));
+    if barn.is_none() && !seeded && suites.contains(&Suite::Barn) {
         eprintln!("the worlds of the BARN challenge are not here; seeded fields replace them");
     }
-    let courses =
-        drive_bench::courses(&suites, barn.as_deref(), arguments.count as usize, arguments.seed)?;
     let is_wanted = |row: &Row| {
         let names = [table::name(&row.setting), row.setting.vehicle.name().to_owned()];
-        names.iter().any(|name| name.contains(&arguments.only))
+        suites.contains(&row.suite) && names.iter().any(|name| name.contains(only))
     };
-    let wanted =
+    let wanted: Vec<usize> =
         rows().iter().enumerate().filter(|(_, row)| is_wanted(row)).map(|(n, _)| n).collect();
-    if let Some(folder) = &arguments.gallery {
-        shell::create_folder(folder)?;
+    if wanted.is_empty() {
+        let message = format!(
+            "none of the rows of these suites contains {only:?}; the settings and vehicles are in the \
+             table of cargo drive-bench"
+        );
+        return Err(Failure::Usage(message));
     }
-    let plan = Drives { courses, rows: wanted, shard: arguments.shard };
+    if let Some(folder) = &arguments.gallery {
+        shell::create_folder(folder).map_err(Failure::Files)?;
+    }
+    let courses = drive_bench::courses(&suites, barn.as_deref(), *count as usize, *seed);
+    let plan = Drives { courses: courses.map_err(Failure::Files)?, rows: wanted, shard: *shard };
+    let campaign = Campaign {
+        has_challenge: barn.is_some() && suites.contains(&Suite::Barn),
+        suites,
+        only: only.clone(),
+        count: *count,
+        seed: *seed,
+        runs: plan.count_of_all(),
+    };
     let style = ProgressStyle::with_template("{bar:40} {pos} of {len} runs, {eta} left");
     let bar = ProgressBar::new(plan.count() as u64);
     bar.set_style(style.expect("the template is well-formed"));
-    let runs = plan.drive(&|| bar.inc(1))?;
+    let runs = plan.drive(&|| bar.inc(1)).map_err(Failure::Files)?;
     bar.finish_and_clear();
     if let Some(folder) = &arguments.gallery {
-        gallery(folder, &plan, &runs)?;
+        gallery(folder, &plan, &runs).map_err(Failure::Files)?;
     }
-    Ok(runs)
+    Ok((campaign, runs))
 }
 
-fn merge(paths: &[PathBuf]) -> Result<Vec<Run>, String> {
-    let mut runs = Vec::new();
-    for path in paths {
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| format!("{}: {error}", path.display()))?;
-        let read = table::read_runs(&text);
-        runs.extend(read.ok_or_else(|| {
-            format!("{}: not an object that cargo drive-bench --json wrote", path.display())
-        })?);
-    }
-    runs.sort_by_key(|run| run.number);
-    if let Some(pair) = runs.windows(2).find(|pair| pair[0].number == pair[1].number) {
-        return Err(format!("run {} ({}) is in two files", pair[0].number, pair[0].course));
-    }
-    Ok(runs)
+fn merge(paths: &[PathBuf]) -> Result<(Campaign, Vec<Run>), String> {
+    let read = |path: &PathBuf| {
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;
+        let (campaign, runs) = table::read(&text)
+            .ok_or_else(|| format!("{name}: not an object that cargo drive-bench --json wrote"))?;
+        Ok((name, campaign, runs))
+    };
+    table::merge(paths.iter().map(read).collect::<Result<_, String>>()?)
 }
 
 /// How many of the worst runs are drawn.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use harness::fault_table::{Case, Filled, Row, Run, fill, record, rows, run_count};
+use harness::fault_table::{Case, Filled, MISSION, Row, Run, fill, record, rows, run_count};
 use harness::shell;
 use indicatif::{ProgressBar, ProgressStyle};
 use plan_compiler::output;
@@ -37,7 +37,7 @@ struct Arguments {
     /// Only this kind: lost, frozen, offset, delayed, garbled or intermittent
     #[arg(long, value_name = "NAME")]
     kind: Option<String>,
-    /// List the runs that are not sound, with what repeats them in a world file
+    /// List the runs that are not sound, each with the world file that repeats it
     #[arg(long)]
     failures: bool,
     /// Write a trace of each run that is not sound to this folder, for `plan-compiler explain`
@@ -84,10 +84,11 @@ fn main() -> ExitCode {
         eprintln!("{message}");
         return ExitCode::from(3);
     }
-    let mut text = if arguments.json { json(&table) } else { text(&table) };
-    if arguments.failures && !arguments.json {
-        table.iter().for_each(|filled| text += &failures(filled));
-    }
+    let text = match (arguments.json, arguments.failures) {
+        (true, has_failures) => json(&table, has_failures),
+        (false, false) => text(&table),
+        (false, true) => text(&table) + &table.iter().map(failures).collect::<String>(),
+    };
     if let Err(message) = shell::print(&text) {
         eprintln!("{message}");
         return ExitCode::from(3);
@@ -150,24 +151,31 @@ fn text(table: &[Filled]) -> String {
     text + &notes
 }
 
-/// A line for each run of a row that is not sound.
+/// Each run of a row that is not sound: a line, and the world file that repeats it.
 fn failures(filled: &Filled) -> String {
-    let lines = filled.failures().map(|run| {
-        let Case { map, seed, start: [x, y], heading_rad, from_s } = run.journey;
-        let what = match run {
-            Run { has_touched: true, .. } => "touched an obstacle".to_owned(),
-            Run { has_left: true, .. } => "left the map".to_owned(),
-            Run { stood: Some((reason, _)), .. } => format!("stands: {reason:?}"),
-            _ => format!("neither arrived nor stands; at the end {:?}", run.last),
-        };
+    let runs = filled.failures().map(|run| {
+        let Case { map, seed, .. } = run.journey;
+        let world = run.journey.world(&filled.row);
+        let world: String = world.lines().map(|line| format!("    {line}\n")).collect();
         format!(
-            "{} {}: {map} --seed {seed}, start = [{x:?}, {y:?}], heading = {heading_rad:?}, from = \
-             {from_s:?}: {what}\n",
+            "{} {}: {map} --seed {seed}: {}; it repeats with {MISSION} in the mission and this world \
+             file:\n{world}",
             name(filled),
             filled.row.kind,
+            what(run),
         )
     });
-    lines.collect()
+    runs.collect()
+}
+
+/// What is wrong with a run.
+fn what(run: &Run) -> String {
+    match run {
+        Run { has_touched: true, .. } => "touched an obstacle".to_owned(),
+        Run { has_left: true, .. } => "left the map".to_owned(),
+        Run { stood: Some((reason, _)), .. } => format!("stands: {reason:?}"),
+        _ => format!("neither arrived nor stands; at the end {:?}", run.last),
+    }
 }
 
 /// What fails in a row.
@@ -175,11 +183,11 @@ fn name(filled: &Filled) -> &'static str {
     if filled.row == Row::WITHOUT { "-" } else { filled.row.channel.name() }
 }
 
-/// The object of `--json`. Programs rely on its names.
-fn json(table: &[Filled]) -> String {
+/// The object of `--json`. Programs rely on its names. `failures` is there with `--failures`.
+fn json(table: &[Filled], has_failures: bool) -> String {
     let rows = table.iter().map(|filled| {
         let stood_s: Vec<f64> = filled.runs.iter().filter_map(|run| Some(run.stood?.1)).collect();
-        serde_json::json!({
+        let mut object = serde_json::json!({
             "sensor": name(filled),
             "kind": filled.row.kind,
             "runs": filled.runs.len(),
@@ -194,7 +202,20 @@ fn json(table: &[Filled]) -> String {
             "limit": filled.row.limit(),
             "judged": filled.row.is_judged(),
             "sound": filled.is_sound(),
-        })
+        });
+        if has_failures {
+            let failures = filled.failures().map(|run| {
+                serde_json::json!({
+                    "map": run.journey.map,
+                    "seed": run.journey.seed,
+                    "what": what(run),
+                    "mission": MISSION,
+                    "world": run.journey.world(&filled.row),
+                })
+            });
+            object["failures"] = failures.collect();
+        }
+        object
     });
     let rows: Vec<serde_json::Value> = rows.collect();
     format!("{}\n", serde_json::json!({ "rows": rows }))

@@ -1,6 +1,6 @@
 //! The benchmark's numbers as a table and as JSON.
 
-use super::{Row, Run, Setting, rows};
+use super::{Campaign, Row, Run, Setting, rows};
 use math::scalar::wide;
 use std::fmt::Write as _;
 
@@ -136,8 +136,8 @@ pub fn text(runs: &[Run]) -> String {
             0.850, contacts 0.056, time 33.1 s, score 0.159.\n"
 }
 
-/// The object of `--json`. Programs rely on its names; `--merge` reads its runs.
-pub fn json(runs: &[Run]) -> String {
+/// The object of `--json`. Programs rely on its names; `--merge` reads its campaign and its runs.
+pub fn json(campaign: &Campaign, runs: &[Run]) -> String {
     let rows = grouped(runs).into_iter().map(|(row, runs)| {
         let numbers = Numbers::of(&runs);
         serde_json::json!({
@@ -160,13 +160,44 @@ pub fn json(runs: &[Run]) -> String {
         })
     });
     let rows: Vec<serde_json::Value> = rows.collect();
-    serde_json::json!({ "rows": rows, "runs": runs }).to_string() + "\n"
+    serde_json::json!({ "campaign": campaign, "rows": rows, "runs": runs }).to_string() + "\n"
 }
 
-/// The runs of an object that [`json`] wrote; `None` if it is not one.
-pub fn read_runs(text: &str) -> Option<Vec<Run>> {
-    let object: serde_json::Value = serde_json::from_str(text).ok()?;
-    serde_json::from_value(object.get("runs")?.clone()).ok()
+/// The campaign and the runs of an object that [`json`] wrote; `None` if it is not one.
+pub fn read(text: &str) -> Option<(Campaign, Vec<Run>)> {
+    let mut object: serde_json::Value = serde_json::from_str(text).ok()?;
+    let campaign = serde_json::from_value(object.get_mut("campaign")?.take()).ok()?;
+    Some((campaign, serde_json::from_value(object.get_mut("runs")?.take()).ok()?))
+}
+
+/// Puts the runs of several files together, each with its name. The error is a message for the user:
+/// files of different campaigns, a run that is in two files, or one that is in none.
+pub fn merge(files: Vec<(String, Campaign, Vec<Run>)>) -> Result<(Campaign, Vec<Run>), String> {
+    let mut files = files.into_iter();
+    let (first, campaign, mut merged) = files.next().ok_or("no file to merge")?;
+    for (name, other, runs) in files {
+        if other != campaign {
+            return Err(format!(
+                "{name} and {first} are of different campaigns: {other:?}; {campaign:?}"
+            ));
+        }
+        merged.extend(runs);
+    }
+    merged.sort_by_key(|run| run.number);
+    if let Some(pair) = merged.windows(2).find(|pair| pair[0].number == pair[1].number) {
+        return Err(format!("run {} ({}) is in two files", pair[0].number, pair[0].course));
+    }
+    let absent = (0..).zip(&merged).find(|(number, run)| run.number != *number);
+    if merged.len() < campaign.runs {
+        return Err(format!(
+            "{} of {} runs are in none of the files, the first of them run {}: add the file of its \
+             shard",
+            campaign.runs - merged.len(),
+            campaign.runs,
+            absent.map_or(merged.len(), |(number, _)| number),
+        ));
+    }
+    Ok((campaign, merged))
 }
 
 #[cfg(test)]
@@ -189,6 +220,33 @@ mod tests {
             closest_m: Some(0.1 + number as f64),
             trace_hash: u64::MAX,
         }
+    }
+
+    fn campaign() -> Campaign {
+        let (suites, only) = (vec![crate::drive_bench::Suite::Doors], String::new());
+        Campaign { suites, only, count: 4, seed: 1, has_challenge: false, runs: 4 }
+    }
+
+    #[test]
+    fn files_that_are_put_together_are_one_run_to_the_last_byte() {
+        // 13.55 is another number.
+        let runs: Vec<Run> =
+            (0..4).map(|number| run(number, true, 0, 13.549999999999999)).collect();
+        let whole = json(&campaign(), &runs);
+        let part = |numbers: &[usize]| {
+            let runs: Vec<Run> = numbers.iter().map(|&number| runs[number].clone()).collect();
+            let (campaign, runs) = read(&json(&campaign(), &runs)).expect("it was written");
+            (format!("{numbers:?}"), campaign, runs)
+        };
+        let merged = merge(vec![part(&[1, 3]), part(&[0, 2])]).expect("they fit");
+        assert_eq!(json(&merged.0, &merged.1), whole);
+        let mistake = |files| merge(files).expect_err("they do not fit");
+        assert!(mistake(vec![part(&[0, 2])]).contains("2 of 4 runs are in none"));
+        assert!(mistake(vec![part(&[0, 1, 2])]).contains("the first of them run 3"));
+        assert!(mistake(vec![part(&[0, 1]), part(&[1, 2])]).contains("run 1 (course 1) is in two"));
+        let other = Campaign { seed: 2, ..campaign() };
+        let other = ("other".to_owned(), other, part(&[1, 3]).2);
+        assert!(mistake(vec![part(&[0, 2]), other]).contains("are of different campaigns"));
     }
 
     #[test]
@@ -221,7 +279,7 @@ mod tests {
         assert_eq!((numbers.time_s, numbers.stretch, numbers.turn_per_m), (10.0, 2.0, 0.4));
         assert_eq!(numbers.closest_m, 0.1);
         assert!((numbers.score - 0.5 / 3.0).abs() < 1e-12);
-        assert_eq!(read_runs(&json(&runs)).as_deref(), Some(&runs[..]));
+        assert_eq!(read(&json(&campaign(), &runs)), Some((campaign(), runs.to_vec())));
     }
 
     /// Values of the published formula.

@@ -132,16 +132,20 @@ fn p_value(p: f64) -> String {
 pub fn json(trials: &[Trial]) -> String {
     let rows = Rows(trials);
     let objects = present(trials).into_iter().map(|row| {
-        let unfinished = trials.iter().filter(|t| t.row == row && t.unfinished > 0).count();
+        let unfinished = trials.iter().filter(|t| t.row == row && t.unfinished > 0);
+        let robots = trials.iter().filter(|trial| trial.row == row);
+        let robots: Vec<u32> = robots.map(|trial| trial.unfinished).collect();
         serde_json::json!({
             "name": row.name(),
             "time_s": rows.values(row, Metric::Time),
             "distance_m": rows.values(row, Metric::Distance),
             "connected_s": rows.values(row, Metric::Connected),
             "one_network": rows.values(row, Metric::OneNetwork),
+            "connectivity": rows.values(row, Metric::Connectivity),
             "coverage_m2": rows.values(row, Metric::Coverage),
             "coverage_disc_m2": rows.values(row, Metric::CoverageDisc),
-            "unfinished": unfinished,
+            "unfinished": unfinished.count(),
+            "unfinished_robots": robots,
         })
     });
     let objects: Vec<serde_json::Value> = objects.collect();

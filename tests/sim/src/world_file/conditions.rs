@@ -45,6 +45,7 @@ impl Reader<'_> {
             let ahead = reader.number(body, "acceleration", (0.01, 100.0), "1.5");
             (ahead, reader.number(body, "turn_acceleration", (0.01, 1_000.0), "6.0"))
         });
+        self.one_sigma(top);
         let (unequal, slip) = wheels.unwrap_or_default();
         let (acceleration_mps2, turn_acceleration_radps2) = body.unwrap_or_default();
         Conditions {
@@ -58,6 +59,17 @@ impl Reader<'_> {
             turn_acceleration_radps2,
             discs: self.list(top, "discs", Self::disc),
             faults: self.list(top, "faults", Self::fault),
+        }
+    }
+
+    /// Reports a GPS sigma that is given twice.
+    fn one_sigma(&mut self, top: &Section<'_>) {
+        let gps = top.get("gps").and_then(|(item, _)| item.as_table_like());
+        if let (Some((_, at)), true) =
+            (top.get("gps_sigma"), gps.is_some_and(|gps| gps.contains_key("sigma")))
+        {
+            let help = "remove one of them; `gps_sigma` is short for `sigma` in [gps]";
+            self.error("`gps_sigma` and `gps.sigma` are the same", at, "the second one", help);
         }
     }
 
@@ -155,7 +167,7 @@ impl Reader<'_> {
         Some(match kind {
             Kind::Lost => Fault::Drop { chance: 1.0 },
             Kind::Frozen => Fault::Freeze,
-            Kind::Offset => Fault::Jump { offset: self.offset(fault)? },
+            Kind::Offset => Fault::Jump { offset: self.offset(fault, channel)? },
             Kind::Delayed => {
                 let seconds = self.needed_number(fault, "value", (0.05, 600.0), "1.0")?;
                 Fault::Delay { ticks: (seconds * 1e6 / TICK_US as f64).round() as usize }
@@ -172,21 +184,32 @@ impl Reader<'_> {
         }
     }
 
-    /// An offset: a number, or a point for GPS and poses.
-    fn offset(&mut self, fault: &Section<'_>) -> Option<Point> {
-        const HELP: &str = "write value = 0.5, in the unit of the reading, or value = [50, 0]: \
-                            metres east and north for `gps` and `pose`, m/s and rad/s for \
-                            `actuators`";
+    /// An offset: a number in the unit of the reading, or two where the reading has two.
+    fn offset(&mut self, fault: &Section<'_>, channel: Channel) -> Option<Point> {
+        let help = match channel {
+            Channel::Gps | Channel::Pose => "write value = [50, 0]: metres east and north",
+            Channel::Actuators => "write value = [0.3, 0.2]: m/s and rad/s",
+            Channel::Heading
+            | Channel::Odometry
+            | Channel::Ranges
+            | Channel::Link
+            | Channel::Battery
+            | Channel::Clock => "write value = 0.5: one number, in the unit of the reading",
+        };
         let Some((item, at)) = fault.get("value") else {
-            self.missing(fault, "value", HELP);
+            self.missing(fault, "value", help);
             return None;
         };
-        let number = item.as_value().and_then(number_of);
-        let number = number.filter(|number| number.abs() <= FARTHEST_M);
-        let offset =
-            number.map(|number| [number, 0.0]).or_else(|| item.as_value().and_then(point_of));
+        let has_two = matches!(channel, Channel::Gps | Channel::Pose | Channel::Actuators);
+        let is_within = |number: &f64| number.abs() <= FARTHEST_M;
+        let number = item.as_value().and_then(number_of).filter(is_within);
+        let pair = item.as_value().and_then(point_of);
+        let offset = if has_two { pair } else { number.map(|number| [number, 0.0]) };
         if offset.is_none() {
-            self.error(format!("{} must be an offset", fault.key("value")), at, "not one", HELP);
+            let what = if has_two { "two numbers, each" } else { "a number" };
+            let name = fault.key("value");
+            let message = format!("{name} must be {what} from -{FARTHEST_M} to {FARTHEST_M}");
+            self.error(message, at, "not an offset of this sensor", help);
         }
         offset
     }

@@ -121,7 +121,7 @@ fn mistakes_of_conditions_are_named() {
         (&format!("{fault}kind = \"delayed\""), &["`faults[0].value` is missing"]),
         (
             &format!("{fault}kind = \"offset\"\nvalue = \"far\""),
-            &["`faults[0].value` must be an offset"],
+            &["`faults[0].value` must be two numbers, each from -1000000 to 1000000"],
         ),
         (
             &format!("{fault}kind = \"garbled\"\nvalue = 2"),
@@ -203,10 +203,12 @@ fn every_failure_of_every_sensor_is_read() {
     for sensor in
         ["gps", "compass", "odometry", "ranges", "pose", "link", "battery", "clock", "actuators"]
     {
+        let has_two = matches!(sensor, "gps" | "pose" | "actuators");
+        let offset = if has_two { "value = [3, 0]" } else { "value = 3" };
         for (kind, value, fault) in [
             ("lost", "", Fault::Drop { chance: 1.0 }),
             ("frozen", "", Fault::Freeze),
-            ("offset", "value = 3", Fault::Jump { offset: [3.0, 0.0] }),
+            ("offset", offset, Fault::Jump { offset: [3.0, 0.0] }),
             ("delayed", "value = 1", Fault::Delay { ticks: 20 }),
             ("garbled", "", Fault::Garble { chance: 1.0 }),
             ("garbled", "value = 0.2", Fault::Garble { chance: 0.2 }),
@@ -315,4 +317,41 @@ fn missing_obstacles_must_be_on_the_map() {
     problems.clear();
     file.check(&map, &mut problems);
     assert_eq!(problems.len(), 4);
+}
+
+/// An offset has as many numbers as the reading: a wrong shape is not read as another fault.
+#[test]
+fn an_offset_has_the_shape_of_its_reading() {
+    let fault = |sensor: &str, value: &str| {
+        mistakes(&format!(
+            "[[faults]]\nsensor = \"{sensor}\"\nkind = \"offset\"\nvalue = {value}\n"
+        ))
+    };
+    for sensor in ["gps", "pose", "actuators"] {
+        let expected = "`faults[0].value` must be two numbers, each from -1000000 to 1000000";
+        assert_eq!(fault(sensor, "[1, 2]"), [""; 0], "{sensor}");
+        assert_eq!(fault(sensor, "5"), [expected], "{sensor}");
+        assert_eq!(fault(sensor, "[1e9, 0]"), [expected], "{sensor}");
+    }
+    for sensor in ["compass", "odometry", "ranges", "battery", "clock"] {
+        let expected = "`faults[0].value` must be a number from -1000000 to 1000000";
+        assert_eq!(fault(sensor, "0.5"), [""; 0], "{sensor}");
+        assert_eq!(fault(sensor, "[1, 2]"), [expected], "{sensor}");
+    }
+}
+
+#[test]
+fn one_sigma_of_the_receiver_is_enough() {
+    let expected = "`gps_sigma` and `gps.sigma` are the same";
+    assert_eq!(mistakes("gps_sigma = 0.5\n[gps]\nsigma = 0.1\n"), [expected]);
+    assert_eq!(mistakes("gps_sigma = 0.5\n[gps]\nrate = 1\n"), [""; 0]);
+}
+
+#[test]
+fn a_folder_is_not_the_truth() {
+    let source = Source { name: "w".into(), text: "start = [1, 2]\ntruth = '.'\n".into() };
+    let mut problems = Vec::new();
+    assert!(parse(&source.into(), Some(Path::new("src")), &mut problems).is_none());
+    let message = problems[0].to_string();
+    assert_eq!(message, "`truth` must be the name of a map, and \".\" is a folder");
 }

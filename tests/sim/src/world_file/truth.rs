@@ -56,7 +56,11 @@ impl Reader<'_> {
         };
         let path = folder?.join(name);
         if !path.is_file() {
-            let message = format!("there is no file {}", path.display());
+            let message = if path.is_dir() {
+                format!("`truth` must be the name of a map, and {name:?} is a folder")
+            } else {
+                format!("there is no file {}", path.display())
+            };
             self.error(message, at, "the map of the truth", HELP);
             return None;
         }
