@@ -45,7 +45,8 @@ impl Rover {
 
         let mut config = wdt::Config::default();
         config.timeout_ticks = WATCHDOG_PERIODS;
-        config.action_during_debug_halt = HaltConfig::Pause;
+        // The motors go on while a debugger halts the processor.
+        config.action_during_debug_halt = HaltConfig::Run;
         // Fails only if the watchdog already runs with other settings, as after a reset by a
         // debugger; then it works from the next power-up on.
         let watchdog = Watchdog::try_new::<_, 1>(watchdog, config).ok().map(|(_, [handle])| handle);

@@ -10,7 +10,8 @@ use embassy_rp::uart::{
 use embassy_rp::watchdog::Watchdog;
 use embassy_rp::{bind_interrupts, peripherals};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use panic_probe as _;
+use embassy_time::{Duration, with_timeout};
+use embedded_io_async::{ErrorType, Read};
 use plan_format::Blob;
 use runtime::{Fallback, Robot, Slots, time};
 use static_cell::ConstStaticCell;
@@ -41,6 +42,20 @@ async fn main(spawner: Spawner) {
     static LINK_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
     static LINK_TX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
 
+    // The motors stop and the watchdog starts before the program reads any data from outside. The
+    // check of a blob takes up to seconds and feeds the watchdog; if it hangs, the watchdog resets
+    // the rover, which restarts with its motors stopped.
+    let left = Pwm::new_output_ab(p.PWM_SLICE0, p.PIN_16, p.PIN_17, robot::stopped());
+    let right = Pwm::new_output_ab(p.PWM_SLICE1, p.PIN_18, p.PIN_19, robot::stopped());
+    let button = Input::new(p.PIN_15, Pull::Up);
+    let watchdog = Watchdog::new(p.WATCHDOG);
+    let mut rover = Rover::new(left, right, button, watchdog);
+    let light = Light(Output::new(p.PIN_25, Level::Low));
+    // Without a valid blob this rover stands still and accepts manual commands only.
+    let region = runtime::plan_region();
+    let loaded = runtime::load_paced(region, &Fallback::default(), || rover.feed_watchdog());
+
+    // After the check, during which bytes would be lost or grow old.
     let gps = BufferedUart::new(
         p.UART1,
         p.PIN_4,
@@ -59,19 +74,6 @@ async fn main(spawner: Spawner) {
         LINK_RX.take(),
         at(LINK_BAUD),
     );
-    // The motors stop and the watchdog starts before the program reads any data from outside. The
-    // check of a blob takes up to seconds and feeds the watchdog; if it hangs, the watchdog resets
-    // the rover, which restarts with its motors stopped.
-    let left = Pwm::new_output_ab(p.PWM_SLICE0, p.PIN_16, p.PIN_17, robot::stopped());
-    let right = Pwm::new_output_ab(p.PWM_SLICE1, p.PIN_18, p.PIN_19, robot::stopped());
-    let button = Input::new(p.PIN_15, Pull::Up);
-    let watchdog = Watchdog::new(p.WATCHDOG);
-    let mut rover = Rover::new(left, right, button, watchdog);
-    let light = Light(Output::new(p.PIN_25, Level::Low));
-    // Without a valid blob this rover stands still and accepts manual commands only.
-    let region = runtime::plan_region();
-    let loaded = runtime::load_paced(region, &Fallback::default(), || rover.feed_watchdog());
-
     // This board does not configure the receiver, so it sends nothing to it.
     let (_, gps) = gps.split();
     let (telemetry, operator) = link.split();
@@ -84,12 +86,12 @@ async fn main(spawner: Spawner) {
 
 #[embassy_executor::task]
 async fn gps_task(reader: BufferedUartRx) {
-    runtime::gps_task(reader, &SLOTS.fixes, time::now_us).await;
+    runtime::gps_task(Persistent(reader), &SLOTS.fixes, time::now_us).await;
 }
 
 #[embassy_executor::task]
 async fn operator_task(reader: BufferedUartRx) {
-    runtime::operator_task(reader, &SLOTS, time::now_us).await;
+    runtime::operator_task(Persistent(reader), &SLOTS, time::now_us).await;
 }
 
 #[embassy_executor::task]
@@ -100,6 +102,25 @@ async fn telemetry_task(writer: BufferedUartTx) {
 #[embassy_executor::task]
 async fn control_task(blob: Blob<'static>, mut rover: Rover, light: Light) {
     runtime::control_task(blob, &mut rover, &SLOTS, light).await;
+}
+
+/// A UART that is read anew every second: of errors in a row its driver may miss one, and would then
+/// wait without end (embassy pull request 7014).
+struct Persistent(BufferedUartRx);
+
+impl ErrorType for Persistent {
+    type Error = uart::Error;
+}
+
+impl Read for Persistent {
+    async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Self::Error> {
+        loop {
+            let read = Read::read(&mut self.0, bytes);
+            if let Ok(read) = with_timeout(Duration::from_secs(1), read).await {
+                return read;
+            }
+        }
+    }
 }
 
 fn at(baudrate: u32) -> uart::Config {

@@ -14,6 +14,9 @@
 #[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]
+#[path = "../../fault.rs"]
+mod fault;
+#[cfg(target_os = "none")]
 mod robot;
 
 /// Explains itself when started on a host.

@@ -33,7 +33,8 @@ impl Rover {
         button: Input<'static>,
         mut watchdog: Watchdog,
     ) -> Self {
-        watchdog.pause_on_debug(true);
+        // The motors go on while a debugger halts the processor.
+        watchdog.pause_on_debug(false);
         watchdog.start(WATCHDOG);
         Self {
             left,

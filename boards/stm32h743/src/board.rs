@@ -10,7 +10,6 @@ use embassy_stm32::usart::{self, BufferedUart, BufferedUartRx, BufferedUartTx};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Config, bind_interrupts, peripherals, rcc};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use panic_probe as _;
 use plan_format::Blob;
 use runtime::{Fallback, Robot, Slots, time};
 use static_cell::ConstStaticCell;
@@ -47,26 +46,6 @@ async fn main(spawner: Spawner) {
     static LINK_RX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
     static LINK_TX: ConstStaticCell<[u8; UART_BYTES]> = ConstStaticCell::new([0; UART_BYTES]);
 
-    let gps = BufferedUart::new(
-        p.USART3,
-        p.PD9,
-        p.PD8,
-        GPS_TX.take(),
-        GPS_RX.take(),
-        Interrupts,
-        at(GPS_BAUD),
-    )
-    .unwrap();
-    let link = BufferedUart::new(
-        p.UART7,
-        p.PE7,
-        p.PE8,
-        LINK_TX.take(),
-        LINK_RX.take(),
-        Interrupts,
-        at(LINK_BAUD),
-    )
-    .unwrap();
     // The motors stop and the watchdog starts before the program reads any data from outside. The
     // check of a blob takes up to seconds and feeds the watchdog; if it hangs, the watchdog resets
     // the rover, which restarts with its motors stopped.
@@ -87,6 +66,27 @@ async fn main(spawner: Spawner) {
     let region = runtime::plan_region();
     let loaded = runtime::load_paced(region, &Fallback::default(), || rover.feed_watchdog());
 
+    // After the check, during which bytes would be lost or grow old.
+    let gps = BufferedUart::new(
+        p.USART3,
+        p.PD9,
+        p.PD8,
+        GPS_TX.take(),
+        GPS_RX.take(),
+        Interrupts,
+        at(GPS_BAUD),
+    )
+    .unwrap();
+    let link = BufferedUart::new(
+        p.UART7,
+        p.PE7,
+        p.PE8,
+        LINK_TX.take(),
+        LINK_RX.take(),
+        Interrupts,
+        at(LINK_BAUD),
+    )
+    .unwrap();
     // This board does not configure the receiver, so it sends nothing to it.
     let (_, gps) = gps.split();
     let (telemetry, operator) = link.split();
@@ -120,6 +120,8 @@ async fn control_task(blob: Blob<'static>, mut rover: Rover, light: Light) {
 fn at(baudrate: u32) -> usart::Config {
     let mut config = usart::Config::default();
     config.baudrate = baudrate;
+    // A line without a sender is idle.
+    config.rx_pull = Pull::Up;
     config
 }
 

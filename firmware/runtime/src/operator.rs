@@ -57,12 +57,23 @@ pub struct RadioOrders {
 /// says. It stays disarmed until the link has taken back its own order to arm: a person beside
 /// the robot must not be overruled by the next packet. Silence takes back nothing. A robot that
 /// silence has disarmed would be armed by the next packet, so it counts as armed here.
-#[derive(Clone, Copy, Debug, Default)]
+///
+/// A robot that has just started does not know who disarmed it before: an order to arm that stands
+/// already does not count either. Otherwise a robot whose battery gives way would start to drive again
+/// after every reset.
+#[derive(Clone, Copy, Debug)]
 pub struct Authority {
     was_armed_here: bool,
     is_armed: bool,
-    /// A button has disarmed the robot, and the link has not taken back its order since.
+    /// A button has disarmed the robot, or the robot has just started, and the link has not taken back
+    /// its order since.
     is_held: bool,
+}
+
+impl Default for Authority {
+    fn default() -> Self {
+        Self { was_armed_here: false, is_armed: false, is_held: true }
+    }
 }
 
 impl Authority {
@@ -72,6 +83,8 @@ impl Authority {
         self.was_armed_here = buttons.is_armed;
         let Some(radio) = radio else {
             self.is_armed = buttons.is_armed;
+            // A link that agrees with the button does not end what goes on.
+            self.is_held = !buttons.is_armed;
             return buttons;
         };
         self.is_held |= is_pressed && (self.is_armed || radio.is_link_lost);
@@ -86,19 +99,30 @@ impl Authority {
     }
 }
 
-/// A button on the robot: each press arms or disarms. Read it once a tick: its contacts bounce for
-/// less than that.
-#[derive(Clone, Copy, Debug, Default)]
+/// A button on the robot: each press arms or disarms. Read it once a tick. Contacts bounce for less
+/// than that, and a press counts from its second tick on: motors disturb the wires of a button. One that
+/// is held from the start, or whose wires touch, is no press.
+#[derive(Clone, Copy, Debug)]
 pub struct ArmButton {
-    was_pressed: bool,
+    was_closed: bool,
+    is_pressed: bool,
     is_armed: bool,
+}
+
+impl Default for ArmButton {
+    fn default() -> Self {
+        Self { was_closed: true, is_pressed: true, is_armed: false }
+    }
 }
 
 impl ArmButton {
     /// The orders of the button in this tick.
-    pub fn read(&mut self, is_pressed: bool) -> Operator {
-        self.is_armed ^= is_pressed && !self.was_pressed;
-        self.was_pressed = is_pressed;
+    pub fn read(&mut self, is_closed: bool) -> Operator {
+        if is_closed == self.was_closed {
+            self.is_armed ^= is_closed && !self.is_pressed;
+            self.is_pressed = is_closed;
+        }
+        self.was_closed = is_closed;
         Operator { is_armed: self.is_armed, ..Operator::default() }
     }
 }
@@ -149,6 +173,7 @@ mod tests {
             (false, None, false),
             (true, None, true),
             (false, None, false),
+            (false, DISARM, false),
             (false, ARM, true),
             (true, ARM, false),
             (true, ARM, false),
@@ -165,6 +190,7 @@ mod tests {
     #[test]
     fn silence_does_not_take_back_the_order_of_the_link() {
         check(&[
+            (false, DISARM, false),
             (false, ARM, true),
             (true, ARM, false),
             (true, LOST, false),
@@ -177,12 +203,18 @@ mod tests {
 
     #[test]
     fn packets_that_arrive_again_arm_a_robot_that_silence_alone_disarmed() {
-        check(&[(false, ARM, true), (false, LOST, false), (false, ARM, true)]);
+        check(&[
+            (false, DISARM, false),
+            (false, ARM, true),
+            (false, LOST, false),
+            (false, ARM, true),
+        ]);
     }
 
     #[test]
     fn a_button_pressed_during_silence_keeps_the_robot_disarmed() {
         check(&[
+            (false, DISARM, false),
             (false, ARM, true),
             (false, LOST, false),
             (true, LOST, false),
@@ -190,10 +222,31 @@ mod tests {
             (true, DISARM, false),
             (true, ARM, true),
         ]);
-        check(&[(false, ARM, true), (true, LOST, false), (true, ARM, false)]);
+        check(&[
+            (false, DISARM, false),
+            (false, ARM, true),
+            (true, LOST, false),
+            (true, ARM, false),
+        ]);
     }
 
-    /// The link orders to arm, ten times a second; the button is pressed at 5 s, and the radio is
+    /// A robot that starts, for example after its battery gave way, while the link orders to arm. Where
+    /// its button has armed it first, it goes on.
+    #[test]
+    fn an_order_that_stands_at_the_start_does_not_arm() {
+        check(&[
+            (false, None, false),
+            (false, ARM, false),
+            (false, LOST, false),
+            (false, ARM, false),
+            (false, DISARM, false),
+            (false, ARM, true),
+        ]);
+        check(&[(false, ARM, false), (false, DISARM, false), (false, ARM, true)]);
+        check(&[(true, None, true), (true, ARM, true), (true, DISARM, false)]);
+    }
+
+    /// The link orders to arm, ten times a second, from 1 s on; the button is pressed at 5 s, and the radio is
     /// silent from 10 s to 11.5 s. At 15 s the link takes back its order, at 16 s it gives it again.
     #[test]
     fn a_drop_out_of_the_radio_does_not_arm_a_robot_that_its_button_disarmed() {
@@ -204,11 +257,15 @@ mod tests {
                 let is_silent = (10_000..11_500).contains(&ms);
                 if ms % 100 == 0 && !is_silent {
                     let is_taken_back = (15_000..16_000).contains(&ms);
-                    slot.hear(ms * 1_000, if is_taken_back { DISARMED } else { ARMED });
+                    slot.hear(
+                        ms * 1_000,
+                        if is_taken_back || ms < 1_000 { DISARMED } else { ARMED },
+                    );
                 }
                 let buttons = if ms < 5_000 { DISARMED } else { ARMED };
                 let is_armed = authority.decide(buttons, slot.at(ms * 1_000, &policy)).is_armed;
-                assert_eq!(is_armed, !(5_000..16_000).contains(&ms), "{on_loss:?}, {ms} ms");
+                let expected = ms >= 1_000 && !(5_000..16_000).contains(&ms);
+                assert_eq!(is_armed, expected, "{on_loss:?}, {ms} ms");
             }
         }
     }
@@ -226,9 +283,18 @@ mod tests {
 
     #[test]
     fn each_press_arms_or_disarms_once() {
-        let mut button = ArmButton::default();
-        let presses = [false, true, true, false, true, false];
-        let armed = presses.map(|is_pressed| button.read(is_pressed).is_armed);
-        assert_eq!(armed, [false, true, true, true, false, false]);
+        for (closed, armed) in [
+            // Two presses.
+            (&[0, 0, 1, 1, 1, 0, 0, 1, 1, 0, 0][..], &[0, 0, 0, 1, 1, 1, 1, 1, 0, 0, 0][..]),
+            // A disturbance of one tick, while open and while closed.
+            (&[0, 0, 1, 0, 0, 0], &[0, 0, 0, 0, 0, 0]),
+            (&[0, 0, 1, 1, 0, 1, 1, 1], &[0, 0, 0, 1, 1, 1, 1, 1]),
+            // Held or short-circuited from the start, and pressed later.
+            (&[1, 1, 1, 1, 0, 0, 1, 1], &[0, 0, 0, 0, 0, 0, 0, 1]),
+        ] {
+            let mut button = ArmButton::default();
+            let found = closed.iter().map(|closed| button.read(*closed == 1).is_armed);
+            assert!(found.eq(armed.iter().map(|armed| *armed == 1)), "{closed:?}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 //! and strips that fill gaps are driven where they cost the shortest detour.
 
 use super::rows::is_open;
-use super::strips::{Laid, Layout};
+use super::strips::{INSET_M, Laid, Layout};
 use super::{Ground, Strip, Transition, distance};
 use crate::field::{Field, UNREACHED, advised};
 use crate::search::{Corners, Query, Solver};
@@ -20,8 +20,6 @@ pub struct Passable<'g> {
     pub anywhere: &'g Ground,
 }
 
-/// Strips end this far inside the ground, so that rounded coordinates are in it, metres.
-pub(super) const INSET_M: f64 = 2e-3;
 /// A blocked straight line counts as this many times its length while strips are sorted in.
 const DETOUR: f64 = 3.0;
 

@@ -2,9 +2,11 @@
 //! beside slanted edges and in bays.
 
 use super::Settings;
-use super::order::INSET_M;
 use super::rows::{Rows, Span};
 use math::scalar::wide;
+
+/// Strips end this far inside the ground, so that rounded coordinates are in it, metres.
+pub(super) const INSET_M: f64 = 2e-3;
 
 /// A strip: a span of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -378,7 +378,7 @@ fn an_output_that_cannot_be_written_has_its_status() {
             let Output { status, stderr, .. } = command.stdout(full).output().unwrap();
             let err = String::from_utf8_lossy(&stderr);
             assert_eq!(status.code(), Some(3), "{program}: {err}");
-            assert!(err.contains("standard output cannot be written"), "{program}: {err}");
+            assert!(err.contains("cannot write to standard output"), "{program}: {err}");
         }
         let mut command = command(program, folder.path(), arguments);
         let mut child =

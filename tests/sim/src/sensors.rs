@@ -216,10 +216,12 @@ impl SensorSuite {
         readings
     }
 
-    /// The operator's orders, if a packet arrives in this tick.
+    /// The operator's orders, if a packet arrives in this tick. The first one does not arm: an order to
+    /// arm counts only after that.
     fn radio(&self, scene: &Scene<'_>) -> Option<Operator> {
         let is_due = self.settings.has_link && is_due(LINK_HZ, scene.time_us, scene.tick_us);
-        is_due.then_some(self.settings.operator)
+        let is_first = (scene.time_us as f64) < 1e6 / LINK_HZ;
+        is_due.then_some(if is_first { Operator::default() } else { self.settings.operator })
     }
 
     /// The pose that arrives in this tick, if one does.
