@@ -100,8 +100,8 @@ impl Authority {
 }
 
 /// A button on the robot: each press arms or disarms. Read it once a tick. Contacts bounce for less
-/// than that, and a press counts from its second tick on: motors disturb the wires of a button. One that
-/// is held from the start, or whose wires touch, is no press.
+/// than that, and a press counts from its second tick on: motors disturb the wires of a button. What
+/// is closed from the start, by a hand or by wires that touch, does not count.
 #[derive(Clone, Copy, Debug)]
 pub struct ArmButton {
     was_closed: bool,
