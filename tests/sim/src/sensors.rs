@@ -216,12 +216,13 @@ impl SensorSuite {
         readings
     }
 
-    /// The operator's orders, if a packet arrives in this tick. The first one does not arm: an order to
-    /// arm counts only after that.
+    /// The operator's orders, if a packet arrives in this tick. The first packet does not arm: orders to
+    /// arm count only after one that does not. The orders follow in the next tick.
     fn radio(&self, scene: &Scene<'_>) -> Option<Operator> {
-        let is_due = self.settings.has_link && is_due(LINK_HZ, scene.time_us, scene.tick_us);
-        let is_first = (scene.time_us as f64) < 1e6 / LINK_HZ;
-        is_due.then_some(if is_first { Operator::default() } else { self.settings.operator })
+        let SensorSettings { has_link, operator, .. } = self.settings;
+        let (is_first, is_second) = (scene.time_us == 0, scene.time_us == scene.tick_us);
+        let is_due = is_second || is_due(LINK_HZ, scene.time_us, scene.tick_us);
+        (has_link && is_due).then_some(if is_first { Operator::default() } else { operator })
     }
 
     /// The pose that arrives in this tick, if one does.
@@ -343,7 +344,7 @@ mod tests {
             SensorSettings { pose: Some(pose), has_link: true, ..SensorSettings::PERFECT };
         let records = records(settings, 3.0);
         let packets = records.iter().filter(|record| record.radio.is_some()).count();
-        assert_eq!(packets, 50);
+        assert_eq!(packets, 51);
         let poses: Vec<Pose> = records.iter().filter_map(|record| record.pose).collect();
         assert_eq!(poses.len(), 20);
         for pose in poses {
