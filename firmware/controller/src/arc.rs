@@ -157,6 +157,8 @@ mod tests {
             ((0.5, 0.29), false),
             ((0.0, 0.2), true),
             ((0.1, 0.2), false),
+            // What the body touches at its side already does not come closer.
+            ((0.001, 0.29), true),
         ] {
             let place = Vec2::new(place.0, place.1);
             let found = Arc::new(1.0, 0.0).is_clear_of_place(&body(0.3), place);
