@@ -21,11 +21,13 @@ use crate::team::Team;
 use flow::Step;
 use maps::problem::{Problem, Source, has_errors};
 use robot::{Onwards, Robot};
-use std::collections::{HashMap, VecDeque};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::sync::Arc;
 
 /// Most states that are explored: beyond it the result is incomplete, with a note.
 const MAX_STATES: usize = 200_000;
+/// Most ways to wait that are told apart: beyond it the result is incomplete too.
+const MAX_WAITS: usize = 200;
 /// Most waits that are listed.
 const MAX_LISTED: usize = 3;
 /// Actions of the way to a wait that a message names.
@@ -45,19 +47,25 @@ pub fn check(source: &Arc<Source>, team: &Team) -> Vec<Problem> {
         })
         .collect();
     let span = team.robots.first().map_or(0..0, |first| first.span.clone());
-    let Explored { waits, is_complete } = explore(&robots);
+    let Explored { waits, is_complete } = if robots.iter().any(Robot::may_wait) {
+        explore(&robots)
+    } else {
+        Explored { waits: Vec::new(), is_complete: true }
+    };
     let mut problems = unsent::check(source, &robots);
     for wait in waits.iter().take(MAX_LISTED) {
         problems.push(wait.problem(&robots).at(source, span.clone(), "this team"));
     }
     if waits.len() > MAX_LISTED {
-        let message = format!("{} more ways to wait for each other", waits.len() - MAX_LISTED);
+        let more = if is_complete { "" } else { "at least " };
+        let message =
+            format!("{more}{} more ways to wait for each other", waits.len() - MAX_LISTED);
         problems.push(Problem::warning(message));
     }
     if !is_complete {
         let message = format!(
-            "the plans of the team have more than {MAX_STATES} states together: not all were \
-             searched for robots that wait for each other"
+            "the plans of the team have more than {MAX_STATES} states together, or more than \
+             {MAX_WAITS} ways to wait: not all were searched for robots that wait for each other"
         );
         problems.push(Problem::note(message));
     }
@@ -139,11 +147,15 @@ fn explore(robots: &[Robot]) -> Explored {
         queue.push_back(state);
     }
     let mut waits: Vec<MutualWait> = Vec::new();
-    let mut is_complete = true;
+    let mut known = HashSet::new();
+    let mut is_complete = queue.len() < MAX_STATES;
     while let Some(state) = queue.pop_front() {
         let stuck = waiting(robots, &state);
-        let is_known = |wait: &MutualWait| looks(robots, &wait.robots) == looks(robots, &stuck);
-        if !stuck.is_empty() && !waits.iter().any(is_known) {
+        if !stuck.is_empty() && known.insert(looks(robots, &stuck)) {
+            if waits.len() == MAX_WAITS {
+                is_complete = false;
+                break;
+            }
             let ways = ways(&came_from, &state);
             waits.push(MutualWait { robots: stuck, ways });
         }
@@ -184,7 +196,7 @@ fn looks(
     wait.iter().map(look).collect()
 }
 
-/// Every combination of first steps.
+/// Every combination of first steps, as far as [`MAX_STATES`] goes.
 fn starts(robots: &[Robot]) -> Vec<State> {
     robots.iter().fold(vec![State::new()], |states, robot| {
         let mut firsts: Vec<Step> = robot.flow.roots.iter().collect();
@@ -199,7 +211,7 @@ fn starts(robots: &[Robot]) -> Vec<State> {
             };
             firsts.iter().map(enter).collect()
         };
-        states.iter().flat_map(with).collect()
+        states.iter().flat_map(with).take(MAX_STATES).collect()
     })
 }
 

@@ -91,6 +91,11 @@ impl Robot {
         is_for_mate.then_some(ms)
     }
 
+    /// Whether any of its actions stands for a mate.
+    pub(super) fn may_wait(&self) -> bool {
+        (0..self.draft.actions.len()).any(|action| self.wait_ms(action).is_some())
+    }
+
     /// How long the robot stands in an action by that action alone, milliseconds; `None` if it drives,
     /// or goes on at once.
     fn own_ms(&self, action: usize) -> Option<u32> {
@@ -269,7 +274,7 @@ fn above(draft: &MissionDraft) -> Vec<Vec<PlanFrame>> {
 }
 
 /// What a robot does after a wait that only its time has ended.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Onwards {
     /// It drives.
     Moves,

@@ -246,3 +246,31 @@ fn signals_that_a_mate_never_sends_are_reported() {
     let found = check(&source, &mission.team);
     assert!(found.len() == 1 && found[0].to_string().contains("`a` never signals 1"), "{found:?}");
 }
+
+/// Five robots with sixteen behaviours each have a million combinations of first steps. Searching all of
+/// them took longer than a user waits.
+#[test]
+fn the_search_of_a_large_team_ends() {
+    const TEAM: &str = "[team]\nrobots = [\"a\", \"b\", \"c\", \"d\", \"e\"]\n[inputs]\n\
+        time = { source = \"time\", universe = [0, 1] }\n[facts]\nready = { linked = \"all\" }\n";
+    let of = |until: &str| {
+        let behaviours = (0..16).map(|n| {
+            format!(
+                "[behaviours.b{n}]\ncriticality = {{ time = \"PB PB PB PB PB PB PB\" }}\n\
+                 [frames.b{n}]\nproductions = [\"entry -> w{n} -> exit\"]\n\
+                 [actions.w{n}]\ndo = \"hold 60 s\"\n{until}\n"
+            )
+        });
+        let text = TEAM.to_owned() + &behaviours.collect::<String>();
+        let source = Arc::new(Source { name: "m".into(), text });
+        let (mission, mistakes) = mission::parse_for(&source, Some("a"));
+        assert!(mistakes.is_empty(), "{mistakes:?}");
+        check(&source, &mission.team).iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let found = of("until = [\"ready\"]");
+    assert_eq!(found.len(), MAX_LISTED + 2, "{found:?}");
+    assert_eq!(found[MAX_LISTED], "at least 197 more ways to wait for each other");
+    assert!(found[MAX_LISTED + 1].contains("not all were searched"), "{found:?}");
+    // Nothing is to be searched where no robot waits.
+    assert_eq!(of(""), [""; 0]);
+}
