@@ -26,7 +26,7 @@ use std::sync::Arc;
 
 /// Most states that are explored: beyond it the result is incomplete, with a note.
 const MAX_STATES: usize = 200_000;
-/// Most ways to wait that are told apart: beyond it the result is incomplete too.
+/// Most different ways to wait: beyond it the result is incomplete too.
 const MAX_WAITS: usize = 200;
 /// Most waits that are listed.
 const MAX_LISTED: usize = 3;
