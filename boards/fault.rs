@@ -18,7 +18,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     SCB::sys_reset()
 }
 
-// SAFETY: it uses no stack of the program, which may have overflowed, and never returns.
+// SAFETY: it touches nothing of the program and never returns.
 #[cortex_m_rt::exception]
 unsafe fn HardFault(_frame: &cortex_m_rt::ExceptionFrame) -> ! {
     SCB::sys_reset()
