@@ -45,18 +45,18 @@ fn needs(blob: &Blob<'_>) -> Vec<(Equipment, String)> {
     let (parameters, mission) = (blob.parameters(), blob.mission());
     let vehicle = &parameters.vehicle;
     let mut needs = Vec::new();
-    let fastest_mps = vehicle.base_speed_mps.min(vehicle.max_speed_mps);
     if !vehicle.may_creep || vehicle.max_speed_mps <= COURSE_SPEED_MPS {
         let need = format!(
-            "the heading is the course of the fixes, which needs `vehicle.may_creep` and more than \
-             {COURSE_SPEED_MPS} m/s, so the robot never finds it"
+            "the heading comes from the course of the fixes; without `vehicle.may_creep`, or at \
+             {COURSE_SPEED_MPS} m/s or less, the robot never finds it"
         );
         needs.push((Equipment::Compass, need));
-    } else if fastest_mps <= COURSE_SPEED_MPS {
+    } else if vehicle.base_speed_mps <= COURSE_SPEED_MPS {
         let need = format!(
-            "the heading is the course of the fixes, which shows above {COURSE_SPEED_MPS} m/s only; \
-             at `vehicle.base_speed` = {fastest_mps} the robot loses it after a few seconds and \
-             creeps faster to find it again"
+            "the heading comes from the course of the fixes, which counts above \
+             {COURSE_SPEED_MPS} m/s; at `vehicle.base_speed` = {} the robot loses it after a few seconds and \
+             creeps faster to find it again",
+            vehicle.base_speed_mps
         );
         needs.push((Equipment::Compass, need));
     }
@@ -73,13 +73,13 @@ fn needs(blob: &Blob<'_>) -> Vec<(Equipment, String)> {
     let channels: Vec<_> =
         channels.map(|input| format!("`{}`", mission.name(input.name))).collect();
     if !channels.is_empty() {
-        let need = format!("the inputs {} never have a value", channels.join(", "));
+        let need = format!("nothing gives {} a value", channels.join(", "));
         needs.push((Equipment::Inputs, need));
     }
     let sets = |kind| matches!(kind, ActionKind::SetOutput { .. });
     let outputs = mission.actions().iter().filter(|action| sets(action.kind)).count();
     if outputs > 0 {
-        let need = format!("{outputs} actions that set an output switch nothing");
+        let need = format!("actions of the mission that set one have no effect ({outputs})");
         needs.push((Equipment::Outputs, need));
     }
     if vehicle.steering != Steering::Differential {

@@ -300,8 +300,8 @@ impl Track {
         (course_rad, is_stuck)
     }
 
-    /// Notes whether something shows the heading or, in a turn, how it changes. Without that, driving
-    /// loses it.
+    /// Counts for how long the robot has driven while nothing showed its heading or its turns. After
+    /// [`LONGEST_UNSEEN_S`] the heading is lost.
     fn doubt_heading(&mut self, is_seen: bool, percepts: &Percepts, elapsed_s: f32) {
         let drives = self.speed_mps != 0.0 || self.turn_rate_radps != 0.0;
         let had_heading = self.heading_rad.is_some();

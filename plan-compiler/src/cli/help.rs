@@ -106,13 +106,13 @@ is too far from every strip, ground that the robot cannot reach from its start, 
 and what only a strip shorter than half a cell would reach. So is the part of the area off the map,
 which does not count. A strip that fills a gap is at least half the width long where it has room.
 
-A mission is written beside the mission that it adds to: it keeps everything of it and replaces
-only the strips of an earlier run, and the tolerance that this run set from the width. A name of
-the mission that strips need is refused. Another mission at the output is not replaced. It has a behaviour `cover`, one `go-to` action for each end
-of a strip, and a plan to the first strip and wherever the transition to the next leads around
-obstacles. A strip that cannot be driven in time is skipped. Other behaviours of the mission
-that lead the robot away wait for the end of a strip if their actions have delete = [\"at
-strip\"]; then --plan-each leads it back.
+The mission that is written keeps everything of the mission that it adds to, and replaces only
+what an earlier run wrote: the strips, and the tolerance from their width. A name of the user that
+strips need is refused, and so is an output that is another mission. The mission that is written
+has a behaviour `cover`, one `go-to` action for each end of a strip, and a plan to the first strip
+and wherever the transition to the next leads around obstacles. A strip that cannot be driven in
+time is skipped. Other behaviours of the mission that lead the robot away wait for the end of a
+strip if their actions have delete = [\"at strip\"]; then --plan-each leads it back.
 
 Examples:
   plan-compiler cover tests/maps/meadow.geojson --area Meadow --width 3 -o strips.png

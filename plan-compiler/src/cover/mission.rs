@@ -305,15 +305,17 @@ fn put(
     Ok(())
 }
 
+/// Whether a line is the title that a run writes.
+fn is_title(line: &str) -> bool {
+    line.starts_with(TITLE)
+}
+
 /// The text below one title.
 fn titled(text: &str, title: &str) -> String {
     let title = format!("{TITLE}: {title}");
-    match text.lines().any(|line| line.starts_with(TITLE)) {
-        true => {
-            let is_title = |line: &str| line.starts_with(TITLE);
-            let lines = text.split('\n').map(|line| if is_title(line) { &title } else { line });
-            lines.collect::<Vec<_>>().join("\n")
-        }
-        false => format!("{title}\n{text}"),
+    if !text.lines().any(is_title) {
+        return format!("{title}\n{text}");
     }
+    let lines = text.split('\n').map(|line| if is_title(line) { &title } else { line });
+    lines.collect::<Vec<_>>().join("\n")
 }

@@ -107,7 +107,8 @@ impl Flow {
         };
         // Frames contain each other, so these are repeated until nothing changes: sets only grow.
         while flow.grow_first(draft) {}
-        let roots: Vec<usize> = draft.behaviours.iter().flat_map(frames_of).collect();
+        let roots = draft.behaviours.iter().flat_map(Behaviour::plan_frames);
+        let roots: Vec<usize> = roots.map(usize::from).collect();
         flow.roots =
             roots.iter().fold(Steps::default(), |all, &frame| all | flow.frames[frame].first);
         for frame in roots {
@@ -288,11 +289,6 @@ fn may_end_loop(draft: &MissionDraft, frame: usize) -> bool {
         && effects::all_below(draft, frame).contains(&Symbol::PlanFrame(frame as u16))
 }
 
-pub(super) fn frames_of(behaviour: &Behaviour) -> impl Iterator<Item = usize> + use<> {
-    let frames = [Some(behaviour.root), behaviour.start_up, behaviour.shut_down];
-    frames.into_iter().flatten().map(usize::from)
-}
-
 /// Each frame with each of its productions.
 fn productions(draft: &MissionDraft) -> impl Iterator<Item = (usize, usize)> + '_ {
     draft.frames.iter().enumerate().flat_map(|(index, frame)| {
@@ -329,7 +325,10 @@ pub(super) fn signals_beside(draft: &MissionDraft) -> Vec<Vec<u16>> {
         for (other_index, other) in draft.behaviours.iter().enumerate() {
             if index != other_index {
                 let below = |behaviour: &Behaviour| {
-                    frames_of(behaviour).flat_map(|frame| edges_of_frame(draft, frame)).collect()
+                    behaviour
+                        .plan_frames()
+                        .flat_map(|frame| edges_of_frame(draft, frame.into()))
+                        .collect()
                 };
                 add(below(behaviour), below(other));
             }

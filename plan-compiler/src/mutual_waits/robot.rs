@@ -105,12 +105,8 @@ impl Robot {
             ActionKind::Signal { .. } | ActionKind::SetOutput { .. } => {
                 (!action.until.is_empty()).then_some(action.timeout_ms)
             }
-            ActionKind::Follow { .. }
-            | ActionKind::GoTo { .. }
-            | ActionKind::Wander { .. }
-            | ActionKind::Return
-            | ActionKind::MoveAhead { .. }
-            | ActionKind::Dock { .. } => None,
+            // All others drive, see `drives`.
+            _ => None,
         }
     }
 

@@ -3,7 +3,9 @@
 use super::flow;
 use super::robot::Robot;
 use maps::problem::{Problem, Source};
-use plan_format::mission::{Condition, FactKind, Facts, Source as InputSource, Symbol, effects};
+use plan_format::mission::{
+    Behaviour, Condition, FactKind, Facts, Source as InputSource, Symbol, effects,
+};
 use std::sync::Arc;
 
 /// Warns of each fact that waits for a code which its mates cannot signal, at its place in the file.
@@ -85,9 +87,9 @@ fn used(robot: &Robot) -> Facts {
 
 /// The components that occur in a robot's plans; some more than once.
 fn live(robot: &Robot) -> impl Iterator<Item = Symbol> {
-    let roots = robot.draft.behaviours.iter().flat_map(flow::frames_of);
+    let roots = robot.draft.behaviours.iter().flat_map(Behaviour::plan_frames);
     roots.flat_map(|root| {
-        let below = effects::all_below(&robot.draft, root);
-        below.into_iter().chain([Symbol::PlanFrame(root as u16)])
+        let below = effects::all_below(&robot.draft, root.into());
+        below.into_iter().chain([Symbol::PlanFrame(root)])
     })
 }

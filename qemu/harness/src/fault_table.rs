@@ -41,11 +41,8 @@ const NEXT_START: u64 = 1_000_003;
 /// Time from tick to tick, seconds.
 const TICK_S: f64 = TICK_US as f64 * 1e-6;
 
-/// The robot stops below half a charge; it has 0.9.
-const BATTERY: &str = "\n[battery]\nlow = 0.5\n";
-
-/// What a mission needs in addition to repeat a run.
-pub const MISSION: &str = "[battery] low = 0.5";
+/// What each run adds to its mission: the robot stops below half a charge; it has 0.9.
+pub const MISSION: &str = "[battery]\nlow = 0.5\n";
 
 /// The maps of the table, in `tests/maps`, with the receiver of the robots there.
 const MAPS: [(&str, SensorSettings); 3] = [
@@ -219,12 +216,11 @@ impl Case {
         if *row == Row::WITHOUT {
             return world;
         }
-        let has_two = matches!(row.channel, Channel::Gps | Channel::Pose | Channel::Actuators);
         let value = match row.fault {
             Fault::Drop { chance } if chance < 1.0 => format!("value = {chance:?}\n"),
             // The table has no modes of the receiver.
             Fault::Drop { .. } | Fault::Freeze | Fault::Mode(_) => String::new(),
-            Fault::Jump { offset: [first, second] } if has_two => {
+            Fault::Jump { offset: [first, second] } if row.channel.has_two_numbers() => {
                 format!("value = [{first:?}, {second:?}]\n")
             }
             Fault::Jump { offset: [only, _] } => format!("value = {only:?}\n"),
@@ -368,7 +364,7 @@ fn scenario(name: &str) -> Result<Scenario, String> {
         .map_err(|error| format!("the mission of {name}: {error}"))?;
     // `map = ...` is for a mission that is given without its map.
     let lines = mission.lines().filter(|line| !line.starts_with("map = "));
-    let mission = lines.collect::<Vec<_>>().join("\n") + BATTERY;
+    let mission = lines.collect::<Vec<_>>().join("\n") + "\n" + MISSION;
     mission::of_map(&map, &mission, &Difference::default(), 0)
 }
 

@@ -19,6 +19,7 @@ pub mod mission;
 pub mod picture;
 pub mod pilot;
 pub mod setup;
+pub mod shards;
 pub mod shell;
 
 pub use machine::{Build, Machine};

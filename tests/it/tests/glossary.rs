@@ -2,11 +2,13 @@
 //! another idea.
 //!
 //! The glossary is at the top of `firmware/controller/src/lib.rs`. [`RESERVED`] lists the names that
-//! would use a word of it with another meaning.
+//! would use a word of it with another meaning. The words for what the robot does, its reasons, are
+//! explained in `plan-compiler/MISSION.md`.
 
 use std::path::Path;
 
 use it::root;
+use robot_io::Reason;
 use syn::visit::{self, Visit};
 use syn::{Ident, ImplItemFn, ItemEnum, ItemFn, ItemMod, ItemStruct, ItemTrait, ItemType};
 use syn::{TraitItemFn, Visibility};
@@ -196,6 +198,21 @@ fn the_glossary_explains_every_word_once() {
     assert!(words.is_sorted_by(|a, b| a < b), "sort the glossary, one entry per word: {words:?}");
     for (word, meaning) in &entries {
         assert!(meaning.split(' ').count() >= 3, "{word} needs a meaning, not \"{meaning}\"");
+    }
+}
+
+/// The variants of [`Reason`], from its source.
+#[test]
+fn every_reason_is_explained() {
+    let read = |file: &str| std::fs::read_to_string(root().join(file)).expect("it is readable");
+    let source = read("shared/robot-io/src/commands.rs");
+    let variants = source.split_once("pub enum Reason {").expect("the enum").1;
+    let variants = variants.split_once('}').expect("its end").0.lines().map(str::trim);
+    let variants: Vec<_> = variants.filter_map(|line| line.strip_suffix(',')).collect();
+    assert!(variants.contains(&format!("{:?}", Reason::LowBattery).as_str()), "{variants:?}");
+    let document = read("plan-compiler/MISSION.md");
+    for variant in variants.iter().filter(|line| !line.starts_with("///")) {
+        assert!(document.contains(&format!("\n| `{variant}` | ")), "MISSION.md lacks `{variant}`");
     }
 }
 

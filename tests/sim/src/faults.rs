@@ -91,6 +91,11 @@ impl Channel {
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, channel)| *channel == self).map_or("", |(name, _)| name)
     }
+
+    /// Whether an offset of its readings is two numbers, not one.
+    pub fn has_two_numbers(self) -> bool {
+        matches!(self, Self::Gps | Self::Pose | Self::Actuators)
+    }
 }
 
 /// A fault of a run.

@@ -3,7 +3,7 @@
 use super::Lints;
 use plan_format::mission::effects::below;
 pub(super) use plan_format::mission::effects::reaches;
-use plan_format::mission::{MissionDraft, PlanFrame, Production, Symbol};
+use plan_format::mission::{Behaviour, MissionDraft, PlanFrame, Production, Symbol};
 
 /// Whether an edge of a production is the last component that its frame waits for: it leads to the
 /// exit and all other edges come before it.
@@ -127,9 +127,7 @@ impl Lints<'_> {
 
     /// Whether a behaviour or a frame outside its loop refers to a frame.
     fn is_entered_from_outside(&self, frame: usize) -> bool {
-        let roots = self.draft.behaviours.iter().flat_map(|behaviour| {
-            [Some(behaviour.root), behaviour.start_up, behaviour.shut_down].into_iter().flatten()
-        });
+        let roots = self.draft.behaviours.iter().flat_map(Behaviour::plan_frames);
         roots.map(usize::from).any(|root| root == frame)
             || (0..self.draft.frames.len()).any(|other| {
                 below(self.draft, other).contains(&Symbol::PlanFrame(frame as u16))

@@ -101,8 +101,7 @@ impl Lints<'_> {
 /// The facts that a behaviour's plans may add, and those that they may delete.
 pub(super) fn effects(draft: &MissionDraft, behaviour: usize) -> (u64, u64) {
     let behaviour = &draft.behaviours[behaviour];
-    let frames = [Some(behaviour.root), behaviour.start_up, behaviour.shut_down];
-    frames.into_iter().flatten().fold((0, 0), |(adds, deletes), frame| {
+    behaviour.plan_frames().fold((0, 0), |(adds, deletes), frame| {
         let frame = &draft.frames[usize::from(frame)];
         (adds | frame.may_add, deletes | frame.may_delete)
     })

@@ -11,8 +11,7 @@ impl Lints<'_> {
         let draft = self.draft;
         let mut used: Vec<Symbol> = Vec::new();
         for behaviour in &draft.behaviours {
-            let frames = [Some(behaviour.root), behaviour.start_up, behaviour.shut_down];
-            used.extend(frames.into_iter().flatten().map(Symbol::PlanFrame));
+            used.extend(behaviour.plan_frames().map(Symbol::PlanFrame));
         }
         let mut at = 0;
         while let Some(&symbol) = used.get(at) {

@@ -2,7 +2,7 @@
 //!
 //! Names decide, and only in a file that `cover` wrote: `strip 3` of a user's own mission is the user's.
 
-use super::{AT_STRIP, COVER, DONE, OURS, TITLE};
+use super::{AT_STRIP, COVER, DONE, OURS, is_title};
 use std::collections::BTreeSet;
 use toml_edit::{DocumentMut, Item, TableLike};
 
@@ -17,7 +17,7 @@ pub(super) struct Earlier {
 impl Earlier {
     /// What an earlier run wrote into this text.
     pub(super) fn of(text: &str, document: &DocumentMut) -> Self {
-        let has_title = text.lines().any(|line| line.starts_with(TITLE));
+        let has_title = text.lines().any(is_title);
         let plan = table(document, "frames").and_then(|frames| frames.get(COVER));
         let was =
             has_title || plan.is_some_and(|plan| plan.to_string().contains("entry -> strips 1"));

@@ -158,11 +158,12 @@ fn failures(filled: &Filled) -> String {
         let world = run.journey.world(&filled.row);
         let world: String = world.lines().map(|line| format!("    {line}\n")).collect();
         format!(
-            "{} {}: {map} --seed {seed}: {}; it repeats with {MISSION} in the mission and this world \
+            "{} {}: {map} --seed {seed}: {}; it repeats with {} in the mission and this world \
              file:\n{world}",
             name(filled),
             filled.row.kind,
             what(run),
+            MISSION.trim().replace('\n', " "),
         )
     });
     runs.collect()

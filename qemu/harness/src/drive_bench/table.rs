@@ -1,6 +1,7 @@
 //! The benchmark's numbers as a table and as JSON.
 
 use super::{Campaign, Row, Run, Setting, rows};
+use crate::shards::{self, Part};
 use math::scalar::wide;
 use std::fmt::Write as _;
 
@@ -172,21 +173,13 @@ pub fn read(text: &str) -> Option<(Campaign, Vec<Run>)> {
 
 /// Puts the runs of several files together, each with its name. The error is a message for the user:
 /// files of different campaigns, a run that is in two files, or one that is in none.
-pub fn merge(files: Vec<(String, Campaign, Vec<Run>)>) -> Result<(Campaign, Vec<Run>), String> {
-    let mut files = files.into_iter();
-    let (first, campaign, mut merged) = files.next().ok_or("no file to merge")?;
-    for (name, other, runs) in files {
-        if other != campaign {
-            return Err(format!(
-                "{name} and {first} are of different campaigns: {other:?}; {campaign:?}"
-            ));
-        }
-        merged.extend(runs);
-    }
-    merged.sort_by_key(|run| run.number);
-    if let Some(pair) = merged.windows(2).find(|pair| pair[0].number == pair[1].number) {
-        return Err(format!("run {} ({}) is in two files", pair[0].number, pair[0].course));
-    }
+pub fn merge(files: Vec<Part<Campaign, Run>>) -> Result<(Campaign, Vec<Run>), String> {
+    let (campaign, merged) = shards::merge(
+        files,
+        |campaign| format!("{campaign:?}"),
+        |run| run.number,
+        |run| format!("run {} ({}) is in two files", run.number, run.course),
+    )?;
     let absent = (0..).zip(&merged).find(|(number, run)| run.number != *number);
     if merged.len() < campaign.runs {
         return Err(format!(

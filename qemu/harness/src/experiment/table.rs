@@ -6,6 +6,7 @@ use super::findings::{Finding, Rows, findings};
 use super::metric::{COMPARED, Metric};
 use super::statistics::{Difference, Summary, median};
 use super::{Row, Trial};
+use crate::shards::{self, Part};
 
 /// Trials of a row in one of the paper's experiments (W, section 4).
 pub const REPLICATE: usize = 30;
@@ -198,29 +199,13 @@ fn read_line(line: &str) -> Option<Trial> {
 
 /// Puts the trials of several files together. The error is a message for the user: files of
 /// different campaigns, a trial that is in two files, or one that is in none.
-pub fn merge(files: Vec<(String, String, Vec<Trial>)>) -> Result<(String, Vec<Trial>), String> {
-    let mut merged: Vec<Trial> = Vec::new();
-    let mut first: Option<(String, String)> = None;
-    for (name, campaign, trials) in files {
-        match &first {
-            Some((other, of_first)) if *of_first != campaign => {
-                return Err(format!(
-                    "{name} and {other} are of different campaigns: {campaign}; {of_first}"
-                ));
-            }
-            Some(_) => {}
-            None => first = Some((name, campaign)),
-        }
-        merged.extend(trials);
-    }
-    merged.sort_by_key(|trial| (trial.row.index(), trial.number));
-    if let Some(pair) = merged
-        .windows(2)
-        .find(|pair| (pair[0].row, pair[0].number) == (pair[1].row, pair[1].number))
-    {
-        return Err(format!("trial {} of {} is there twice", pair[0].number, pair[0].row.name()));
-    }
-    let campaign = first.map(|(_, campaign)| campaign).unwrap_or_default();
+pub fn merge(files: Vec<Part<String, Trial>>) -> Result<(String, Vec<Trial>), String> {
+    let (campaign, merged) = shards::merge(
+        files,
+        Clone::clone,
+        |trial| (trial.row.index(), trial.number),
+        |trial| format!("trial {} of {} is there twice", trial.number, trial.row.name()),
+    )?;
     match missing(&campaign, &merged) {
         Some(message) => Err(message),
         None => Ok((campaign, merged)),

@@ -46,3 +46,10 @@ record! {
         pub resources: u16,
     }
 }
+
+impl Behaviour {
+    /// Indices of its plan frames: the root, then those of its activities.
+    pub fn plan_frames(&self) -> impl Iterator<Item = u16> + use<> {
+        [Some(self.root), self.start_up, self.shut_down].into_iter().flatten()
+    }
+}

@@ -305,8 +305,7 @@ fn graph(mission: &Mission<'_>, production: &Production) -> Checked {
 
 fn behaviours(mission: &Mission<'_>) -> Checked {
     for behaviour in mission.behaviours().iter() {
-        let frames = [Some(behaviour.root), behaviour.start_up, behaviour.shut_down];
-        for frame in frames.into_iter().flatten() {
+        for frame in behaviour.plan_frames() {
             exists(mission.plan_frames(), frame)?;
         }
         exists(mission.rule_bases(), behaviour.rules)?;

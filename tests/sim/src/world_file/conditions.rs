@@ -200,7 +200,7 @@ impl Reader<'_> {
             self.missing(fault, "value", help);
             return None;
         };
-        let has_two = matches!(channel, Channel::Gps | Channel::Pose | Channel::Actuators);
+        let has_two = channel.has_two_numbers();
         let is_within = |number: &f64| number.abs() <= FARTHEST_M;
         let number = item.as_value().and_then(number_of).filter(is_within);
         let pair = item.as_value().and_then(point_of);
